@@ -3,12 +3,15 @@
 A run is measured against the best that is known among those that arrive within the time of the timetable. A run with a
 time of its own, as one under speed limits that may be late, brings the optimum over that time with it. What is proven
 to be the optimum within the time stays the reference: a run on another mesh may need a hair less.
+
+A run that misses a window of arrival which binds the optimum solves another problem: it is measured against nothing,
+and no bound stands beside it.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 
-from railjoule.core.trajectory import Reference, Trajectory
+from railjoule.core.trajectory import Reference, Trajectory, Window
 
 ON_TIME_S = 1e-3
 """A run that arrives later than this after a time is not within it: searches for a time end this close to it."""
@@ -17,24 +20,28 @@ ON_TIME_S = 1e-3
 def with_best_known(runs: Sequence[Trajectory]) -> list[Trajectory]:
     """Return runs over one scenario, each with its bound, or the first that covers it, and the best known run."""
     bounds = [run.bound for run in runs if run.bound is not None]
+    windows = next((run.reference.windows for run in runs if run.reference is not None and run.reference.windows), ())
+    kept = [run for run in runs if all(run.keeps(window) for window in windows)]
     return [
         replace(
             run,
             bound=run.bound or next((bound for bound in bounds if bound.covers(run)), None),
-            reference=_reference(run, runs),
+            reference=_reference(run, kept, windows),
         )
+        if run in kept
+        else replace(run, bound=None, reference=None)
         for run in runs
     ]
 
 
-def _reference(run: Trajectory, runs: Sequence[Trajectory]) -> Reference | None:
-    """Return what a run is measured against."""
+def _reference(run: Trajectory, runs: Sequence[Trajectory], windows: tuple[Window, ...]) -> Reference | None:
+    """Return what a run is measured against: the best of runs that keep the windows of arrival, as it does itself."""
     own = run.reference
     within = run.scenario.travel_time_s if own is None else own.within_s
     # a run with a time of its own is not measured by the timetable, which it does not keep
     known = [] if own is None else [own]
     known += [
-        Reference(other.energy.net_j, other.strategy, within, _is_optimum_within(within, other))
+        Reference(other.energy.net_j, other.strategy, within, _is_optimum_within(within, other), windows)
         for other in runs
         if other.travel_time_s <= within + ON_TIME_S
     ]

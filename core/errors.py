@@ -86,15 +86,16 @@ class TimetableError(RailjouleError):
         The running time asked for [s].
     shortest_time_s : float
         The shortest possible running time [s].
+    key : str
+        The key of the scenario that asks for it.
     """
 
-    def __init__(self, travel_time_s: float, shortest_time_s: float) -> None:
+    def __init__(self, travel_time_s: float, shortest_time_s: float, key: str = "timetable.travel_time_s") -> None:
         # kept as numbers beside the text, for whoever offers the least time instead
         self.travel_time_s = travel_time_s
         self.shortest_time_s = shortest_time_s
         super().__init__(
-            f"timetable.travel_time_s = {travel_time_s:.6g} s is shorter than the shortest possible "
-            f"{self.least_tenth_s:.1f} s."
+            f"{key} = {travel_time_s:.6g} s is shorter than the shortest possible {self.least_tenth_s:.1f} s."
         )
 
     @property

@@ -86,7 +86,7 @@ class Task:
     def require_timetable(self) -> None:
         """Raise TimetableError unless the timetable is longer than the shortest possible time."""
         if not self.has_slack:
-            raise TimetableError(self.travel_time_s, self.shortest_travel_time_s)
+            raise TimetableError(self.travel_time_s, self.shortest_travel_time_s, self.scenario.travel_time_key)
 
     def require_few_cells(self, most_cells: int) -> None:
         """Raise StrategyRefusedError if the mesh has more than `most_cells` cells."""

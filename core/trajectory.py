@@ -31,6 +31,11 @@ PROVEN_GAP = 1e-6
 # a millisecond in a quarter of an hour
 LATE_SHARE = 1e-6
 """A run that is later than a bound's time by less than this share of it is in time but for rounding."""
+# the rest that a solver leaves of its time
+ON_TIME_S = 1e-5
+"""An arrival this close to its window keeps it."""
+Window = tuple[float, float, float]
+"""A window of arrival: position of the station [m], earliest and latest arrival [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +61,8 @@ class Bound:
         What the bound takes for granted of the powertrain, in a clause; empty where nothing.
     pending : bool
         Whether a proof has yet to run. The energy is then only the work at the wheels: no bound to show.
+    windows : tuple of Window
+        Windows of arrival that a run that it covers keeps.
     """
 
     energy_j: float
@@ -66,14 +73,16 @@ class Bound:
     switched_j: float | None = None
     premise: str = ""
     pending: bool = False
+    windows: tuple[Window, ...] = ()
 
     def covers(self, run: "Trajectory") -> bool:
-        """Return whether a run is over the same mesh, no later and nowhere slower."""
+        """Return whether a run is over the same mesh, no later and nowhere slower, and keeps the bound's windows."""
         # a later run may need less, as may a slower one, and one over other nodes may switch where these cannot
         in_time = run.travel_time_s <= self.travel_time_s * (1 + LATE_SHARE)
         if not in_time or not np.array_equal(run.nodes_m, self.position_m):
             return False
-        return bool(np.all(run.node_speed_ms >= self.slowest_ms * (1 - LATE_SHARE)))
+        slow = np.any(run.node_speed_ms < self.slowest_ms * (1 - LATE_SHARE))
+        return not slow and all(run.keeps(window) for window in self.windows)
 
 
 @dataclass(frozen=True)
@@ -90,12 +99,15 @@ class Reference:
         The time [s].
     proven : bool
         Whether its bound proves that it is the optimum.
+    windows : tuple of Window
+        Windows of arrival that bind it, and that runs measured against it keep.
     """
 
     energy_j: float
     strategy: str
     within_s: float
     proven: bool
+    windows: tuple[Window, ...] = ()
 
     @property
     def energy_kwh(self) -> float:
@@ -203,6 +215,17 @@ class Trajectory:
     def travel_time_s(self) -> float:
         """Time of the whole run, dwells included [s]."""
         return float(self.time_s[-1] - self.time_s[0])
+
+    def arrival_s(self, position_m: float) -> float:
+        """Return the time from the start to the arrival at a node [s]."""
+        # two nodes lie where the train stands for a while: it arrives at the first
+        node = int(np.searchsorted(self.position_m, position_m - 1e-6))
+        return float(self.time_s[min(node, len(self.time_s) - 1)] - self.time_s[0])
+
+    def keeps(self, window: Window) -> bool:
+        """Return whether the train arrives within a window."""
+        position_m, earliest_s, latest_s = window
+        return earliest_s - ON_TIME_S <= self.arrival_s(position_m) <= latest_s + ON_TIME_S
 
     @property
     def distance_m(self) -> float:

@@ -19,11 +19,13 @@ from railjoule.core.bounds.certified import (
     chain_proof,
     chain_target_j,
     proven_j,
+    switched_premise,
+    windowed_bound_statement,
     with_chains,
     work_floor_j,
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
-from railjoule.core.bounds.over_time import TimeLines, time_lines
+from railjoule.core.bounds.over_time import TimeLine, TimeLines, time_line, time_lines
 from railjoule.core.bounds.proof_steps import (
     FIRST_STAGE_BOXES,
     LONGEST_PROOF_S,
@@ -43,6 +45,7 @@ __all__ = [
     "PROOF_BUDGET",
     "ProofStep",
     "Solution",
+    "TimeLine",
     "TimeLines",
     "bound_of",
     "bounded",
@@ -56,9 +59,12 @@ __all__ = [
     "proven_j",
     "run_to_prove",
     "strongest_bounds",
+    "switched_premise",
     "tightened",
     "tightening",
+    "time_line",
     "time_lines",
+    "windowed_bound_statement",
     "with_chains",
     "with_tighter_bound",
     "work_floor_j",

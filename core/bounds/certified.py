@@ -79,13 +79,17 @@ def bounded(task: Task, run: Trajectory, known: Bound | None = None) -> Trajecto
     """Return a run with a bound that covers it: its own, else the one known, else one over its nodes and in its time.
 
     A run over other nodes than the task's, or later than it, may need less than what is proven of the task. Over very
-    many more nodes it stays without, as does one that is slower on its way than any bound covers.
+    many more nodes it stays without, as does one that is slower on its way than any bound covers, or one that misses a
+    window of arrival which binds the optimum.
     """
     if run.bound is not None:
         return run
     # in this order: a bound that is known costs nothing, another one a solution
     if known is not None and known.covers(run):
         return run.with_bound(known)
+    # beside a run that keeps windows of arrival, a bound of another problem would only mislead
+    if known is not None and not all(run.keeps(window) for window in known.windows):
+        return run
     if len(run.nodes_m) > MOST_REFINED * len(task.course.position_m):
         return run
     try:
@@ -108,13 +112,18 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
     energy, jumps = proven_j(task, optimum, proof_budget), task.course.drive.jumps_at_no_effort
     statement = switched_bound_statement(task) if jumps else bound_statement(task)
-    # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
-    slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
-    bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
+    bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest_proven_ms(optimum))
     if not jumps:
         return bound
     pending = may_be_concave(task.course.data.drive_kind)
     return replace(bound, switched_j=energy, premise=switched_premise(task), pending=pending)
+
+
+def slowest_proven_ms(optimum: Optimum) -> FloatArray:
+    """Return the least speeds at the nodes of the runs that the proof of an optimum covers [m/s]."""
+    # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
+    slowest: FloatArray = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
+    return slowest
 
 
 def proven_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> float:
@@ -124,7 +133,7 @@ def proven_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> 
     """
     # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
     if task.course.drive.jumps_at_no_effort:
-        proven = _switched_bound_j(task, optimum, proof_budget)
+        proven, _ = switched_bound_j(task, optimum, proof_budget)
     else:
         given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
         proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
@@ -173,8 +182,10 @@ def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
     return replace(bound, energy_j=energy, statement=statement, premise=given, pending=False)
 
 
-def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
-    """Return what multipliers prove of a drive that takes power without effort [J], dwells not included.
+def switched_bound_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> tuple[float, float]:
+    """Return what multipliers prove of a drive that takes power without effort [J], and their price of time [W].
+
+    Dwells are not included.
 
     Those of an optimum that has not converged, or to a local one, may prove next to nothing. A bound holds with any, so
     that those of a smooth problem are tried, too: with the drive on wherever the optimum drives at all.
@@ -183,16 +194,17 @@ def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
     multipliers prove nothing here, and only chains prove a bound.
     """
     if may_be_concave(task.course.data.drive_kind):
-        return -math.inf
+        return -math.inf, 0.0
     data, effort = task.course.data, (SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget))
     given = task.greatest_speed2, task.running_time_s
     # weak duality: every choice of multipliers bounds from below, the greatest of their bounds counts
     proven, _ = switched_bound(data, optimum, *given, *effort)
     little = LITTLE * reference_energy(data, optimum.energy_j, task.running_time_s)
     if optimum.status == CONVERGED and optimum.energy_j - proven <= little:
-        return float(proven)
+        return float(proven), optimum.price_of_time_w
     smooth = minimise_decided(task, safest_modes(duty(data, optimum)))
-    return max(float(proven), float(switched_bound(data, smooth, *given, *effort)[0]))
+    other, _ = switched_bound(data, smooth, *given, *effort)
+    return max((float(proven), optimum.price_of_time_w), (float(other), smooth.price_of_time_w))
 
 
 def work_floor_j(task: Task) -> float:
@@ -217,19 +229,26 @@ def switched_premise(task: Task) -> str:
     return "" if kind == LOSS_POLYNOMIAL or may_be_concave(kind) else SWITCHED_PREMISE
 
 
-def bound_statement(task: Task, assumption: str = "") -> str:
+def bound_statement(task: Task, assumption: str = "", windows: str = "") -> str:
     """Return in words which runs a bound of a smooth drive covers, and what it assumes of the drive, if anything."""
     return (
-        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}{_assuming(assumption)}. {FINER_MESH}"
+        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task, windows)}{_assuming(assumption)}. "
+        f"{FINER_MESH}"
     )
 
 
-def switched_bound_statement(task: Task) -> str:
+def switched_bound_statement(task: Task, windows: str = "") -> str:
     """Return in words which runs the bound of a drive covers that takes power without effort."""
     return (
         f"No run over {_mesh(task)}, even if it switches freely between driving, coasting and braking within each, "
-        f"{_conditions(task)}{_assuming(switched_premise(task))}. {FINER_MESH}"
+        f"{_conditions(task, windows)}{_assuming(switched_premise(task))}. {FINER_MESH}"
     )
+
+
+def windowed_bound_statement(task: Task, windows: str) -> str:
+    """Return in words which runs a bound under windows of arrival covers, which a clause names."""
+    jumps = task.course.drive.jumps_at_no_effort
+    return switched_bound_statement(task, windows) if jumps else bound_statement(task, windows=windows)
 
 
 def chain_bound_statement(task: Task, switched_j: float) -> str:
@@ -254,11 +273,11 @@ def _mesh(task: Task) -> str:
     return f"this mesh of {task.course.cell_count} cells of at most {longest:.6g} m"
 
 
-def _conditions(task: Task) -> str:
+def _conditions(task: Task, windows: str = "") -> str:
     slowest = SLOWEST_PROVEN_MS / MS_PER_KMH
     # downwards: a run that arrives later may need less
     time_s = math.floor(task.travel_time_s / SAID_S + ROUNDED) * SAID_S
     return (
-        f"that keeps all limits, arrives within {time_s:.1f} s and never goes slower than "
+        f"that keeps all limits{windows}, arrives within {time_s:.1f} s and never goes slower than "
         f"{slowest:.2f} km/h between its stops uses less energy"
     )

@@ -19,12 +19,14 @@ optimum's reach. Here they stay in, so that the runs are all that are nowhere fa
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.bounds.certified import slowest_proven_ms, switched_bound_j
 from railjoule.core.bounds.minimum import minimise
-from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.certificate import fastest_of_better_runs, usable_prices
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import Optimum
@@ -55,6 +57,44 @@ class TimeLines:
     def energy_j_at(self, travel_time_s: float) -> float:
         """Return the energy that no run within a travel time undercuts [J]."""
         return float(np.max(self.energy_j - self.price_of_time_w * (travel_time_s - self.travel_time_s)))
+
+
+class TimeLine(NamedTuple):
+    """A line below the least energy of a task over its running time, at the task's own time.
+
+    Parameters
+    ----------
+    energy_j : float
+        Its height there [J], dwells included.
+    price_of_time_w : float
+        By how much it falls with each second, at least 0 [J/s].
+    slowest_ms : array of shape (n + 1,)
+        The least speeds at the nodes of the runs that it covers [m/s].
+    """
+
+    energy_j: float
+    price_of_time_w: float
+    slowest_ms: FloatArray
+
+
+def time_line(task: Task) -> TimeLine | None:
+    """Return the line that the optimum of a task proves, whatever its drive; None where no optimum is found.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable; its windows of arrival do not count.
+    """
+    try:
+        optimum = minimise(task).optimum
+    except (SolverError, StrategyRefusedError):
+        return None
+    slowest = slowest_proven_ms(optimum)
+    if task.course.drive.jumps_at_no_effort:
+        # this proof prices the time alone, and leaves no speeds out
+        proven, price = switched_bound_j(task, optimum)
+        return TimeLine(proven + task.dwell_energy_j, price, slowest)
+    return TimeLine(proven_of_all_times_j(task, optimum), usable_prices(task.course.data, optimum)[0], slowest)
 
 
 def time_lines(task: Task, travel_times_s: Sequence[float] | FloatArray) -> TimeLines:

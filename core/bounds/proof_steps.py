@@ -63,7 +63,8 @@ def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
     own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
     # the optimum of a smooth drive tells how loose its bound is: no proof comes near another run that needs more
     may_be_best = task.course.drive.jumps_at_no_effort or run.strategy == OPTIMUM
-    return may_be_best and own and bound.covers(run)
+    # a proof of the whole line knows no windows of arrival: it comes near no run that they bind
+    return may_be_best and own and not bound.windows and bound.covers(run)
 
 
 def tightening(

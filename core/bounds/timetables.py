@@ -35,6 +35,7 @@ def _includes(other: Bound, own: Bound) -> bool:
     return (
         other.travel_time_s >= own.travel_time_s
         and other.energy_j >= own.energy_j
+        and set(other.windows) <= set(own.windows)
         and np.array_equal(other.position_m, own.position_m)
         and bool(np.all(other.slowest_ms <= own.slowest_ms))
     )

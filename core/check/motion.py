@@ -106,18 +106,21 @@ def _cell_times(case: Case) -> Check:
 
 
 def _stops(case: Case) -> Iterator[Check]:
-    """Stand at each station for its dwell, and nowhere else but before the start."""
+    """Stand at each station for its dwell, or longer before a window, and nowhere else but before the start."""
     record, stops = case.record, case.route.stops
     waits = np.where(record.moves, 0.0, np.diff(record.time_s))
     places = record.position_m[:-1]
     # standing before the start is a late departure and no stop
     waits[places <= places[0]] = 0.0
     most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    # before a window the best run may have to wait
+    may_wait = record.strategy == "optimal" and bool(_arrival_windows(case))
     passing, misses = [], []
     for stop in stops:
         passing.append(_speed_at(case, stop.position_m) / most)
         here = np.abs(places - stop.position_m) < SAME_PLACE_M
-        misses.append(abs(float(waits[here].sum()) - stop.dwell_s) / max(stop.dwell_s, 1.0))
+        longer_s = float(waits[here].sum()) - stop.dwell_s
+        misses.append((max(-longer_s, 0.0) if may_wait else abs(longer_s)) / max(stop.dwell_s, 1.0))
         # taken off, so that what is left in the end is standing where no station is
         waits[here] = 0.0
     at = np.array([stop.position_m for stop in stops])
@@ -143,21 +146,28 @@ def _stops(case: Case) -> Iterator[Check]:
 
 def _windows(case: Case) -> Iterator[Finding]:
     """Compare arrivals at stations with their windows."""
-    stops = [stop for stop in case.route.stops if stop.window_s != (0.0, np.inf)]
-    if not stops:
+    windows = _arrival_windows(case)
+    if not windows:
         return
     if case.record.strategy != "optimal":
         # it says so in its notes
         yield Unchecked("windows of arrival", "only the strategy 'optimal' keeps them")
         return
     record, misses = case.record, []
-    for stop in stops:
+    for place, (low, high) in windows:
         # the first of the nodes at the station, at which the train arrives
-        arrival = record.time_s[int(np.argmax(record.position_m > stop.position_m - SAME_PLACE_M))] - record.time_s[0]
-        low, high = stop.window_s
+        arrival = record.time_s[int(np.argmax(record.position_m > place - SAME_PLACE_M))] - record.time_s[0]
         misses.append(max(low - arrival, arrival - high, 0.0))
-    at = np.array([stop.position_m for stop in stops])
+    at = np.array([place for place, _ in windows])
     yield largest_of("windows of arrival", "one second", MISSED_S, np.array(misses), at)
+
+
+def _arrival_windows(case: Case) -> list[tuple[float, tuple[float, float]]]:
+    """Return the places of stations with windows of arrival [m], the end of the line among them, and the windows."""
+    route = case.route
+    windows = [(stop.position_m, stop.window_s) for stop in route.stops]
+    windows.append((float(case.record.position_m[-1]), route.end_window_s))
+    return [(place, window) for place, window in windows if window != (0.0, np.inf)]
 
 
 def _speed_at(case: Case, position_m: float) -> float:

@@ -61,6 +61,8 @@ class Route:
     limits : tuple of (float, float, float)
         Further limits: from [m], to [m], speed [m/s].
     stops : tuple of Stop
+    end_window_s : tuple of float
+        Earliest and latest arrival at the end of the line [s]; 0 and infinite where they are free.
         Between the ends.
     passes : tuple of (float, float)
         Places [m] that are passed at a given speed [m/s].
@@ -78,6 +80,7 @@ class Route:
     gradient_sign: float
     limits: tuple[tuple[float, float, float], ...]
     stops: tuple[Stop, ...]
+    end_window_s: tuple[float, float]
     passes: tuple[tuple[float, float], ...]
     neutral: tuple[tuple[float, float], ...]
     train_m: float | None
@@ -202,6 +205,7 @@ def route_of(scenario: Scenario) -> Route:
         gradient_sign=-1.0 if line.reverse else 1.0,
         limits=tuple(limits),
         stops=tuple(Stop(*station) for station in stations if END_M < station[0] < length - END_M),
+        end_window_s=next((window for place, _, window in stations if place >= length - END_M), (0.0, np.inf)),
         passes=tuple(passes),
         neutral=tuple(neutral),
         train_m=vehicle.length_m,

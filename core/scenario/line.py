@@ -9,6 +9,10 @@ from railjoule.core.scenario._base import Name, Number, Part
 
 SHORTEST_DISTANCE_M = 1.0
 """Neither a line nor the distance between two stations is shorter."""
+AT_END_M = 1e-6
+"""A station this close to an end of the line lies there: lengths are sums of sections."""
+TIMES_OF_A_STOP = ("dwell_s", "arrival_s", "earliest_arrival_s", "latest_arrival_s")
+"""Keys of a station that need an arrival, and a departure after it."""
 
 
 class Section(Part):
@@ -62,7 +66,7 @@ class Station(Part):
 
     name: Name = Field("", max_length=200, description="Name of the station.")
     position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
-    dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s].")
+    dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s]; 0 at the ends of the line.")
     arrival_s: Number | None = Field(
         None, gt=0, le=86400, description="Arrival in a given timetable, from the start of the run [s]."
     )
@@ -157,6 +161,22 @@ class Line(Part):
         return self
 
     @model_validator(mode="after")
+    def _times_at_its_ends_count(self) -> Self:
+        # a run lasts from the departure at one end of the line to the arrival at the other
+        self._require_no_times(self.start_station, TIMES_OF_A_STOP, "begins when the train leaves this station")
+        self._require_no_times(self.end_station, ("dwell_s",), "ends when the train arrives at this station")
+        return self
+
+    def _require_no_times(self, station: Station | None, keys: tuple[str, ...], reason: str) -> None:
+        """Raise ValueError if a station at an end of the line has a time that counts between the ends alone."""
+        key = next((key for key in keys if getattr(station, key, None)), None)
+        if station is not None and key is not None:
+            # by place: two stations may be equal in all else
+            index = [other.position_m for other in self.stations].index(station.position_m)
+            value = getattr(station, key)
+            raise ValueError(f"stations[{index}].{key} = {value:g} has no effect, as the run {reason}: remove the key")
+
+    @model_validator(mode="after")
     def _passes_between_stops(self) -> Self:
         length = self.length_m
         places = [point.position_m for point in self.passing_points]
@@ -209,4 +229,22 @@ class Line(Part):
     def inner_stations(self) -> tuple[Station, ...]:
         """The stations that lie neither at the start nor at the end of the line."""
         length = self.length_m
-        return tuple(station for station in self.stations if 1e-6 < station.position_m < length - 1e-6)
+        return tuple(station for station in self.stations if AT_END_M < station.position_m < length - AT_END_M)
+
+    @property
+    def start_station(self) -> Station | None:
+        """The station where the run begins, if the line has one there."""
+        return self._station_at(end=self.reverse)
+
+    @property
+    def end_station(self) -> Station | None:
+        """The station where the run ends, if the line has one there."""
+        return self._station_at(end=not self.reverse)
+
+    def _station_at(self, end: bool) -> Station | None:
+        """Return the station at the end of the line as it is described, or at its start."""
+        if not self.stations:
+            return None
+        station = self.stations[-1 if end else 0]
+        distance_m = self.length_m - station.position_m if end else station.position_m
+        return station if distance_m <= AT_END_M else None

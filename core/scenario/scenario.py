@@ -75,8 +75,22 @@ class Scenario(Part):
 
     @property
     def travel_time_s(self) -> float:
-        """Time for the whole run, dwells included [s]."""
-        return self.timetable.travel_time_over(self.line.length_m)
+        """Time for the whole run, dwells included [s]: no more than the latest arrival at the end of the line."""
+        return min(self.timetable.travel_time_over(self.line.length_m), self._latest_arrival_s)
+
+    @property
+    def travel_time_key(self) -> str:
+        """The key that limits the time for the whole run."""
+        if self._latest_arrival_s < self.timetable.travel_time_over(self.line.length_m):
+            # at the start of a line that is run in reverse
+            index = 0 if self.line.reverse else len(self.line.stations) - 1
+            return f"line.stations[{index}].latest_arrival_s"
+        return "timetable.travel_time_s"
+
+    @property
+    def _latest_arrival_s(self) -> float:
+        station = self.line.end_station
+        return float("inf") if station is None else station.window_s[1]
 
     @property
     def limits_last_m(self) -> float:

@@ -22,7 +22,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.errors import InfeasibleLineError, TimetableError
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, TimetableError
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -46,6 +46,7 @@ from railjoule.core.simulate.train_state import (
     replace_line,
     require_events_on_the_line,
     rest_scenario,
+    without_windows,
 )
 from railjoule.core.strategies import run_strategy
 from railjoule.core.task import prepare_task
@@ -280,6 +281,13 @@ class _Simulation:
             return self._brake_at_once(state, nodes)
         try:
             return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
+        except ScenarioError:
+            free = without_windows(state.scenario)
+            if free.line == state.scenario.line:
+                raise
+            # a window of arrival that this train cannot keep any more
+            self.notes.append("The windows of arrival ahead cannot be kept any more, and are given up.")
+            return replace(self._plan_rest(replace(state, scenario=free)), scenario=state.scenario)
         except TimetableError:
             return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
 

@@ -84,7 +84,11 @@ def knowing(state: State, event: Event) -> State:
 def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
     """Return the scenario of what is left: the stations ahead, and the time that remains."""
     line = state.scenario.line
-    ahead = tuple(station for station in line.stations if station.position_m > state.position_m + SAME_PLACE_M)
+    ahead = tuple(
+        _from_now(station, state.time_s, is_end=station == line.end_station)
+        for station in line.stations
+        if station.position_m > state.position_m + SAME_PLACE_M
+    )
     # where no time is left, a timetable that nobody can keep: the caller then drives the fastest
     left = max(allowed_time_s - state.time_s, 1e-3)
     return state.scenario.model_copy(
@@ -94,6 +98,25 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
             "timetable": Timetable(travel_time_s=left, exit_speed_kmh=state.scenario.timetable.exit_speed_kmh),
         }
     )
+
+
+def without_windows(scenario: Scenario) -> Scenario:
+    """Return a scenario whose stations have no windows of arrival."""
+    free = {"earliest_arrival_s": None, "latest_arrival_s": None}
+    stations = tuple(station.model_copy(update=free) for station in scenario.line.stations)
+    return replace_line(scenario, scenario.line.model_copy(update={"stations": stations}))
+
+
+def _from_now(station: Station, time_s: float, is_end: bool) -> Station:
+    """Return a station whose window of arrival counts from a time of the run [s]."""
+    earliest, latest = station.earliest_arrival_s, station.latest_arrival_s
+    window = {
+        "earliest_arrival_s": None if earliest is None else max(earliest - time_s, 0.0),
+        # a window that has passed stays one that nobody can keep
+        # at the end, the time that is allowed has it already, with the delay that is accepted
+        "latest_arrival_s": None if latest is None or is_end else max(latest - time_s, 1e-3),
+    }
+    return station.model_copy(update=window)
 
 
 def nodes_ahead(state: State, end_m: float) -> FloatArray:

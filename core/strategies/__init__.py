@@ -29,7 +29,7 @@ from railjoule.core.errors import (
 )
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.strategies import bellman, enoc, eoc, fastest, optimal, phases, speed_limits
-from railjoule.core.strategies.line_parts import arrival_windows, missed_windows
+from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
@@ -179,12 +179,7 @@ def with_bounds(task: Task, runs: list[Trajectory], prove_seconds: float | None 
 
 def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajectory:
     """Return an optimum with the greater bound that it is worth to look for where one run is asked for."""
-    # a bound between windows that bind is one of parts: the proof of the whole line would be another statement
-    return (
-        best
-        if best.bound is None or arrival_windows(task)
-        else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
-    )
+    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve", "with_bounds"]

@@ -10,13 +10,14 @@ from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
 from railjoule.core.energy import energy_decimals
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.physics.stretches import shortest_stretch_s
+from railjoule.core.strategies.arrival_windows import arrival_windows, binding_windows, bound_within, optimum_within
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
-from railjoule.core.strategies.line_parts import arrival_windows, joined, optimum_within
+from railjoule.core.strategies.line_parts import joined
 from railjoule.core.strategies.spacing import seldom_switched
 from railjoule.core.strategies.switching import unswitched
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
+from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
 from railjoule.core.units import J_PER_KWH
 
 # To so much of the energy a relaxation converges. One that lies above the run by more is no lower value that a note
@@ -34,7 +35,8 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 
-    Windows of arrival are kept. Where one binds, the bound is that of runs with the same arrival there.
+    Windows of arrival are kept, if need be by waiting at the stop before. Where one binds, the bound is that of runs
+    that keep them all.
 
     Parameters
     ----------
@@ -57,7 +59,8 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     if not windows:
         return unwindowed_optimum(task, proof_budget)
     line = optimum_within(task, windows, partial(unwindowed_optimum, proof_budget=proof_budget))
-    return line.runs[0] if len(line.runs) == 1 else _as_reference(task, joined(task, line))
+    best = joined(task, line, bound_within(task, line, windows))
+    return _as_reference(task, best, binding_windows(task, line, windows))
 
 
 def unwindowed_optimum(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
@@ -103,9 +106,10 @@ def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
     return _as_reference(task, best)
 
 
-def _as_reference(task: Task, best: Trajectory) -> Trajectory:
-    """Return a run that others of its task are measured against."""
-    return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
+def _as_reference(task: Task, best: Trajectory, windows: tuple[Window, ...] = ()) -> Trajectory:
+    """Return a run that others of its task are measured against, if they keep the windows that bind it."""
+    reference = Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven, windows)
+    return replace(best, reference=reference)
 
 
 def _by_recursion(task: Task, failure: SolverError) -> Trajectory:

@@ -9,7 +9,7 @@ change, so that on a line with limits a run has more orders than changes.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
@@ -28,6 +28,7 @@ from railjoule.core.dynamic_programming.search import log_price_range, price_sca
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.course_data import CourseData
+from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.decisions import line_energy_j
 from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task
@@ -97,7 +98,7 @@ def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
     Parameters
     ----------
     task : Task
-        The task.
+        The task; its windows of arrival do not count, and a run's notes name those that it misses.
     most_changes : int
         The most changes between two stops that are tried.
 
@@ -156,6 +157,7 @@ class _Table:
             raise SolverError(f"no run with at most {changes} changes of regime is in time.")
         best = min(on_time, key=lambda driven: driven.energy_j)
         run = make_trajectory(self.task.scenario, self.task.course, "advised", best.speed2)
+        run = replace(run, notes=missed_windows(self.task, run))
         return SimpleRun(changes, best.changes(self.data), run)
 
     def _nearest(self, changes: int) -> list["_Driven"]:

@@ -17,15 +17,18 @@ import numpy as np
 from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategies.arrival_windows import (
+    Windows,
+    arrival_windows,
+    bound_within,
+    optimum_within,
+    timed_line,
+)
 from railjoule.core.strategies.line_parts import (
     LineParts,
     Part,
-    Windows,
-    arrival_windows,
     inner_stations,
     joined,
-    optimum_within,
-    part_of,
     parts_between,
     shortest_times_s,
     station_name,
@@ -59,7 +62,8 @@ class Leg:
     energy_j : float
         Net energy at the line while it runs, auxiliaries included [J].
     price_of_time_w : float
-        By how much that energy falls if the leg takes a second longer [J/s]; NaN where it is not known.
+        By how much that energy falls if the leg takes a second longer [J/s], negative where it rises; NaN where it is
+        not known.
     """
 
     departs_from: str
@@ -157,29 +161,43 @@ def whole_line(
 def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | None = None) -> WholeLine:
     """Return as `whole_line` the run of a task that is prepared already."""
     task.require_timetable()
+    arrivals_s, inner = arrivals_s or {}, len(inner_stations(task))
+    unknown = [number for number in arrivals_s if not 0 <= number < inner]
+    if unknown:
+        raise ScenarioError(f"There is no station {unknown[0]} between the ends of a line with {inner} stations there.")
     # each leg is solved many times
     require_compiled()
-    windows = {**arrival_windows(task), **{number: (at, at) for number, at in (arrivals_s or {}).items()}}
+    windows = {**arrival_windows(task), **{number: (at, at) for number, at in arrivals_s.items()}}
     if sharing == "optimum":
         line = optimum_within(task, windows, unwindowed_optimum)
     else:
-        line = _by_rule(task, windows, sharing)
-    run = joined(task, line)
+        windows = _arrivals_by_rule(task, windows, sharing)
+        line = timed_line(task, {number: low for number, (low, _) in windows.items()}, unwindowed_optimum)
+    run = joined(task, line, bound_within(task, line, windows))
     return WholeLine(sharing, run, _legs(task, run, line))
 
 
-def _by_rule(task: Task, windows: Windows, sharing: Sharing) -> LineParts:
-    """Return the runs of least energy of legs whose times a rule or a timetable sets."""
+def _arrivals_by_rule(task: Task, windows: Windows, sharing: Sharing) -> dict[int, tuple[float, float]]:
+    """Return the arrivals that a rule or a timetable fixes, as windows with equal ends."""
+    line, end = task.scenario.line.in_running_order(), len(inner_stations(task))
     if sharing == "given":
-        given = {k: s.arrival_s for k, s in enumerate(inner_stations(task)) if s.arrival_s is not None}
+        given = {k: s.arrival_s for k, s in enumerate(line.inner_stations) if s.arrival_s is not None}
         if not given:
             raise ScenarioError("No station between the ends has an arrival_s: there is no timetable to compare with.")
-        parts = parts_between(task, given)
-    else:
-        fixed = parts_between(task, {number: low for number, (low, high) in windows.items() if low == high})
-        stops = stop_nodes(task)
-        parts = tuple(leg for part in fixed for leg in _shared(task, stops, part, sharing))
-    return LineParts(parts, tuple(unwindowed_optimum(part_of(task, *part)) for part in parts))
+        if line.end_station is not None and line.end_station.arrival_s is not None:
+            given[end] = line.end_station.arrival_s
+        return {number: (at, at) for number, at in given.items()}
+    stops = stop_nodes(task)
+    numbers = {node: number for number, node in enumerate(stops[1:])}
+    arrivals, ready_s = {}, 0.0
+    for part in parts_between(task, {number: low for number, (low, high) in windows.items() if low == high}):
+        for _, node, running_s in _shared(task, stops, part, sharing):
+            arrivals[numbers[node]] = ready_s + running_s
+            ready_s = arrivals[numbers[node]] + float(task.course.dwell_s[node])
+    if end not in windows:
+        # without a window there, the end is reached within the time
+        del arrivals[end]
+    return {number: (at, at) for number, at in arrivals.items()}
 
 
 def _shared(task: Task, stops: list[int], part_of_line: Part, sharing: Sharing) -> list[Part]:
@@ -206,9 +224,13 @@ def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
     named = {round(station.position_m, 3): station.name for station in stations}
     names = [station_name(named.get(round(float(place), 3), ""), number) for number, place in enumerate(places)]
     prices = np.full(len(stops) - 1, np.nan)
-    for (first, last, _), part in zip(line.parts, line.runs, strict=True):
+    for timed in line:
+        first, last, _ = timed.part
         inside = [first <= a and b <= last for a, b in pairwise(stops)]
-        prices[inside] = np.nan if part.price_of_time_w is None else part.price_of_time_w
+        if timed.price_of_time_w is not None:
+            # that of a part without auxiliaries: they take their power for a second more, too
+            auxiliary_w = task.course.data.auxiliary_power_w if timed.takes_exactly else 0.0
+            prices[inside] = timed.price_of_time_w - auxiliary_w
     return tuple(
         Leg(
             departs_from=names[k],

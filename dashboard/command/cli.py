@@ -189,7 +189,9 @@ def build_parser() -> argparse.ArgumentParser:
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
     solve.add_argument("--check", action="store_true", help="check the run against its scenario: see `railjoule check`")
     _add_proof(solve)
-    solve.epilog = f"With --check: {CHECK_STATUS.lower()}"
+    solve.epilog = (
+        f"With --check: {CHECK_STATUS.lower()} A run that misses a window of arrival ends with status 2, too."
+    )
     _add_proof(_add_scenario_command(commands, "compare", "run every strategy that fits a scenario"))
     advise = _add_scenario_command(commands, "advise", "find the best run whose driver changes the regime seldom")
     advise.add_argument(

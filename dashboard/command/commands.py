@@ -29,6 +29,7 @@ from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.strategies import prepare_task
+from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.workspace import Workspace, default_folder
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
@@ -76,6 +77,8 @@ def solve(
 
     Raises
     ------
+    CommandError
+        If the run that is shown misses a window of arrival.
     RailjouleError
         If anything is wrong with the scenario or the file to write.
     """
@@ -87,13 +90,16 @@ def solve(
         trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
-    values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
-    if not with_check:
+    task = prepare_task(scenario)
+    values = summary.summarise(trajectory, task.shortest_travel_time_s)
+    result = check_run(scenario, trajectory) if with_check else None
+    if result is None:
         output.show(values, terminal.solution_text)
-        return True
-    result = check_run(scenario, trajectory)
-    output.show({**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
-    return result.ok
+    else:
+        output.show({**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
+    if missed := missed_windows(task, trajectory):
+        raise CommandError(" ".join(missed))
+    return result is None or result.ok
 
 
 def check(

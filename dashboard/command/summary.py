@@ -261,4 +261,5 @@ def summarise_advice(advice: "SimpleAdvice", last: bool) -> Summary:
         "refused": [{"changes": changes, "reason": reason} for changes, reason in advice.refused],
         "changes": shown.changes,
         "advice": [asdict(told) for told in shown.run.advice],
+        "notes": list(shown.run.notes),
     }

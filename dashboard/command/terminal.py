@@ -111,6 +111,7 @@ def simple_advice_text(advice: Summary) -> str:
             f"Orders with at most {advice['changes']} changes of regime between two stops",
             "(braking for limits and keeping to them come on top)",
             *(f"  {place}. {order}" for place, order in enumerate(orders, 1)),
+            *advice["notes"],
         ]
     )
 

@@ -120,13 +120,14 @@ def proof_sentence(bound: Bound) -> str:
         f"up to {longest.removesuffix('.0')} m",
         f", provided that {bound.premise}" if bound.premise else "",
     )
+    kept = " that keeps the windows of arrival" if bound.windows else ""
     if switched_j is None:
-        told = f"No run with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
+        told = f"No run{kept} with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
         return f"{told}; one over a finer mesh may need less."
     if switched_j >= bound.energy_j:
-        told = f"No run over cells of {cells} needs less than {energy} kWh, even one that switches within them{assumed}"
-        return f"{told}; one over a finer mesh may need less."
-    told = f"No run with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
+        told = f"No run{kept} over cells of {cells} needs less than {energy} kWh, even one that switches within them"
+        return f"{told}{assumed}; one over a finer mesh may need less."
+    told = f"No run{kept} with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
     return f"{told}; one that switches within cells, or one over a finer mesh, may need less."
 
 

@@ -23,7 +23,7 @@ from railjoule.core.motion.course import Course, CourseParts, course_of, drive_o
 from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.strategies import solve
-from railjoule.core.strategies.line_parts import arrival_windows
+from railjoule.core.strategies.arrival_windows import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
 from railjoule.core.studies.sweep.fields import Field, Patch
 from railjoule.core.studies.sweep.rows import RowByRow, Rows

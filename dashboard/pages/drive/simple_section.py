@@ -140,8 +140,9 @@ def orders_table(found: SimpleOrders, chosen: int | None, stale: bool = False) -
     told = "No optimum is known to compare with."
     if optimum is not None:
         told = f"More than the {comparisons.reference_noun(optimum.is_proven)}, {words.energy(optimum.energy_kwh)} kWh."
+    missed = () if chosen is None else found.runs[chosen].run.notes
     kind = markup(" class=stale") if stale else ""
-    return markup("<div{}>{}{}</div>", kind, made, parts.note_paragraphs([told, FORCED]))
+    return markup("<div{}>{}{}</div>", kind, made, parts.note_paragraphs([told, *missed, FORCED]))
 
 
 def _more(found: SimpleOrders, simple: "SimpleRun") -> tuple[str, str]:

@@ -7,7 +7,7 @@ from typing import Any, get_args
 from railjoule.core import Scenario, ScenarioError
 from railjoule.core.energy import share_above
 from railjoule.core.strategies import prepare_task
-from railjoule.core.strategies.line_parts import missed_windows
+from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.studies.whole_line import Sharing, WholeLine, shared_line
 from railjoule.core.task import Task
 

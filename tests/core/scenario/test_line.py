@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from builders import HILLS
 from hypothesis import given
 from hypothesis import strategies as st
@@ -21,7 +22,11 @@ def lines(draw):
             "sections": HILLS,
             "speed_limits": [{"from_m": ends[0], "to_m": ends[1], "limit_kmh": 50}],
             "neutral_sections": [{"from_m": ends[0] / 2, "to_m": ends[1] / 2}, {"from_m": ends[0], "to_m": ends[1]}],
-            "stations": [{"position_m": 2 * place, "dwell_s": 10 + place} for place in stations],
+            # at either end the run begins and ends without a dwell
+            "stations": [
+                {"position_m": 2 * place, "dwell_s": 10 + place if 0 < 2 * place < LENGTH_M else 0}
+                for place in stations
+            ],
         }
     )
 
@@ -67,6 +72,32 @@ def test_a_forward_line_is_itself():
 
 
 def test_stations_at_the_ends_are_no_stops_on_the_way():
-    stations = [{"position_m": 0.0, "dwell_s": 5.0}, {"position_m": 700.0}, {"position_m": LENGTH_M, "dwell_s": 5.0}]
+    stations = [{"position_m": 0.0}, {"position_m": 700.0}, {"position_m": LENGTH_M, "latest_arrival_s": 90.0}]
     line = Line.model_validate({"sections": HILLS, "stations": stations})
     assert [station.position_m for station in line.inner_stations] == [700.0]
+    assert (line.start_station, line.end_station) == (line.stations[0], line.stations[2])
+    assert Line.model_validate({"sections": HILLS, "stations": stations[1:2]}).end_station is None
+
+
+@pytest.mark.parametrize(
+    ("index", "times", "reverse", "words"),
+    [
+        (0, {"dwell_s": 5.0}, False, r"stations\[0\]\.dwell_s = 5 has no effect, as the run begins"),
+        (0, {"earliest_arrival_s": 5.0}, False, r"stations\[0\]\.earliest_arrival_s = 5 has no effect"),
+        (0, {"latest_arrival_s": 5.0}, False, r"stations\[0\]\.latest_arrival_s = 5 has no effect"),
+        (0, {"arrival_s": 5.0}, False, r"stations\[0\]\.arrival_s = 5 has no effect"),
+        (
+            1,
+            {"dwell_s": 5.0},
+            False,
+            r"stations\[1\]\.dwell_s = 5 has no effect, as the run ends when the train arrives",
+        ),
+        (1, {"latest_arrival_s": 5.0}, True, r"stations\[1\]\.latest_arrival_s = 5 has no effect, as the run begins"),
+        (0, {"dwell_s": 5.0}, True, r"stations\[0\]\.dwell_s = 5 has no effect, as the run ends"),
+    ],
+)
+def test_times_without_effect_at_the_ends_are_refused_by_key(index, times, reverse, words):
+    stations = [{"position_m": 0.0}, {"position_m": LENGTH_M}]
+    stations[index] |= times
+    with pytest.raises(ValueError, match=words):
+        Line.model_validate({"sections": HILLS, "stations": stations, "reverse": reverse})

@@ -8,7 +8,8 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import ScenarioError, solve
 from railjoule.core.check import check_run
 from railjoule.core.strategies import compare
-from railjoule.core.strategies.line_parts import arrival_windows, inner_stations, require_windows
+from railjoule.core.strategies.arrival_windows import arrival_windows, require_windows
+from railjoule.core.strategies.line_parts import inner_stations
 from railjoule.core.studies.whole_line import whole_line
 from railjoule.core.task import prepare_task
 
@@ -121,10 +122,13 @@ def test_the_strategy_keeps_them_and_the_check_sees_it():
     assert failed == {"windows of arrival"}
 
 
-def test_a_bound_covers_runs_with_the_same_arrivals():
+def test_a_bound_covers_all_runs_that_keep_the_windows():
     run = solve(with_windows((100.0, None), (None, None), (None, None)))
     assert run.is_proven
-    assert "sum of the bounds of 2 parts" in run.bound.statement
+    assert "keeps all limits and the windows of arrival at 800, arrives within 420.0 s" in run.bound.statement
+    later = solve(with_windows((105.0, 105.0), (None, None), (None, None)))
+    assert run.bound.covers(later)
+    assert not run.bound.covers(solve(with_windows(*FREE)))
 
 
 def test_other_strategies_say_which_windows_they_miss():

@@ -850,3 +850,16 @@ def test_serve_says_what_it_exposes(capsys):
     told = " ".join(capsys.readouterr().out.split())
     for words in ("There is no login", "/health, /ready and /metrics", "No file of this machine can be read there"):
         assert words in told
+
+
+def test_a_run_that_misses_a_window_of_arrival_ends_with_status_2(capsys):
+    """The run is shown all the same, and the sentence names station, arrival and window."""
+    station = "{ name = 'Mid', position_m = 700, dwell_s = 20, earliest_arrival_s = 150 }"
+    changes = ["--set", f"line.stations=[{station}]", "timetable.travel_time_s=300", "solver.mesh_m=25"]
+    assert main(["solve", "liashenko-0", "--strategy", "fastest", "--json", *changes]) == BAD_INPUT
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["strategy"] == "fastest"
+    assert "It arrives at Mid after" in shown.err
+    assert "was to arrive no earlier than 150.0 s" in shown.err
+    assert main(["solve", "liashenko-0", "--strategy", "optimal", "--json", *changes]) == OK
+    assert json.loads(capsys.readouterr().out)["proven"] is True

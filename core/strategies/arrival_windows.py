@@ -1,0 +1,331 @@
+"""The run of least energy under windows of arrival, and the bound of all runs that keep them.
+
+Windows of arrival are inequalities on the sums of the legs' times. The optimum under them is found by an active set:
+the window that is missed most is fixed at the end that it misses, until none is missed; one whose fixing costs energy
+instead of keeping the window is let go. The prices of a second tell: where a window's end binds as the latest arrival,
+a second is worth more before the station than after it, and less where it binds as the earliest. Behind the end of the
+line a second is worth the auxiliaries' power, as they are off by then.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from railjoule.core.bounds import switched_premise, time_line, windowed_bound_statement, work_floor_j
+from railjoule.core.drive.kernels import may_be_concave
+from railjoule.core.errors import ScenarioError
+from railjoule.core.strategies.line_parts import (
+    LineParts,
+    Part,
+    Solver,
+    TimedRun,
+    arrival_name,
+    arrivals_of,
+    inner_stations,
+    part_of,
+    parts_between,
+    shortest_times_s,
+    stop_nodes,
+    timed_run,
+    with_auxiliaries,
+)
+from railjoule.core.task import LEAST_SLACK, Task
+from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
+from railjoule.core.units import distinct_numbers
+
+Windows = Mapping[int, tuple[float, float]]
+"""Earliest and latest arrival [s] by the number of a station, counted from 0 behind the start; the last is the end."""
+# Of the shortest time between two stations: with less, the optimum between two fixed arrivals has hardly an inside, and
+# with more, windows would be narrower than they are
+SPARE_SHARE = 1e-4
+# of the price: by less, both sides of a station value a second alike
+SAME_PRICE = 1e-6
+MOST_NAMED = 3
+"""Stations that a statement names; more are counted."""
+
+
+def arrival_windows(task: Task) -> dict[int, tuple[float, float]]:
+    """Return the windows of arrival of a task's stations, where they have one; its time is no window of its own."""
+    stations = inner_stations(task)
+    windows = {k: s.window_s for k, s in enumerate(stations) if s.window_s != (0.0, np.inf)}
+    end = task.scenario.line.end_station
+    if end is not None and end.earliest_arrival_s:
+        windows[len(stations)] = end.earliest_arrival_s, task.travel_time_s
+    return windows
+
+
+def missed_windows(task: Task, run: Trajectory) -> tuple[str, ...]:
+    """Return a sentence on each window of arrival that a run misses."""
+    notes, windows = [], arrival_windows(task)
+    for number, window in zip(windows, _with_places(task, windows), strict=True):
+        place, low, high = window
+        arrival = run.arrival_s(place)
+        if run.keeps(window):
+            continue
+        asked = low if arrival < low else high
+        said, wanted = _distinct_times(arrival, asked)
+        side = "earlier" if arrival < low else "later"
+        notes.append(
+            f"It arrives at {arrival_name(task, number)} after {said} s, and was to arrive no {side} than {wanted} s."
+        )
+    return tuple(notes)
+
+
+def _distinct_times(one_s: float, other_s: float) -> tuple[str, str]:
+    """Return two times in tenths of a second, or with as many digits as it takes to tell them apart."""
+    words = f"{one_s:.1f}", f"{other_s:.1f}"
+    return words if words[0] != words[1] else distinct_numbers(one_s, other_s)
+
+
+def _with_places(task: Task, windows: Windows) -> tuple[Window, ...]:
+    """Return windows with the positions of their stations."""
+    stops, position_m = stop_nodes(task), task.course.position_m
+    return tuple((float(position_m[stops[number + 1]]), low, high) for number, (low, high) in windows.items())
+
+
+def require_windows(task: Task, windows: Windows) -> None:
+    """Raise ScenarioError if no train keeps all windows: the first one that fails is named."""
+    stops = stop_nodes(task)
+    dwell, shortest = task.course.dwell_s[stops], shortest_times_s(task, stops)
+    ready_s = 0.0
+    # as early as possible at each station: a train that is late then, is always late
+    for number, least in enumerate(shortest):
+        reached_s = ready_s + float(least)
+        earliest, latest = windows.get(number, (0.0, np.inf))
+        if number == len(shortest) - 1:
+            latest = min(latest, task.travel_time_s)
+        possible_s = max(reached_s * (1 + LEAST_SLACK), earliest)
+        if reached_s * (1 + LEAST_SLACK) >= latest or earliest > latest:
+            waited = ready_s > float(dwell[: number + 1].sum() + shortest[:number].sum())
+            kept = " with the windows of arrival before it" if waited else ""
+            asked, possible = _distinct_times(latest, possible_s)
+            reason = "is possible after" if reached_s >= earliest else "no earlier than"
+            where = arrival_name(task, number)
+            raise ScenarioError(
+                f"The arrival at {where} must be no later than {asked} s, and {reason} {possible} s{kept}."
+            )
+        ready_s = max(reached_s, earliest) + float(dwell[number + 1])
+
+
+def _possible(task: Task, windows: Windows, spare_share: float) -> dict[int, tuple[float, float]]:
+    """Return windows without the arrivals that the legs and the other windows rule out.
+
+    Any two ends can then be fixed together: the search may fix one that another one leaves no time for.
+    """
+    stops = stop_nodes(task)
+    dwell, least = task.course.dwell_s[stops], (1 + spare_share) * shortest_times_s(task, stops)
+    low, high = np.zeros(len(stops)), np.full(len(stops), np.inf)
+    high[-1] = task.travel_time_s
+    for number, (earliest, latest) in windows.items():
+        low[number + 1], high[number + 1] = earliest, min(latest, high[number + 1])
+    for k in range(1, len(stops)):
+        low[k] = max(low[k], low[k - 1] + dwell[k - 1] + least[k - 1])
+    for k in range(len(stops) - 2, 0, -1):
+        high[k] = min(high[k], high[k + 1] - dwell[k] - least[k])
+    # so close to the shortest times that the spare is more than there is: the window itself stands
+    return {
+        number: (float(low[number + 1]), float(high[number + 1])) if low[number + 1] <= high[number + 1] else window
+        for number, window in windows.items()
+    }
+
+
+def optimum_within(task: Task, windows: Windows, optimum: Solver) -> LineParts:
+    """Return the runs of least energy of a line whose windows of arrival are kept.
+
+    Parameters
+    ----------
+    task : Task
+    windows : mapping of int to (float, float)
+        Earliest and latest arrival [s] by the number of the station.
+    optimum : callable
+        The best run of a task without windows.
+
+    Raises
+    ------
+    ScenarioError
+        If no train keeps them.
+    SolverError
+        If no run of a part is found.
+    """
+    require_windows(task, windows)
+    possible = _possible(task, windows, SPARE_SHARE)
+    # two equal ends are no choice
+    fixed = {number: low for number, (low, high) in possible.items() if low == high}
+    solved: dict[tuple[Part, bool], TimedRun] = {}
+    best: LineParts | None = None
+    # each window is fixed at most once at each of its ends, and let go as often
+    for _ in range(4 * len(possible) + 1):
+        line = timed_line(task, fixed, optimum, solved)
+        missed = _most_missed(task, line, possible, fixed)
+        if missed is not None:
+            number, arrival = missed
+            fixed[number] = arrival
+            continue
+        if best is None or energy_j(task, line) < energy_j(task, best):
+            best = line
+        free = _needlessly_fixed(task, line, possible, fixed)
+        if free is None:
+            return best
+        del fixed[free]
+    return best or _all_fixed(task, possible, fixed, optimum, solved)
+
+
+def _all_fixed(
+    task: Task, windows: Windows, fixed: dict[int, float], optimum: Solver, solved: dict[tuple[Part, bool], TimedRun]
+) -> LineParts:
+    """Return runs that keep all windows where prices lead to and fro: none is let go, so that each is fixed once."""
+    while True:
+        line = timed_line(task, fixed, optimum, solved)
+        missed = _most_missed(task, line, windows, fixed)
+        if missed is None:
+            return line
+        fixed[missed[0]] = missed[1]
+
+
+def timed_line(
+    task: Task,
+    fixed: Mapping[int, float],
+    optimum: Solver,
+    solved: dict[tuple[Part, bool], TimedRun] | None = None,
+) -> LineParts:
+    """Return the runs of least energy with fixed arrivals; those that are solved already are taken from `solved`."""
+    solved = {} if solved is None else solved
+    parts = parts_between(task, fixed)
+    exactly = [*[True] * (len(parts) - 1), len(inner_stations(task)) in fixed]
+    for given in zip(parts, exactly, strict=True):
+        if given not in solved:
+            solved[given] = timed_run(task, given[0], optimum, given[1])
+    return tuple(solved[given] for given in zip(parts, exactly, strict=True))
+
+
+def energy_j(task: Task, line: LineParts) -> float:
+    """Return the energy of runs that follow one another, auxiliaries and dwells included [J]."""
+    total, departed_s = 0.0, 0.0
+    for timed in line:
+        total += timed.run.energy.net_j
+        if timed.takes_exactly:
+            # a run that is slowed by a reward for time is counted without it
+            total -= timed.run.energy.auxiliary_j
+            departed_s += timed.part[2] + _standing_s(task, timed.part)
+    return total + task.course.data.auxiliary_power_w * departed_s
+
+
+def _standing_s(task: Task, part: Part) -> float:
+    """Return how long the train stands behind the first node of a part, at its last one included [s]."""
+    return float(task.course.dwell_s[part[0] + 1 : part[1] + 1].sum())
+
+
+def _most_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
+    """Return the free station that misses its window by most, and the end that it misses; None where none does."""
+    arrivals = arrivals_of(task, line)
+    missed = []
+    for number, (low, high) in windows.items():
+        if number not in fixed:
+            nearest = min(max(arrivals[number], low), high)
+            missed.append((abs(arrivals[number] - nearest), number, nearest))
+    worst = max(missed, default=(0.0, 0, 0.0))
+    return (worst[1], worst[2]) if worst[0] > ON_TIME_S else None
+
+
+def _needlessly_fixed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> int | None:
+    """Return a station fixed at an end of its window that the optimum leaves to the inside, if there is one."""
+    auxiliary_w = task.course.data.auxiliary_power_w
+    prices = [
+        None if timed.price_of_time_w is None else timed.price_of_time_w + (0.0 if timed.takes_exactly else auxiliary_w)
+        for timed in line
+    ]
+    for order, number in enumerate(sorted(fixed)):
+        low, high = windows[number]
+        before, after = prices[order], [*prices, auxiliary_w][order + 1]
+        if low == high or before is None or after is None:
+            continue
+        # a later arrival gives the part before a second and takes it from the part after
+        gain = (before - after) / max(abs(before), abs(after), 1.0)
+        if (fixed[number] == low and gain > SAME_PRICE) or (fixed[number] == high and gain < -SAME_PRICE):
+            return number
+    return None
+
+
+def binding_windows(task: Task, line: LineParts, windows: Windows) -> tuple[Window, ...]:
+    """Return all windows of arrival if one of them binds the runs of least energy that keep them, else none."""
+    binds = len(line) > 1 or line[0].takes_exactly
+    return _with_places(task, windows) if binds else ()
+
+
+def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
+    """Return the lower bound of all runs that keep windows of arrival, from the prices of runs that do.
+
+    A line below the least energy of each part over its time, see `railjoule.core.bounds.over_time`, holds for all its
+    times. So the sum of these lines is linear in the arrivals, and least at ends of the windows: at those of the runs
+    if these are the optimum.
+
+    Parameters
+    ----------
+    task : Task
+    line : tuple of TimedRun
+        The runs: where one ends at a fixed arrival, `windows` has its station.
+    windows : mapping of int to (float, float)
+
+    Returns
+    -------
+    Bound or None
+        None where the optimum of a part is not found.
+    """
+    if not binding_windows(task, line, windows):
+        # the bound of the whole line covers these runs as well
+        return line[0].bound
+    stops = stop_nodes(task)
+    possible = _possible(task, windows, 0.0)
+    ends = {stops[number + 1]: window for number, window in possible.items()}
+    arrivals = dict(zip(stops[1:], arrivals_of(task, line), strict=True))
+    exact = {0, *(node for node, (low, high) in ends.items() if low == high)}
+    if not line[-1].takes_exactly:
+        # its own bound covers any earlier end
+        exact.add(stops[-1])
+    total_j, slopes_w, slowest = 0.0, dict.fromkeys(arrivals, 0.0), [np.zeros(1)]
+    for timed in line:
+        first, last, _ = timed.part
+        bound = timed.bound
+        if bound is None:
+            return None
+        price_w, proven_j, floor = 0.0, bound.energy_j, bound.slowest_ms
+        if not {first, last} <= exact:
+            part = part_of(task, *timed.part)
+            proven = time_line(with_auxiliaries(part, 0.0) if timed.takes_exactly else part)
+            if proven is None:
+                return None
+            proven_j, price_w, floor = proven
+        total_j += proven_j
+        slopes_w[last] -= price_w
+        if first > 0:
+            slopes_w[first] += price_w
+        # auxiliaries up to the end of the part, or up to its start where its own energy has the rest
+        if timed is line[-1] and (timed.takes_exactly or first > 0):
+            until = last if timed.takes_exactly else first
+            dwell_s = 0.0 if timed.takes_exactly else float(task.course.dwell_s[first])
+            total_j += task.course.data.auxiliary_power_w * (arrivals[until] + dwell_s)
+            slopes_w[until] += task.course.data.auxiliary_power_w
+        slowest.append(np.broadcast_to(floor, last - first + 1)[1:])
+    for node, (low, high) in ends.items():
+        if node in {timed.part[1] for timed in line} and node not in exact:
+            total_j += min(slopes_w[node] * (low - arrivals[node]), slopes_w[node] * (high - arrivals[node]))
+    jumps = task.course.drive.jumps_at_no_effort
+    total_j = max(total_j, work_floor_j(task))
+    return Bound(
+        total_j,
+        windowed_bound_statement(task, _words(task, windows)),
+        task.course.position_m,
+        task.travel_time_s,
+        np.concatenate(slowest),
+        switched_j=total_j if jumps else None,
+        premise=switched_premise(task) if jumps else "",
+        pending=jumps and may_be_concave(task.course.data.drive_kind),
+        windows=_with_places(task, windows),
+    )
+
+
+def _words(task: Task, windows: Windows) -> str:
+    """Return windows of arrival in words, as what a run keeps beside its limits."""
+    names = [arrival_name(task, number) for number in sorted(windows)]
+    listed = " and ".join([", ".join(names[:-1])] * (len(names) > 1) + names[-1:])
+    return f" and the windows of arrival at {listed if len(names) <= MOST_NAMED else f'{len(names)} stations'}"
