@@ -8,7 +8,6 @@ from pydantic import Field, model_validator
 from railjoule.core.scenario._base import Count, Number, Part, require_effect
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal
 
-
 LOOP_STEP_S = 0.001
 """Step of the integration in closed loop where a scenario names none [s]."""
 # currents that follow noise never come to rest between two steps, so with longer ones the two energy balances differ

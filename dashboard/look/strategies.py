@@ -1,7 +1,7 @@
 """The strategies as the dashboard shows them: name, line and explanation of each, in one table.
 
-The command line, the pages, the charts, the glossary and the reports read it. A strategy of the core without an entry is
-called by its key and drawn with a spare line, without an explanation.
+The command line, the pages, the charts, the glossary and the reports read it. A strategy of the core without an entry
+is called by its key and drawn with a spare line, without an explanation.
 """
 
 from collections.abc import Mapping

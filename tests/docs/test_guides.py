@@ -1,4 +1,4 @@
-"""Whoever follows a guide to the letter has what it promises: in Python, on the command line, with the check, on the page.
+"""A guide that is followed to the letter works: in Python, on the command line, with the check and on the page.
 
 Each guide is carried out on a copy of the sources. Nothing is compiled there: that would take minutes.
 """
@@ -200,13 +200,19 @@ def test_the_added_drive_runs_on_the_command_line(with_the_drive: Path) -> None:
     assert solved["gap"] < 1e-6
 
 
+WITHOUT_A_FORMULA = """
+import sys
+from railjoule.core.check.drives import LOSS_MODELS
+from railjoule.core.scenario.drive import MixedLoss
+from railjoule.dashboard.command.cli import main
+del LOSS_MODELS[MixedLoss]
+sys.exit(main(sys.argv[1:]))
+"""
+
+
 def test_a_drive_without_a_formula_in_the_check_is_refused_in_a_sentence(with_the_drive: Path) -> None:
     (with_the_drive / "mixed.toml").write_text(tomli_w.dumps(with_drive(MIXED)), encoding="utf-8")
-    forget = (
-        "import sys; from railjoule.core.check.drives import LOSS_MODELS as m; from railjoule.core.scenario.drive import "
-        "MixedLoss; del m[MixedLoss]; from railjoule.dashboard.command.cli import main; sys.exit(main(sys.argv[1:]))"
-    )
-    run = run_in(with_the_drive, "-c", forget, "solve", "mixed.toml", "--check")
+    run = run_in(with_the_drive, "-c", WITHOUT_A_FORMULA, "solve", "mixed.toml", "--check")
     assert run.returncode == 2
     assert "drive.model = 'mixed_loss' has no formula in the check" in run.stderr
     assert run.stderr.count("\n") == 1

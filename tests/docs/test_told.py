@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+import shutil
 import tomllib
 
 import pytest
@@ -79,6 +80,24 @@ def test_the_table_of_a_line_is_imported_as_told(tmp_path):
     document = {"vehicle": {"preset": "metro-81-7036"}, "timetable": {"travel_time_s": 180}}
     line = scenario_from_document({**document, "line": {"file": "line.csv"}}, folder=tmp_path).line
     assert [section.gradient_permille for section in line.sections] == [2.5, -4, 0]
+
+
+def test_the_tables_of_ones_own_line_lead_to_a_solved_scenario(tmp_path):
+    """The commands of the walk in a terminal, in the order of the page, beside copies of the files that it names."""
+    page = text_of("own_line")
+    for name in re.findall(r"`(example-\w+\.csv)`", page):
+        shutil.copy(ROOT / "assets" / "imports" / name, tmp_path)
+    printed = []
+    for command in "".join(blocks(page, "sh")).splitlines():
+        run = run_python(["-m", "railjoule.dashboard", *shlex.split(command)[1:]], tmp_path)
+        assert run.returncode == 0, run.stderr
+        printed.append(run.stdout)
+    made, solved, measured, line, solved_by_options = printed
+    assert "12.00 km, 24 sections, 761.0 s" in made
+    assert "proven optimal" in solved
+    assert "example-recorder.csv" in measured
+    assert "12.00 km, 24 sections" in line
+    assert solved_by_options.splitlines()[1:4] == solved.splitlines()[1:4]
 
 
 def test_imports_are_those_that_exist():
