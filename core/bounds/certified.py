@@ -138,7 +138,8 @@ def proven_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> 
         given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
         proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
     # where multipliers prove little, as those that have not converged, the plain work may be the better bound
-    return max(proven + task.dwell_energy_j, work_floor_j(task))
+    # a plain number: kernels that are not compiled return numpy's, and a comparison of these is no bool
+    return float(max(proven + task.dwell_energy_j, work_floor_j(task)))
 
 
 def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: float) -> ChainProof:
@@ -171,7 +172,7 @@ def chain_target_j(task: Task, energy_j: float) -> float:
 
 def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
     """Return the greater of a bound with free switching and what chains have proven [J], dwells not included."""
-    energy = proven_j + task.dwell_energy_j
+    energy = float(proven_j + task.dwell_energy_j)
     if energy <= bound.energy_j:
         return bound
     given = premise(task.course.data.drive_kind)

@@ -1,6 +1,7 @@
 """What all parts of a scenario share: frozen values, strict numbers, known keys only."""
 
 import unicodedata
+from collections.abc import Iterable
 from typing import Annotated
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -45,3 +46,22 @@ class Part(BaseModel):
     # A misspelt key that was ignored would leave a default in force without a word. The input stays out of errors
     # because `_sentences` shows it itself, and shortened.
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
+
+
+def require_effect(part: Part, keys: Iterable[str], reason: str) -> None:
+    """Raise ValueError for a key with another value than its default in a table where it has no effect.
+
+    Parameters
+    ----------
+    part : Part
+        The table.
+    keys : iterable of str
+        Keys that nothing reads beside the other values of the table.
+    reason : str
+        Why, as the end of a sentence.
+    """
+    for key in keys:
+        value = getattr(part, key)
+        if value != type(part).model_fields[key].default:
+            shown = f"{value:g}" if isinstance(value, float) else str(value).lower()
+            raise ValueError(f"{key} = {shown} has no effect {reason}")

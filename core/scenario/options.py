@@ -5,8 +5,30 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.scenario._base import Count, Number, Part, require_effect
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal
+
+LOOP_STEP_S = 0.001
+"""Step of the integration in closed loop where a scenario names none [s]."""
+# currents that follow noise never come to rest between two steps, so with longer ones the two energy balances differ
+MAX_NOISY_STEP_S = 0.0005
+"""The longest step where the measured speed is noisy [s]."""
+LITERAL_KEYS = (
+    "dead_zone_kmh",
+    "regulation_speed_kmh",
+    "full_effort_time_s",
+    "effort_rate_share",
+    "time_step_s",
+)
+"""Keys of a search that only the literal regulator reads."""
+TARGET_BRAKING_KEYS = (
+    "target_deceleration_ms2",
+    "reset_sensor_m",
+    "calibration_length_m",
+    "stop_sensor_m",
+    "sensor_errors_m",
+)
+"""Keys of a simulation that belong to target braking: its curve and the sensors along it."""
 
 
 class SolverOptions(Part):
@@ -53,6 +75,14 @@ class SearchOptions(Part):
             )
         return self
 
+    @model_validator(mode="after")
+    def _every_key_has_an_effect(self) -> Self:
+        if self.regulator != "literal":
+            require_effect(self, LITERAL_KEYS, f"with regulator = '{self.regulator}', only with 'literal'")
+        if self.limits_kmh is not None:
+            require_effect(self, ("free_boundaries",), "beside limits_kmh: with given limits there is no search")
+        return self
+
 
 class SimulationOptions(Part):
     """What `railjoule simulate` does with the plan."""
@@ -70,7 +100,13 @@ class SimulationOptions(Part):
         0.0, ge=0, le=100, description="Standard deviation of the measured motor speed [rad/s]."
     )
     noise_seed: Count = Field(1, ge=0, le=2**63, description="The same seed gives the same noise.")
-    time_step_s: Number = Field(0.001, ge=0.00005, le=0.002, description="Step of the integration in closed loop [s].")
+    time_step_s: Number | None = Field(
+        None,
+        ge=0.00005,
+        le=0.002,
+        description=f"Step of the integration in closed loop [s]; by default {LOOP_STEP_S:g}, and at most "
+        f"{MAX_NOISY_STEP_S:g} with noise.",
+    )
     reference_window_s: Number = Field(
         0.2, ge=0.02, le=5, description="Time over which the corners of the planned speed are rounded [s]."
     )
@@ -104,6 +140,27 @@ class SimulationOptions(Part):
                 "reset_sensor_m - calibration_length_m above stop_sensor_m"
             )
         return self
+
+    @model_validator(mode="after")
+    def _every_key_has_an_effect(self) -> Self:
+        if not self.target_braking:
+            require_effect(self, TARGET_BRAKING_KEYS, "with target_braking = false")
+        return self
+
+    @model_validator(mode="after")
+    def _step_follows_the_noise(self) -> Self:
+        if self.speed_noise_rads > 0 and self.time_step_s is not None and self.time_step_s > MAX_NOISY_STEP_S:
+            raise ValueError(
+                f"time_step_s = {self.time_step_s:g} must be at most {MAX_NOISY_STEP_S:g} with speed_noise_rads above 0"
+            )
+        return self
+
+    @property
+    def loop_step_s(self) -> float:
+        """Step of the integration in closed loop [s]."""
+        if self.time_step_s is not None:
+            return self.time_step_s
+        return MAX_NOISY_STEP_S if self.speed_noise_rads > 0 else LOOP_STEP_S
 
     @property
     def _second_sensor_m(self) -> float | None:

@@ -170,6 +170,15 @@ class Vehicle(Part):
         return self
 
     @model_validator(mode="after")
+    def _load_has_a_mass(self) -> Self:
+        if self.load_factor > 0 and self.passenger_mass_kg * self.capacity_passengers == 0:
+            raise ValueError(
+                f"load_factor = {self.load_factor:g} has no effect: it needs capacity_passengers and "
+                "passenger_mass_kg above 0"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _one_inertia(self) -> Self:
         if (self.rotating_mass_factor is None) == (self.inertial_mass_kg is None):
             raise ValueError("needs exactly one of rotating_mass_factor and inertial_mass_kg")
@@ -183,6 +192,8 @@ class Vehicle(Part):
     def _cars_make_the_train(self) -> Self:
         if self.car_count is not None and self.length_m is None:
             raise ValueError("car_count needs length_m")
+        if self.gradient_at != "whole_train" and self.length_m is None:
+            raise ValueError(f"gradient_at = '{self.gradient_at}' needs length_m: without it the train is a point")
         # Kinds share the specific terms of the train in proportion to their cars, so they must make up all of it; a
         # train without kinds needs no number of cars.
         cars = sum(kind.cars for kind in self.resistance.car_kinds)

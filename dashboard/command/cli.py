@@ -392,14 +392,13 @@ def _add_ttobench(formats: "argparse._SubParsersAction[_Parser]") -> None:
     ttobench.add_argument(
         "--stops", choices=("all", "ends"), default="all", help="stop at all stops, the default, or at the ends alone"
     )
-    ttobench.add_argument(
-        "--travel-time-s",
-        metavar="T",
-        type=_seconds,
-        help="time for the whole run; default: the journey's, or 10 %% above the shortest possible",
-    )
     _add_encoding(ttobench)
+    _add_travel_time(ttobench, "time for the whole run; default: the journey's, or 10 %% above the shortest possible")
     _add_output(ttobench, "OUT.toml")
+
+
+def _add_travel_time(parser: _Parser, words: str) -> None:
+    parser.add_argument("--travel-time-s", metavar="T", type=_seconds, help=words)
 
 
 def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
@@ -444,6 +443,12 @@ def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
     intervals.add_argument("--reverse", action="store_true", help="run it in falling chainage")
     intervals.add_argument("--name", metavar="NAME", help="the line's name")
     _add_encoding(intervals)
+    intervals.add_argument(
+        "--vehicle",
+        metavar="V",
+        help="a shipped vehicle, or the FILE.toml of one: OUT.toml is then a whole scenario with it",
+    )
+    _add_travel_time(intervals, "with --vehicle: time for the whole run; default: 10 %% above the shortest possible")
     _add_output(intervals, "OUT.toml, or OUT.csv for line.file of a scenario")
 
 

@@ -397,9 +397,36 @@ def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) ->
         if Path(file).suffix.lower() in REPORT_SUFFIXES:
             name = Path(file).name
             return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes, own=own)
-        return load_scenario(file, changes, own)
+        try:
+            return load_scenario(file, changes, own)
+        except ScenarioError:
+            require_tables(Path(file), changes)
+            raise
     except OSError as error:
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
+
+
+SCENARIO_TABLES = {
+    "vehicle": "vehicle.preset=metro-81-7036",
+    "line": "line.preset=liashenko-ii",
+    "timetable": "timetable.average_speed_kmh=35",
+}
+"""The tables that every scenario has, and how an option adds each of them."""
+
+
+def require_tables(path: Path, changes: Mapping[str, Any]) -> None:
+    """Raise CommandError, with the next step, for a file that holds only some tables of a scenario, such as a line."""
+    if not path.is_file():
+        return
+    given = {*read_toml(read_text(path), path.name), *(key.partition(".")[0] for key in changes)}
+    there = [f"[{table}]" for table in SCENARIO_TABLES if table in given]
+    missing = [table for table in SCENARIO_TABLES if table not in given]
+    if there and missing:
+        raise CommandError(
+            f"{path.name}: holds {' and '.join(there)} alone, and a scenario also needs "
+            f"{' and '.join(f'[{table}]' for table in missing)}. Add it to the file, or name it here, such as --set "
+            f"{' '.join(SCENARIO_TABLES[table] for table in missing)}."
+        )
 
 
 OTHER_NAMES = {"brake_pressure": "brake"}

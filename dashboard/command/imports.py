@@ -23,6 +23,8 @@ from railjoule.core.imports import (
 from railjoule.core.imports.numbers import position_of
 from railjoule.core.imports.source_file import counted
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
+from railjoule.core.scenario.text_file import read_text
+from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.written import write_text
 from railjoule.dashboard.command import terminal
 from railjoule.dashboard.command.cli import LONGEST_TIME_S
@@ -60,6 +62,11 @@ def run(options: argparse.Namespace) -> None:
 def intervals(options: argparse.Namespace) -> None:
     """Put a line together from tables of intervals."""
     target = _target(options.output, (".toml", ".csv"))
+    if options.vehicle is None and options.travel_time_s is not None:
+        raise CommandError("--travel-time-s needs --vehicle: a line alone has no timetable.")
+    if options.vehicle is not None and target.suffix.lower() == ".csv":
+        raise CommandError(f"-o {shortened(options.output)}: must end in .toml with --vehicle, which makes a scenario.")
+    train = {} if options.vehicle is None else _train(options.vehicle)
     maps = _column_maps(options)
     files = {kind: getattr(options, kind) for kind in INTERVAL_KINDS if getattr(options, kind) is not None}
     for kind in maps:
@@ -76,6 +83,10 @@ def intervals(options: argparse.Namespace) -> None:
         reverse=options.reverse,
         name=options.name or "",
     )
+    if train:
+        scenario = _scenario_of(line, train, options.travel_time_s)
+        _write_scenario(target, scenario)
+        return
     if target.suffix.lower() != ".csv":
         _write(target, line.to_toml())
     else:
@@ -85,6 +96,48 @@ def intervals(options: argparse.Namespace) -> None:
             line = replace(line, unused=(*line.unused, f"{target.name}: it holds sections alone, no neutral ones."))
     _tell(line)
     print(f"{target}: {_line_words(line.line)}")
+
+
+def _train(name: str) -> Mapping[str, Any]:
+    """Return the tables of a vehicle: of a file that has them, or those that name a shipped vehicle."""
+    if Path(name).suffix.lower() != ".toml":
+        return {"vehicle": {"preset": name}}
+    path = Path(name)
+    with failures_named(path):
+        document = read_toml(read_text(path), path.name)
+    if "vehicle" not in document:
+        raise CommandError(f"--vehicle {shortened(name)}: has no table [vehicle].")
+    return {key: document[key] for key in ("vehicle", "drive") if key in document}
+
+
+def _scenario_of(line: ImportedLine, train: Mapping[str, Any], travel_time_s: float | None) -> "ImportedScenario":
+    """Return the scenario of a train on an imported line, in a given time or in some time that it can keep."""
+    from railjoule.core.imports.ttobench import ImportedScenario  # noqa: PLC0415
+
+    # the longest time that a scenario may have: only here to read vehicle and line
+    any_time = {"timetable": {"travel_time_s": LONGEST_TIME_S}}
+    whole = scenario_from_document({**train, **line.document, **any_time}, line.source)
+    title = f"{whole.line.name or 'Own line'}, {whole.vehicle.name}"[:200]
+    imported = ImportedScenario(
+        line.source,
+        {"title": title, **train, **line.document},
+        line=whole.line,
+        vehicle=whole.vehicle,
+        findings=line.findings,
+        unused=line.unused,
+    )
+    if travel_time_s is None:
+        return _with_some_time(imported, "no --travel-time-s")
+    document = {**imported.document, "timetable": {"travel_time_s": travel_time_s}}
+    return replace(imported, document=document, travel_time_s=travel_time_s)
+
+
+def _write_scenario(target: Path, imported: "ImportedScenario") -> None:
+    # the time that the options name is checked here
+    scenario = scenario_from_document(imported.document, imported.source)
+    _write(target, imported.to_toml())
+    _tell(imported)
+    print(f"{target}: {_line_words(scenario.line)}, {terminal.time(scenario.travel_time_s)} s")
 
 
 def ttobench(options: argparse.Namespace) -> None:
@@ -100,16 +153,12 @@ def ttobench(options: argparse.Namespace) -> None:
         travel_time_s=options.travel_time_s,
     )
     if imported.travel_time_s is None:
-        imported = _with_some_time(imported)
-    # the time that the options name is checked here
-    scenario = scenario_from_document(imported.document, imported.source)
-    _write(target, imported.to_toml())
-    _tell(imported)
-    print(f"{target}: {_line_words(scenario.line)}, {terminal.time(scenario.travel_time_s)} s")
+        imported = _with_some_time(imported, "no journey and no --travel-time-s")
+    _write_scenario(target, imported)
 
 
-def _with_some_time(imported: "ImportedScenario") -> "ImportedScenario":
-    """Return a scenario of which nothing says how long it takes with a time that its train can keep."""
+def _with_some_time(imported: "ImportedScenario", missing: str) -> "ImportedScenario":
+    """Return a scenario without a time with one that its train can keep; `missing` names what would have said it."""
     from railjoule.core.strategies import prepare_task  # noqa: PLC0415
 
     timetable = {**imported.document.get("timetable", {}), "travel_time_s": LONGEST_TIME_S}
@@ -117,7 +166,7 @@ def _with_some_time(imported: "ImportedScenario") -> "ImportedScenario":
     shortest = prepare_task(scenario_from_document(any_time, imported.source)).shortest_travel_time_s
     travel_time = math.ceil((1 + ASSUMED_SLACK) * shortest)
     sentence = (
-        f"no journey and no --travel-time-s: {travel_time} s, {100 * ASSUMED_SLACK:g} % above the shortest possible "
+        f"{missing}: {travel_time} s, {100 * ASSUMED_SLACK:g} % above the shortest possible "
         f"{terminal.time(shortest)} s."
     )
     return imported.with_travel_time(float(travel_time), Finding("assumption", sentence))

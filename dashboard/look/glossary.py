@@ -1,6 +1,7 @@
 """The glossary: every term and every number that the pages show, in at most 35 words each.
 
-It stands here alone: beside the terms on the pages, and as a whole on the page Help.
+Beside the terms on the pages, and as a whole on the page Help. Entries of strategies stand in
+`railjoule.dashboard.look.strategies`, with all else that is shown of them.
 """
 
 import re
@@ -8,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from railjoule.dashboard.look.markup import Markup, markup
+from railjoule.dashboard.look.strategies import LOOKS
 
 # an entry opens within the page, and pushes down what stands beneath it
 MOST_WORDS = 35
@@ -37,48 +39,7 @@ class Term:
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-STRATEGIES = (
-    Term(
-        "Optimal",
-        "The run that needs the least energy in the given time, found by an interior-point method. A lower "
-        "bound, computed separately, shows how far it can be from the true optimum.",
-        ("Optimum",),
-    ),
-    Term(
-        "Bellman",
-        "Dynamic programming: a search over a grid of positions and speeds, with a price on time. Slower than the "
-        "optimal solver and independent of it, so it serves as a check.",
-        ("Bellman's map",),
-    ),
-    Term(
-        "EOC",
-        "Energy-optimal control of the Ftorek paper: the effort that the optimality conditions prescribe, a "
-        "boundary value problem. It changes smoothly over the run. For level lines without limits.",
-    ),
-    Term(
-        "ENOC",
-        "Energy near-optimal control of the same paper: accelerate evenly, cruise, brake evenly, with ramps of "
-        "equal length. Its energy is a closed formula. For level lines without limits.",
-        ("ENOC energy",),
-    ),
-    Term(
-        "Four phases",
-        "The best run of four phases between two stops: full power, hold a speed, coast, brake. It is what "
-        "a driver can remember.",
-        ("Phases", "Phase"),
-    ),
-    Term(
-        "Set speeds",
-        "One set speed for each section of the line: below it the train drives, above it it coasts or brakes. "
-        "The strategy searches the set speeds that need the least energy.",
-        ("Speed limits",),
-    ),
-    Term(
-        "Fastest",
-        "The shortest possible run: full power, then the limits, then full braking. It shows how much time "
-        "there is to save energy with.",
-    ),
-)
+STRATEGIES = tuple(Term(look.label, look.text, look.labels) for look in LOOKS.values() if look.text)
 ENERGY = (
     Term(
         "Energy from the supply",

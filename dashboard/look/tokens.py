@@ -1,16 +1,16 @@
 """The colours of the workbench, light and dark; look and measure are described where they are used.
 
 Strategy colours keep apart under the three kinds of colour blindness and in grey print; the dash tells them
-apart without any colour.
+apart without any colour. Both stand in `railjoule.dashboard.look.strategies`.
 """
 
 from typing import Literal
 
 from railjoule.core.scenario import StrategyName
+from railjoule.dashboard.look.strategies import LOOKS, Dash
 
 ThemeName = Literal["light", "dark"]
 Tokens = dict[str, str]
-Dash = str | list[int]
 
 # on `surface` inks have a contrast of 4.5 and lines of 3 at least, as WCAG 2.2 asks in 1.4.3 and 1.4.11: a new colour
 # has to keep that, see tests/dashboard/look/test_tokens.py
@@ -31,15 +31,7 @@ LIGHT: Tokens = {
     "limit": "#B3261E",
     "ground": "#E4E7EB",
     "groundline": "#9AA4AF",
-    # strategies lie at least 20 apart in CIELAB to all three kinds of colour blindness, in DARK 16; their lightness
-    # differs by 3.8 at least, so that they can be told in grey print
-    "optimal": "#0B5BD3",
-    "bellman": "#5B1A8B",
-    "eoc": "#A62B0E",
-    "enoc": "#C27C00",
-    "phases": "#00845C",
-    "speed_limits": "#D6409F",
-    "fastest": "#1D242D",
+    **{name: look.light for name, look in LOOKS.items()},
     "pinned": "#8B95A1",
     "pin_1": "#00798C",
     "pin_2": "#7A4B1E",
@@ -82,13 +74,7 @@ DARK: Tokens = {
     "limit": "#FF8A80",
     "ground": "#232A33",
     "groundline": "#5A6572",
-    "optimal": "#7AA2FF",
-    "bellman": "#A86BC8",
-    "eoc": "#F26B2C",
-    "enoc": "#F5C542",
-    "phases": "#36D39A",
-    "speed_limits": "#EE92C6",
-    "fastest": "#EBF2FF",
+    **{name: look.dark for name, look in LOOKS.items()},
     "pinned": "#77828F",
     "pin_1": "#4CC4D8",
     "pin_2": "#C99A6B",
@@ -127,13 +113,7 @@ SAVING_SCALES: dict[ThemeName, tuple[str, ...]] = {
 """The opposite, from none to most; both scales begin with one colour."""
 
 DASHES: dict[StrategyName | Literal["pinned", "actual"], Dash] = {
-    "optimal": "solid",
-    "bellman": [2, 2],
-    "eoc": [8, 3],
-    "enoc": [8, 3, 2, 3],
-    "phases": [4, 3],
-    "speed_limits": [12, 4],
-    "fastest": [1, 3],
+    **{name: look.dash for name, look in LOOKS.items()},
     "pinned": "solid",
     "actual": [7, 3],
 }

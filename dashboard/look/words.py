@@ -16,6 +16,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.trajectory import BY_HAND, MEASURED
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
+from railjoule.dashboard.look.strategies import LOOKS
 
 # for mypy alone, as simulations are slow to import, and every command imports this module
 if TYPE_CHECKING:
@@ -28,15 +29,7 @@ UNKNOWN = "\u2013"
 PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
 """What a terminal shows for them."""
 
-STRATEGY_WORDS: dict[StrategyName, str] = {
-    "optimal": "Optimal",
-    "bellman": "Bellman",
-    "eoc": "EOC",
-    "enoc": "ENOC",
-    "phases": "Four phases",
-    "speed_limits": "Set speeds",
-    "fastest": "Fastest",
-}
+STRATEGY_WORDS: dict[StrategyName, str] = {name: look.label for name, look in LOOKS.items()}
 ADVISED = "advised"
 NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice", BY_HAND: "Driven by hand"}
 """What runs are called that no strategy made."""

@@ -241,7 +241,8 @@ class FilesModel(param.Parameterized):
         """
         if kind == "vehicles":
             # as many on board as before, as far as this vehicle carries them
-            most = Vehicle.model_validate(document).crush_load_factor
+            vehicle = Vehicle.model_validate(document)
+            most = vehicle.crush_load_factor if vehicle.capacity_passengers * vehicle.passenger_mass_kg else 0.0
             load = min(self.scenario.scenario().vehicle.load_factor, most)
             self.scenario.edit({"vehicle": {**document, "load_factor": load}, "drive": None})
         else:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.scenario import format_scenario
+from railjoule.core.scenario import document_of, format_scenario
 from railjoule.dashboard.state.programs import Program, page_run
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -49,11 +49,25 @@ class Recipe:
 def recipe_of(state: Workbench) -> Recipe:
     """Return what the page in sight computes."""
     scenario, computed = state.scenario, page_run(state)
-    changes = {**scenario.changes, **computed.changes}
+    changes = _effective({**scenario.changes, **computed.changes}, document_of(scenario.base))
     # named only where it differs, as all keys: without changes the command is the name of the scenario alone
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]
     return Recipe(scenario.preset, scenario.opened, scenario.base, changes, computed.program, computed.untold)
+
+
+def _effective(changes: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return changes without those that take a key away which the document does not have."""
+
+    def has(path: str) -> bool:
+        table: Any = document
+        for key in path.split("."):
+            if not isinstance(table, Mapping) or key not in table:
+                return False
+            table = table[key]
+        return True
+
+    return {path: value for path, value in changes.items() if value is not None or has(path)}
 
 
 def as_toml(recipe: Recipe) -> str:

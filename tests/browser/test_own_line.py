@@ -3,29 +3,24 @@
 import re
 import time
 from collections.abc import Iterator
-from datetime import datetime, timedelta
 from pathlib import Path
 
-import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext, Locator, expect
-from recordings import samples
 
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User, open_page
-from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
-from railjoule.dashboard.pages.imports.brought import Brought
-from railjoule.dashboard.pages.imports.compute import Request, Stretch, examples, read_files, taken
+from railjoule.dashboard.pages.imports.compute import examples
 
 CANARY = "</style><img src=x onerror='window.pwned=true'>"
-CATENARY_V = 750.0
 LONGEST_WALK_S = 300.0
 """What a new user is to need at most; the mouse of a test is faster, the machine may be slower."""
 STEPS_OF_WALK = 3
 """From the line to the pin, at most: a run that is shown is one."""
+ASSETS = Path(__file__).parents[2] / "assets"
 FILES = Path(__file__).parents[1] / "core" / "imports" / "files"
 
 
@@ -46,37 +41,9 @@ def spreadsheets(tmp_path: Path) -> list[Path]:
 
 
 @pytest.fixture
-def recorder_file(tmp_path: Path) -> Path:
-    """What a recorder would write of a run over that line, in French: current and voltage, but no power.
-
-    Its driver keeps to 35 km/h in the middle of the line, and drives as well as that allows: what could be saved is
-    what that costs.
-    """
-    brought = tuple(Brought.of(number, source) for number, source in enumerate(examples(), 1))
-    chosen = tuple(file.told("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
-    *_, reading = read_files(Request(chosen, Stretch(), load_scenario("metro-with-limit")))
-    assert reading.offers
-    scenario = parse_scenario(taken(reading.offers[0], reading.offers[0].time_s))
-    limits = [limit.model_dump() for limit in scenario.line.speed_limits]
-    slow = {"from_m": 5000.0, "to_m": 6500.0, "limit_kmh": 35.0}
-    columns = samples(solve(scenario.with_(**{"line.speed_limits": [*limits, slow]})), seed=9)
-    distance = np.append(0.0, np.cumsum(0.5 * (columns["speed_ms"][1:] + columns["speed_ms"][:-1])))
-    start = datetime(2026, 1, 31, 7, 14)
-    rows = ["Horodatage;Distance parcourue (m);Vitesse (km/h);Effort (kN);Courant ligne (A);Tension cat\u00e9naire (V)"]
-    for k, place in enumerate(distance):
-        numbers = (
-            f"{place:.0f}",
-            f"{3.6 * columns['speed_ms'][k]:.2f}",
-            f"{columns['effort_kn'][k]:.1f}",
-            f"{1e3 * columns['power_kw'][k] / CATENARY_V:.1f}",
-            f"{CATENARY_V:.0f}",
-        )
-        moment = (start + timedelta(seconds=float(columns["time_s"][k]))).strftime("%d/%m/%Y %H:%M:%S")
-        rows.append(";".join([moment, *numbers]).replace(".", ","))
-    path = tmp_path / "enregistreur.csv"
-    # as programs of Western Europe write it
-    path.write_bytes("\r\n".join(rows).encode("cp1252"))
-    return path
+def recorder_file() -> Path:
+    """Return the shipped file of a recorder, in French: current and voltage, but no power."""
+    return ASSETS / "imports" / "example-recorder.csv"
 
 
 def card(user: User, name: str) -> Locator:
@@ -129,7 +96,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     page.get_by_role("button", name="Pin this run").click()
     expect(page.get_by_role("button", name="Unpin this run")).to_be_visible()
     open_page(user, "Compare")
-    expect(page.get_by_role("cell", name=re.compile(r"^1 Measured, \d+\.\d s, enregistreur.csv$"))).to_be_visible()
+    expect(page.get_by_role("cell", name=re.compile(r"^1 Measured, \d+\.\d s, example-recorder.csv$"))).to_be_visible()
     with page.expect_download() as download:
         page.get_by_role("button", name="Report", exact=True).click()
         page.get_by_role("button", name="Make the report").click()
@@ -138,7 +105,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     assert time.monotonic() - began < LONGEST_WALK_S
     text = report.read_text(encoding="utf-8")
     assert '<section id="pinned"' in text
-    assert "enregistreur.csv" in text
+    assert "example-recorder.csv" in text
     assert measured.split("\n")[0].split("kWh")[0].strip() in text
     scenario = parse_scenario(scenario_in_report(text, "report"), "report")
     assert scenario.line.length_m == 12_000

@@ -1,22 +1,17 @@
 """The pages of assets/docs tell the truth: their examples run, and their tables name what there is."""
 
 import json
-import os
 import re
 import shlex
 import shutil
 import tomllib
-from functools import partial
 
-import numpy as np
 import pytest
-from builders import PLAIN
 from documents import ROOT, blocks, run_python, text_of
 
 from railjoule.core import solve
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
-from railjoule.core.scenario.document import change_document
-from railjoule.core.strategies import STRATEGIES, prepare_task
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.imports import READERS
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.help.view import PROOF
@@ -26,9 +21,6 @@ COMMANDS = [
     line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines() if line.startswith("railjoule ")
 ]
 (SCENARIO,) = blocks(text_of("howto/scenario"), "toml")
-(ADDED_STRATEGY,) = blocks(text_of("howto/add_strategy"), "python")
-(ADDED_DRIVE,) = blocks(text_of("howto/add_drive"), "python")
-(CHANGES_FOR_THE_DRIVE,) = blocks(text_of("howto/add_drive"), "diff")
 
 
 def test_notebook_example_draws_what_is_told():
@@ -63,95 +55,6 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
     assert run.speed_ms[run.position_m >= 800].max() * 3.6 <= 60 + 1e-9
 
 
-def test_the_strategy_that_is_added_keeps_its_timetable():
-    names = {}
-    exec(ADDED_STRATEGY, names)
-    scenario = load_scenario("liashenko-ii")
-    run = names["slowed"](prepare_task(scenario))
-    assert run.travel_time_s == pytest.approx(scenario.travel_time_s)
-    assert run.energy_kwh > solve(scenario).energy_kwh
-
-
-@pytest.fixture(scope="module")
-def with_the_drive(tmp_path_factory):
-    """A copy of the core with the drive that the page adds: its new file, and its changes of others."""
-    root = tmp_path_factory.mktemp("with-drive") / "railjoule"
-    for name in ("core", "assets"):
-        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-    (root / ADDED_DRIVE.splitlines()[0].removeprefix("# ")).write_text(ADDED_DRIVE, encoding="utf-8")
-    for change in CHANGES_FOR_THE_DRIVE.split("--- ")[1:]:
-        name, hunks = change.split("\n", 1)
-        text = (root / name).read_text(encoding="utf-8")
-        for hunk in hunks.split("@@\n"):
-            lines = hunk.splitlines(keepends=True)
-            old = "".join(line[1:] for line in lines if line[0] in " -")
-            assert text.count(old) == 1, f"the page changes lines of {name} that are not there:\n{old}"
-            text = text.replace(old, "".join(line[1:] for line in lines if line[0] in " +"))
-        (root / name).write_text(text, encoding="utf-8")
-    return root.parent
-
-
-SOLVE_DOCUMENTS = """
-import json, sys
-from railjoule.core import solve
-from railjoule.core.scenario import scenario_from_document
-found = {}
-for name, document in json.loads(sys.argv[1]).items():
-    for strategy in ("optimal", "bellman"):
-        run = solve(scenario_from_document(document), strategy)
-        found[f"{name}, {strategy}"] = [run.energy_kwh, run.gap, run.energy.imbalance]
-print(json.dumps(found))
-"""
-
-
-def test_the_drive_that_is_added_drives(with_the_drive):
-    """Without one of its losses it is the drive that has the other alone; not compiled, which would take minutes."""
-    mixed = {"model": "mixed_loss", "efficiency": 0.8, "loss_w_per_n2": 4e-5}
-    copper = {"motors": 1, "gear_ratio": 1.0, "wheel_diameter_m": 2.0, "torque_per_amp_nm": 1.0, "resistance_ohm": 4e-5}
-    drives = {
-        "mixed": mixed,
-        "efficiency": {"model": "constant_efficiency", "traction_efficiency": 0.8},
-        "mixed as efficiency": {**mixed, "loss_w_per_n2": 0.0},
-        "copper": {"model": "copper_loss", **copper},
-        "mixed as copper": {**mixed, "efficiency": 1.0},
-    }
-    short = {
-        "line.sections": [{"length_m": 300.0, "gradient_permille": -8.0}],
-        "timetable.travel_time_s": 45.0,
-        "solver.mesh_m": 20.0,
-    }
-    documents = {
-        name: change_document(PLAIN, {**short, "vehicle.drive": {**drive, "recuperation_factor": 0.6}})
-        for name, drive in drives.items()
-    }
-    environment = {**os.environ, "PYTHONPATH": str(with_the_drive), "NUMBA_DISABLE_JIT": "1"}
-    run = run_python(["-c", SOLVE_DOCUMENTS, json.dumps(documents)], with_the_drive, environment)
-    assert run.stderr == ""
-    found = json.loads(run.stdout)
-    for other in ("efficiency", "copper"):
-        for strategy in ("optimal", "bellman"):
-            energy = found[f"{other}, {strategy}"][0]
-            assert found[f"mixed as {other}, {strategy}"][0] == pytest.approx(energy, rel=1e-6)
-            assert found[f"mixed, {strategy}"][0] > energy
-    assert found["mixed, optimal"][1] < 1e-6
-    assert all(abs(imbalance) < 1e-9 for _, _, imbalance in found.values())
-
-
-def test_the_drive_that_is_added_gives_its_derivatives():
-    """Compiled, against central differences of its own power; F v / 0.8 + 1e-6 F^2 and 0.8 F v - 1e-6 F^2 by hand."""
-    names = {}
-    exec(ADDED_DRIVE.replace("cache=True", ""), names)
-    parameters = np.array([0.8, 1e-6])
-    for kernel, by_hand in (("driving_power", 1e5 / 0.8 + 100.0), ("generated_power", 0.8e5 - 100.0)):
-        power = partial(names[kernel], parameters)
-        p, p_f, p_v, p_ff, p_fv, p_vv = power(1e4, 10.0)
-        assert p == pytest.approx(by_hand)
-        for exact, index, df, dv in ((p_f, 0, 1.0, 0), (p_v, 0, 0, 1e-3), (p_ff, 1, 1.0, 0), (p_fv, 1, 0, 1e-3)):
-            after, before = (power(1e4 + sign * df, 10.0 + sign * dv)[index] for sign in (1, -1))
-            assert exact == pytest.approx((after - before) / (2 * (df + dv)), rel=1e-6)
-        assert p_vv == 0
-
-
 @pytest.mark.parametrize("command", COMMANDS)
 def test_command_runs(command, folder):
     _, *arguments = shlex.split(command)
@@ -177,6 +80,24 @@ def test_the_table_of_a_line_is_imported_as_told(tmp_path):
     document = {"vehicle": {"preset": "metro-81-7036"}, "timetable": {"travel_time_s": 180}}
     line = scenario_from_document({**document, "line": {"file": "line.csv"}}, folder=tmp_path).line
     assert [section.gradient_permille for section in line.sections] == [2.5, -4, 0]
+
+
+def test_the_tables_of_ones_own_line_lead_to_a_solved_scenario(tmp_path):
+    """The commands of the walk in a terminal, in the order of the page, beside copies of the files that it names."""
+    page = text_of("own_line")
+    for name in re.findall(r"`(example-\w+\.csv)`", page):
+        shutil.copy(ROOT / "assets" / "imports" / name, tmp_path)
+    printed = []
+    for command in "".join(blocks(page, "sh")).splitlines():
+        run = run_python(["-m", "railjoule.dashboard", *shlex.split(command)[1:]], tmp_path)
+        assert run.returncode == 0, run.stderr
+        printed.append(run.stdout)
+    made, solved, measured, line, solved_by_options = printed
+    assert "12.00 km, 24 sections, 761.0 s" in made
+    assert "proven optimal" in solved
+    assert "example-recorder.csv" in measured
+    assert "12.00 km, 24 sections" in line
+    assert solved_by_options.splitlines()[1:4] == solved.splitlines()[1:4]
 
 
 def test_imports_are_those_that_exist():

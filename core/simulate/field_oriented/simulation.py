@@ -39,8 +39,6 @@ SAMPLES = 3000
 OVERTIME_S, OVERTIME_RATIO = 60.0, 1.0
 # Errors of the measured speed are drawn once and repeated: 2^18 of them last 262 s, longer than the loop remembers.
 NOISE_SAMPLES = 1 << 18
-# Currents that follow noise never come to rest between two steps, so with steps above this the two accounts differ.
-LARGEST_NOISY_STEP_S = 0.0005
 
 
 def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) -> FieldOrientedRun:
@@ -90,6 +88,9 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),
+        # the loop follows the plan over time by the motor's own sensor, not by an odometer over distance
+        ("simulation.speed_error", scenario.simulation.speed_error != 0),
+        ("simulation.sensor_errors_m", any(scenario.simulation.sensor_errors_m)),
     ):
         if there:
             raise ScenarioError(f"simulation.kind = field_oriented does not simulate {words}; kind = following does.")
@@ -97,7 +98,7 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
 
 def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
     """Refuse a plan that takes too long for the closed loop, or a step of time that is too short for the plan."""
-    budget, step = current_budget(), scenario.simulation.time_step_s
+    budget, step = current_budget(), scenario.simulation.loop_step_s
     if duration_s > budget.loop_time_s:
         raise ScenarioError(
             f"A plan of {duration_s:,.0f} s is too long for the closed loop: {budget.name} takes at most "
@@ -119,9 +120,7 @@ def _run(
     plan: PlannedMotion,
 ) -> Record:
     """Return the samples of a run, or raise where it has no end."""
-    step = scenario.simulation.time_step_s
-    if scenario.simulation.speed_noise_rads > 0:
-        step = min(step, LARGEST_NOISY_STEP_S)
+    step = scenario.simulation.loop_step_s
     nominal_s = reference.step_s * (len(reference.position_m) - 1)
     longest_s = nominal_s * (1 + OVERTIME_RATIO) + OVERTIME_S
     end = float(plan.position_m[-1])

@@ -244,7 +244,7 @@ def waiting_words(offer: Offer) -> str:
 def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
     """Return the vehicle's table with as many on board as now, as far as it carries them."""
     vehicle = imported.document["vehicle"]
-    if not imported.vehicle.capacity_passengers:
+    if not imported.vehicle.capacity_passengers * imported.vehicle.passenger_mass_kg:
         return {"vehicle": vehicle}
     load = min(base.vehicle.load_factor, imported.vehicle.crush_load_factor)
     return {"vehicle": {**vehicle, "load_factor": load}}

@@ -6,11 +6,11 @@ from typing import Any, get_args
 import param
 
 from railjoule.core import Scenario
-from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
+from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
-from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_FIELDS
 from railjoule.dashboard.pages.robustness.compute import Reality
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -106,15 +106,16 @@ class RobustnessModel(TypedParameters, PageModel):
     @property
     def changes(self) -> Mapping[str, Any]:
         """The reality and the sensors, by the keys of the file."""
+        sensors: dict[str, Any] = dict.fromkeys(f"simulation.{key}" for key in TARGET_BRAKING_KEYS)
+        if self.target_braking:
+            # not `sensor_errors_m`: the page has no field for it, and leaves that of a file
+            sensors = {f"simulation.{key}": float(getattr(self, key)) for key in SENSOR_FIELDS}
         return {
             "disturbance.actual_load_factor": self.actual_load_percent / 100,
             "disturbance.coordinate_error_m": float(self.coordinate_error_m),
             "simulation.speed_error": self.speed_error_percent / 100,
             "simulation.target_braking": self.target_braking,
-            "simulation.target_deceleration_ms2": float(self.target_deceleration_ms2),
-            "simulation.reset_sensor_m": float(self.reset_sensor_m),
-            "simulation.calibration_length_m": float(self.calibration_length_m),
-            "simulation.stop_sensor_m": float(self.stop_sensor_m),
+            **sensors,
         }
 
     def chance_changes(self, runs: int) -> Mapping[str, Any]:

@@ -8,7 +8,7 @@ import param
 
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.scenario.options import SearchOptions
+from railjoule.core.scenario.options import LITERAL_KEYS, SearchOptions
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip, StorageCurve
@@ -183,11 +183,14 @@ class SpeedLimitsModel(TypedParameters, PageModel):
     @property
     def changes(self) -> Mapping[str, Any]:
         """Sections and search by the keys of the file; limits are given unless the search finds them."""
+        # a file of the literal regulator names keys that the others do not have
+        of_literal = {} if self.regulator == "literal" else {f"search.{key}": None for key in LITERAL_KEYS}
         return {
+            **of_literal,
             "strategy": "speed_limits",
             "search.regulator": self.regulator,
             "search.boundaries_m": list(self.borders_m),
-            "search.free_boundaries": self.free_borders,
+            "search.free_boundaries": self.free_borders if self.found else None,
             "search.limits_kmh": None if self.found else list(self.limits_kmh),
             "search.time_window": self.time_window_percent / 100,
             "search.stop_deceleration_ms2": float(self.stop_deceleration_ms2),

@@ -35,7 +35,7 @@ def driven(course, relay=RELAY, limit_ms=10.0, data=None):
 
 @pytest.mark.parametrize("step", [0.1, 0.02])
 def test_it_arrives_and_its_account_closes(step):
-    scenario = METRO.with_(**{"search.time_step_s": step})
+    scenario = METRO.with_(**{"search.regulator": "literal", "search.time_step_s": step})
     run = drive_under_limits(scenario, [40, 35], "literal")
     assert abs(run.energy.imbalance) < 1e-6
     assert run.speed_ms[-1] == 0

@@ -27,7 +27,9 @@ HILLY = {
 def literal(changes, limit_kmh=50.0, **search):
     options = {f"search.{key}": value for key, value in search.items()}
     return drive_under_limits(
-        plain_scenario({"search.boundaries_m": [1000.0], **changes, **options}), [limit_kmh, 40.0], "literal"
+        plain_scenario({"search.regulator": "literal", "search.boundaries_m": [1000.0], **changes, **options}),
+        [limit_kmh, 40.0],
+        "literal",
     )
 
 

@@ -8,7 +8,8 @@ import openpyxl
 import pytest
 from commands import complaint
 
-from railjoule.core.scenario import parse_scenario
+from railjoule.core.scenario import load_scenario, parse_scenario
+from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
 
 FILES = Path(__file__).parents[2] / "core" / "imports" / "files"
@@ -46,6 +47,67 @@ def test_the_line_can_be_solved(capsys, tmp_path):
     scenario.write_text('line.file = "line.csv"\nvehicle.preset = "metro-81-7036"\ntimetable.travel_time_s = 150\n')
     assert main(("solve", str(scenario), "--json")) == OK
     assert json.loads(capsys.readouterr().out)["distance_m"] == 1500
+
+
+def limits_with(*words, target):
+    """Return the words of an import of the limits with others."""
+    return ("intervals", "--limits", FILES / "limits.csv", *words, "-o", target)
+
+
+def test_a_line_with_a_vehicle_is_a_scenario(capsys, tmp_path):
+    target = tmp_path / "scenario.toml"
+    words = ("--vehicle", "metro-81-7036", "--travel-time-s", "150", "--name", "Example")
+    out, _ = imported(capsys, *limits_with(*words, target=target))
+    assert out == f"{target}: 1.50 km, 2 sections, 150.0 s\n"
+    scenario = load_scenario(target)
+    assert scenario.title == "Example, Metro 81-7036, 5 cars"
+    assert (scenario.vehicle.preset, scenario.travel_time_s) == ("metro-81-7036", 150)
+
+
+def test_a_vehicle_may_be_a_file_and_its_time_found(capsys, tmp_path):
+    train, target = tmp_path / "train.toml", tmp_path / "scenario.toml"
+    train.write_text('[vehicle]\npreset = "metro-81-7036"\nload_factor = 1.0\n[drive]\nrecuperation_factor = 0.3\n')
+    _, told = imported(capsys, *limits_with("--vehicle", train, target=target))
+    scenario = load_scenario(target)
+    assert (scenario.vehicle.load_factor, scenario.vehicle.drive.recuperation_factor) == (1.0, 0.3)
+    shortest = prepare_task(scenario).shortest_travel_time_s
+    assert scenario.travel_time_s == math.ceil(1.1 * shortest)
+    assert told[-1].startswith(f"no --travel-time-s: {scenario.travel_time_s:g} s, 10 % above the shortest possible")
+
+
+@pytest.mark.parametrize(
+    ("words", "suffix", "sentence"),
+    [
+        (("--vehicle", "metro-81"), ".toml", "there is no preset 'metro-81' among the vehicles"),
+        (("--vehicle", FILES / "no-vehicle.toml"), ".toml", "there is no such file."),
+        (("--vehicle", "metro-81-7036"), ".csv", "must end in .toml with --vehicle, which makes a scenario."),
+        (("--travel-time-s", "150"), ".toml", "--travel-time-s needs --vehicle: a line alone has no timetable."),
+        (("--vehicle", "metro-81-7036", "--travel-time-s", "-3"), ".toml", "--travel-time-s"),
+    ],
+)
+def test_a_vehicle_that_is_none_is_refused(capsys, tmp_path, words, suffix, sentence):
+    target = tmp_path / f"out{suffix}"
+    assert sentence in refusal(capsys, *limits_with(*words, target=target))
+    assert not target.exists()
+
+
+def test_a_file_without_a_vehicle_is_none(capsys, tmp_path):
+    line = tmp_path / "line.toml"
+    imported(capsys, *limits_with(target=line))
+    words = refusal(capsys, *limits_with("--vehicle", line, target=tmp_path / "scenario.toml"))
+    assert words.endswith("line.toml: has no table [vehicle].")
+
+
+def test_a_line_alone_names_the_next_step(capsys, tmp_path):
+    line = tmp_path / "line.toml"
+    imported(capsys, *limits_with(target=line))
+    assert complaint(capsys, "solve", str(line)) == (
+        "line.toml: holds [line] alone, and a scenario also needs [vehicle] and [timetable]. Add it to the file, or "
+        "name it here, such as --set vehicle.preset=metro-81-7036 timetable.average_speed_kmh=35."
+    )
+    assert "also needs [timetable]" in complaint(capsys, "solve", str(line), "--set", "vehicle.preset=metro-81-7036")
+    sets = ("--set", "vehicle.preset=metro-81-7036", "timetable.average_speed_kmh=35")
+    assert main(("solve", str(line), *sets)) == OK
 
 
 def test_presets_rows_and_direction(capsys, tmp_path):

@@ -55,7 +55,9 @@ def test_stations_have_columns_for_what_is_given_alone() -> None:
 
 
 def test_choices_are_told_in_words() -> None:
-    told = rows(scenario_tables(load_scenario("liashenko-0", {"vehicle.gradient_at": "middle"})))
+    told = rows(
+        scenario_tables(load_scenario("liashenko-0", {"vehicle.length_m": 96, "vehicle.gradient_at": "middle"}))
+    )
     assert ["Middle"] in [row[1:2] for row in told]
     assert not any("_" in cell for row in told for cell in row)
 

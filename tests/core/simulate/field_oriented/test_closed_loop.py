@@ -290,7 +290,6 @@ def test_accounts_that_differ_are_told():
         "line.sections": [{"length_m": 800.0}],
         "timetable.travel_time_s": 80.0,
         "simulation.bandwidth_rads": 50.0,
-        "simulation.time_step_s": 0.002,
         "simulation.speed_noise_rads": 100.0,
     }
     wild = simulate_field_oriented(load_scenario("ftorek-300s", changes))

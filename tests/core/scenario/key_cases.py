@@ -1,0 +1,413 @@
+"""The cases of `test_every_key`: which keys are varied by which computation, and the outputs that these document."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.line_current import line_current_a
+from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.document import change_document
+from railjoule.core.simulate.actual_run import actual_run
+from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulate.following import simulate_following
+from railjoule.core.studies.montecarlo import monte_carlo
+from railjoule.core.studies.whole_line import whole_line
+from railjoule.core.trajectory import Trajectory
+from tests.builders import INDUCTION, PLAIN
+from tests.every_drive import DRIVES
+
+Numbers = list[Any]
+
+
+def of_run(run: Trajectory) -> Numbers:
+    """Return what a run documents: its course over place and time, its energies, the supply current, its notes."""
+    current = line_current_a(run.line_power_w, run.scenario.vehicle.line_voltage_v)
+    supply = [] if current is None else [current]
+    return [run.position_m, run.speed_ms, run.time_s, run.energy.net_j, run.energy.traction_j, *supply, *run.notes]
+
+
+def plan(scenario: Scenario) -> Numbers:
+    """Return the run of the scenario's own strategy."""
+    return of_run(solve(scenario))
+
+
+def followed(scenario: Scenario) -> Numbers:
+    """Return a plan and the run that follows it."""
+    run = simulate_following(scenario)
+    return [*of_run(run.planned), *of_run(run.actual), run.delay_s, *run.stop_errors_m]
+
+
+def disturbed(scenario: Scenario) -> Numbers:
+    """Return the run with its events."""
+    run = actual_run(scenario)
+    return [*of_run(run.actual), run.delay_s, *run.notes]
+
+
+def in_closed_loop(scenario: Scenario) -> Numbers:
+    """Return the run of the machines."""
+    run = simulate_field_oriented(scenario)
+    return [run.time_s, run.speed_ms, run.phase_voltage_v, run.energy_by_parts_j, *of_run(run.actual), *run.notes]
+
+
+def by_chance(scenario: Scenario) -> Numbers:
+    """Return the draws of a Monte Carlo study and their runs."""
+    table = monte_carlo(scenario)
+    return [*table.drawn.values(), table.energy_kwh, table.delay_s, table.stop_error_m]
+
+
+def timetable(scenario: Scenario) -> Numbers:
+    """Return the run of the timetable that is given."""
+    return of_run(whole_line(scenario, "given").run)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Tables of a document, each key of which must change what is computed.
+
+    Parameters
+    ----------
+    compute : callable
+        From a scenario to its output.
+    document : mapping
+        The scenario file.
+    tables : tuple of str
+        Beginnings of the paths of all keys that are varied.
+    others : mapping
+        The other value of a key by its path, or all that changes with it; without it a number shrinks by 7 %.
+    idle : tuple of str
+        Keys among them that another case varies.
+    """
+
+    compute: Callable[[Scenario], Numbers]
+    document: Mapping[str, Any]
+    tables: tuple[str, ...]
+    others: Mapping[str, Any] = field(default_factory=dict)
+    idle: tuple[str, ...] = ()
+
+
+def shortened(changes: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a document of a light train on 900 m of coarse mesh."""
+    short = {
+        "line.sections": [
+            {"length_m": 400.0, "gradient_permille": 5.0},
+            {"length_m": 500.0, "gradient_permille": -15.0},
+        ],
+        "timetable.travel_time_s": 90.0,
+        "solver.mesh_m": 50.0,
+        "vehicle.tare_kg": 40e3,
+        "vehicle.traction.max_speed_kmh": 60.0,
+    }
+    return change_document(PLAIN, {**short, **changes})
+
+
+TRAIN = change_document(
+    PLAIN,
+    {
+        "vehicle.load_factor": 0.5,
+        "vehicle.auxiliary_power_kw": 20.0,
+        "vehicle.line_voltage_v": 750.0,
+        "vehicle.length_m": 60.0,
+        "vehicle.car_count": 3,
+        "vehicle.resistance": {
+            "constant_n_per_kn": 1.5,
+            "linear_n_per_kn_per_kmh": 0.01,
+            "quadratic_n_per_kn_per_kmh2": 4e-4,
+            "constant_n": 300.0,
+            "linear_n_per_kmh": 5.0,
+            "quadratic_n_per_kmh2": 0.1,
+            "curve_constant_m_n_per_kn": 600.0,
+            "car_kinds": [
+                {
+                    "cars": cars,
+                    "constant_n_per_kn": 0.5,
+                    "linear_n_per_kn_per_kmh": 0.01 * cars,
+                    "quadratic_n_per_kn_per_kmh2": 1e-4,
+                }
+                for cars in (2, 1)
+            ],
+        },
+        "vehicle.traction": {
+            "max_effort_kn": 100.0,
+            "max_power_kw": 700.0,
+            "max_speed_kmh": 46.0,
+            "max_acceleration_ms2": 0.55,
+            "breakdown_speed_kmh": 42.0,
+        },
+        "vehicle.braking": {
+            "max_effort_kn": 70.0,
+            "max_power_kw": 400.0,
+            "friction_effort_kn": 30.0,
+            "max_deceleration_ms2": 0.6,
+            "breakdown_speed_kmh": 40.0,
+            "permitted_deceleration": [[0, 0.75], [35, 0.55]],
+        },
+        "line.sections": [
+            {"length_m": 500.0, "gradient_permille": 3.0},
+            {
+                "length_m": 600.0,
+                "gradient_permille": 12.0,
+                "curve_radius_m": 400.0,
+                "speed_limit_kmh": 35.0,
+                "tunnel_factor": 1.5,
+            },
+            {"length_m": 900.0, "gradient_permille": -9.0},
+        ],
+        "line.speed_limits": [{"from_m": 1500.0, "to_m": 1600.0, "limit_kmh": 32.0}],
+        "line.neutral_sections": [{"from_m": 300.0, "to_m": 360.0}],
+        "line.passing_points": [{"name": "P", "position_m": 1300.0, "speed_kmh": 40.0}],
+        "line.limits_hold_for": "whole_train",
+        "line.head_wind_kmh": 5.0,
+        "timetable": {"travel_time_s": 270.0, "entry_speed_kmh": 4.0, "exit_speed_kmh": 5.0},
+        "solver.mesh_m": 25.0,
+    },
+)
+"""A train of two kinds of cars on a line with all that a line can have; `fastest` meets its limits."""
+
+EVENTS: dict[str, Any] = {
+    "stops": [{"position_m": 500.0, "duration_s": 10.0, "noticed_at_m": 250.0}],
+    "speed_limits": [{"from_m": 650.0, "to_m": 750.0, "limit_kmh": 30.0, "noticed_at_m": 550.0}],
+    "voltage_changes": [{"line_voltage_factor": 0.4, "noticed_at_m": 150.0}],
+    "recuperation_changes": [{"recuperation_factor": 0.0, "noticed_at_m": 400.0}],
+}
+
+
+def cases_of_events() -> Iterator[tuple[str, Case]]:
+    """Yield one case for each kind of event and each way to notice it: several at once would hide one another."""
+    for kind, (event,) in EVENTS.items():
+        by_time = {key: value for key, value in event.items() if key != "noticed_at_m"} | {"noticed_at_s": 22.0}
+        for name, one in (("place", event), ("time", by_time)):
+            document = shortened({"disturbance": {kind: [one], "accepted_delay_s": 8.0}})
+            reaction = {f"disturbance.{kind}.0.reaction": "driver"}
+            yield f"{kind} noticed by {name}", Case(disturbed, document, (f"disturbance.{kind}",), reaction)
+
+
+def cases_of_drives() -> Iterator[tuple[str, Case]]:
+    """Yield one case for each kind of drive."""
+    leakage = {
+        f"vehicle.drive.{side}_inductance_mh": INDUCTION["mutual_inductance_mh"] + 0.5 for side in ("stator", "rotor")
+    }
+    efficiency = {"model": "constant_efficiency", "traction_efficiency": 0.8}
+    for name, drive in DRIVES.items():
+        if name == "induction":  # the one with a brake at standstill has all its keys
+            continue
+        others = {
+            "vehicle.drive.model": {
+                "vehicle.drive": efficiency if drive["model"] != efficiency["model"] else INDUCTION
+            },
+            "vehicle.drive.modulation": "space_vector",
+            **leakage,
+        }
+        document = shortened({"vehicle.drive": {**drive, "recuperation_factor": 0.5}})
+        yield f"drive, {name}", Case(plan, document, ("vehicle.drive",), others)
+
+
+def kind_of_chance(**drawn: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a document of a study with few runs that draws as it is told."""
+    return shortened({"montecarlo": {"runs": 3, "seed": 1, **drawn}})
+
+
+NORMAL = {"distribution": "normal", "mean": 0.4, "standard_deviation": 0.1}
+FIXED = {"distribution": "fixed", "value": 0.9}
+QUANTITIES = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
+FTOREK = load_scenario("ftorek-300s").model_dump(mode="json", exclude_none=True)
+LOOP = change_document(
+    FTOREK,
+    {
+        "line": {"sections": [{"length_m": 800.0}]},
+        "timetable.travel_time_s": 66.0,
+        "solver.mesh_m": 50.0,
+        "simulation": {"speed_noise_rads": 0.1, "time_step_s": 0.0005},
+        "disturbance": {"actual_load_factor": 0.5, "resistance_factor": 1.1, "line_voltage_factor": 0.9},
+    },
+)
+LOOP["vehicle"]["drive"]["machine"] |= {"max_current_a": 500.0, "max_phase_voltage_v": 900.0, "eddy_loss_w": 900.0}
+OF_THE_LOOP = (
+    "kind",
+    "precompensator",
+    "bandwidth_rads",
+    "rotor_resistance_factor",
+    "flux",
+    "speed_noise_rads",
+    "noise_seed",
+    "time_step_s",
+    "reference_window_s",
+)
+PHASES = {
+    "strategy": "phases",
+    "vehicle.drive": INDUCTION,
+    "timetable.travel_time_s": 260.0,
+    "solver.mesh_m": 100.0,
+    "vehicle.resistance.constant_n_per_kn": 5.0,
+    "line.sections": [{"length_m": 3000.0}],
+    "phases.cycles": 3,
+}
+STATION = {"name": "M", "position_m": 1200.0, "dwell_s": 20.0}
+
+CASES: dict[str, Case] = {
+    "fastest": Case(
+        plan,
+        change_document(TRAIN, {"strategy": "fastest"}),
+        ("vehicle", "line", "timetable.e", "solver", "strategy"),
+        {
+            "strategy": "optimal",
+            "vehicle.crush_load_factor": {"vehicle.crush_load_factor": 1.2, "vehicle.load_factor": 1.1},
+            "vehicle.car_count": {"vehicle.car_count": 4, "vehicle.resistance.car_kinds.0.cars": 3},
+            "vehicle.resistance.car_kinds.0.cars": {
+                "vehicle.resistance.car_kinds.0.cars": 1,
+                "vehicle.resistance.car_kinds.1.cars": 2,
+            },
+            "vehicle.resistance.car_kinds.1.cars": {
+                "vehicle.resistance.car_kinds.0.cars": 1,
+                "vehicle.resistance.car_kinds.1.cars": 2,
+            },
+            "vehicle.rotating_mass_factor": 0.2,
+            "vehicle.inertial_mass_kg": {"vehicle.rotating_mass_factor": None, "vehicle.inertial_mass_kg": 120e3},
+            "vehicle.gradient_at": "front",
+            "vehicle.traction.curve": [[0, 110], [20, 90], [46, 30]],
+            "vehicle.braking.curve": [[0, 50], [20, 40], [46, 20]],
+            "vehicle.drive.braking_efficiency": 0.7,
+            "line.sections.0.speed_limit_kmh": 35.0,
+            "line.sections.2.speed_limit_kmh": 43.0,
+            "line.speed_limits.0.to_m": 1650.0,
+            "line.sections.0.curve_radius_m": 500.0,
+            "line.sections.2.curve_radius_m": 500.0,
+            "line.limits_hold_for": "front",
+        },
+        idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name"),
+    ),
+    "stations": Case(
+        plan,
+        change_document(PLAIN, {"line.stations": [STATION], "timetable.travel_time_s": 210.0}),
+        ("line.stations", "timetable.travel_time_s", "timetable.average_speed_kmh"),
+        {
+            "line.stations.0.earliest_arrival_s": 115.0,
+            "line.stations.0.latest_arrival_s": 90.0,
+            "timetable.average_speed_kmh": {"timetable.travel_time_s": None, "timetable.average_speed_kmh": 33.0},
+        },
+        idle=("line.stations.0.name",),
+    ),
+    "given timetable": Case(
+        timetable,
+        change_document(PLAIN, {"line.stations": [{**STATION, "arrival_s": 100.0}], "timetable.travel_time_s": 210.0}),
+        ("line.stations.0.arrival_s",),
+    ),
+    **dict(cases_of_drives()),
+    "eoc": Case(plan, {**FTOREK, "strategy": "eoc"}, ("eoc",), {"eoc.variant": "as_printed"}),
+    "enoc": Case(plan, {**FTOREK, "strategy": "enoc", "enoc": {"acceleration_time_s": 60.0}}, ("enoc",)),
+    "phases": Case(
+        plan,
+        shortened(PHASES),
+        ("phases",),
+        {
+            "phases.starting_current_a": 150.0,
+            "phases.free_starting_current": True,
+            "phases.coast": {"phases.coast": False, "phases.cycles": 1},
+        },
+        idle=("phases.cycles",),
+    ),
+    "phases in cycles": Case(
+        plan,
+        shortened({"phases.cruise": False, **PHASES}),
+        ("phases.cycles",),
+    ),
+    "set speeds": Case(
+        plan,
+        shortened({"strategy": "speed_limits", "search.boundaries_m": [450.0], "solver.mesh_m": 100.0}),
+        ("search",),
+        {"search.regulator": "brake", "search.limits_kmh": [45.0, 50.0], "search.free_boundaries": True},
+        idle=tuple(
+            f"search.{key}"
+            for key in (
+                "dead_zone_kmh",
+                "regulation_speed_kmh",
+                "full_effort_time_s",
+                "effort_rate_share",
+                "time_step_s",
+            )
+        ),
+    ),
+    "set speeds of the literal regulator": Case(
+        plan,
+        shortened(
+            {
+                "strategy": "speed_limits",
+                "search": {"boundaries_m": [450.0], "regulator": "literal", "limits_kmh": [45.0, 40.0]},
+            }
+        ),
+        ("search",),
+        {"search.regulator": "brake"},
+        idle=("search.free_boundaries", "search.time_window"),
+    ),
+    "followed": Case(
+        followed,
+        shortened(
+            {
+                "vehicle.load_factor": 0.3,
+                "disturbance": {
+                    "coordinate_error_m": 8.0,
+                    "actual_load_factor": 0.6,
+                    "resistance_factor": 1.1,
+                    "line_voltage_factor": 0.9,
+                    "departure_delay_s": 4.0,
+                },
+                "simulation": {
+                    "speed_error": 0.02,
+                    "sensor_errors_m": [2.0, 1.0, 0.5],
+                    "reset_sensor_m": 200.0,
+                    "calibration_length_m": 90.0,
+                },
+            }
+        ),
+        ("disturbance", "simulation"),
+        {"simulation.target_braking": {"simulation": {"target_braking": False, "speed_error": 0.02}}},
+        idle=("disturbance.accepted_delay_s", *(f"simulation.{key}" for key in OF_THE_LOOP)),
+    ),
+    "accepted delay": Case(
+        disturbed,
+        shortened({"disturbance": {"stops": EVENTS["stops"], "accepted_delay_s": 8.0}}),
+        ("disturbance.accepted_delay_s",),
+    ),
+    **dict(cases_of_events()),
+    "closed loop": Case(
+        in_closed_loop,
+        LOOP,
+        ("simulation", "vehicle.drive", "disturbance"),
+        {
+            "simulation.flux": "least_loss",
+        },
+        idle=(
+            "vehicle.drive.model",
+            "disturbance.coordinate_error_m",
+            "disturbance.departure_delay_s",
+            "disturbance.accepted_delay_s",
+            "simulation.kind",
+            "simulation.response_length_m",
+            "simulation.speed_error",
+            "simulation.target_braking",
+            "simulation.target_deceleration_ms2",
+            "simulation.reset_sensor_m",
+            "simulation.calibration_length_m",
+            "simulation.stop_sensor_m",
+            "simulation.sensor_errors_m",
+        ),
+    ),
+    "chance": Case(
+        by_chance,
+        kind_of_chance(
+            load_factor=NORMAL,
+            coordinate_error_m={"distribution": "uniform", "low": -3.0, "high": 4.0},
+            resistance_factor={"distribution": "log_normal", "median": 1.0, "log_standard_deviation": 0.1},
+            line_voltage_factor={"distribution": "triangular", "low": 0.8, "mode": 0.9, "high": 1.0},
+            departure_delay_s={"distribution": "exponential", "mean": 5.0},
+        ),
+        ("montecarlo",),
+        {f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED} for name in QUANTITIES},
+    ),
+    "no chance": Case(
+        by_chance,
+        kind_of_chance(resistance_factor=FIXED),
+        ("montecarlo.resistance_factor",),
+        {"montecarlo.resistance_factor.distribution": {"montecarlo.resistance_factor": NORMAL}},
+    ),
+}

@@ -1,0 +1,237 @@
+"""A guide that is followed to the letter works: in Python, on the command line, with the check and on the page.
+
+Each guide is carried out on a copy of the sources. Nothing is compiled there: that would take minutes.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tomli_w
+from builders import PLAIN
+from documents import ROOT, blocks, run_python, text_of
+
+from railjoule.core.check.drives import LOSS_MODELS
+from railjoule.core.drive.build import MAKERS
+from railjoule.core.scenario.document import change_document
+
+(ADDED_DRIVE,) = blocks(text_of("howto/add_drive"), "python")
+SHORT = {
+    "line.sections": [{"length_m": 300.0, "gradient_permille": -8.0}],
+    "timetable.travel_time_s": 45.0,
+    "solver.mesh_m": 20.0,
+}
+"""A line so short that it is solved without compiled kernels."""
+
+
+def carried_out(guide: str, root: Path) -> Path:
+    """Copy the sources to a folder, and change them as a guide says: its new file, and its changes of others."""
+    for name in ("core", "dashboard", "assets"):
+        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    text = text_of(f"howto/{guide}")
+    (added,), (changes,) = blocks(text, "python"), blocks(text, "diff")
+    (root / added.splitlines()[0].removeprefix("# ")).write_text(added, encoding="utf-8")
+    for change in changes.split("--- ")[1:]:
+        name, hunks = change.split("\n", 1)
+        text = (root / name).read_text(encoding="utf-8")
+        for hunk in hunks.split("@@\n"):
+            lines = hunk.splitlines(keepends=True)
+            old = "".join(line[1:] for line in lines if line[0] in " -")
+            assert text.count(old) == 1, f"the page changes lines of {name} that are not there:\n{old}"
+            text = text.replace(old, "".join(line[1:] for line in lines if line[0] in " +"))
+        (root / name).write_text(text, encoding="utf-8")
+    return root
+
+
+@pytest.fixture(scope="module")
+def with_the_drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the sources with the drive of its guide."""
+    return carried_out("add_drive", tmp_path_factory.mktemp("with-drive") / "railjoule").parent
+
+
+@pytest.fixture(scope="module")
+def with_the_strategy(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the sources with the strategy of its guide, and a scenario beside it."""
+    folder = carried_out("add_strategy", tmp_path_factory.mktemp("with-strategy") / "railjoule").parent
+    (folder / "short.toml").write_text(tomli_w.dumps(change_document(PLAIN, SHORT)), encoding="utf-8")
+    return folder
+
+
+def run_in(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run Python with the changed sources."""
+    environment = {**os.environ, "PYTHONPATH": str(folder), "NUMBA_DISABLE_JIT": "1"}
+    return run_python([*arguments], folder, environment)
+
+
+def answer(folder: Path, *arguments: str) -> str:
+    """Return what Python prints, which has nothing to complain of."""
+    run = run_in(folder, *arguments)
+    assert (run.returncode, run.stderr) == (0, "")
+    return run.stdout
+
+
+IN_PYTHON = """
+import json, sys
+from railjoule.core import load_scenario, solve
+run = solve(load_scenario("short.toml"), "slowed", check=True)
+print(json.dumps([run.strategy, run.travel_time_s, run.check.ok, run.energy_kwh, run.lower_bound_kwh]))
+"""
+
+
+def test_the_added_strategy_runs_in_python_and_passes_the_check(with_the_strategy: Path) -> None:
+    name, time, ok, energy, bound = json.loads(answer(with_the_strategy, "-c", IN_PYTHON))
+    assert (name, ok) == ("slowed", True)
+    assert time == pytest.approx(45.0)
+    assert energy > bound
+
+
+FREE = "simulation.target_braking=false"
+"""The sensors of target braking lie farther before a stop than the short line is long."""
+
+
+def test_the_added_strategy_runs_on_the_command_line(with_the_strategy: Path) -> None:
+    railjoule = partial(answer, with_the_strategy, "-m", "railjoule.dashboard")
+    assert "Slowed" in railjoule("solve", "short.toml", "--strategy", "slowed", "--check").splitlines()[0]
+    assert "Slowed" in railjoule("simulate", "short.toml", "--set", "strategy=slowed", FREE)
+    compared = json.loads(railjoule("compare", "short.toml", "--json"))
+    assert "slowed" in [run["strategy"] for run in compared["results"]]
+
+
+ON_THE_PAGE = """
+import json
+from railjoule.core import load_scenario
+from railjoule.core.scenario import STRATEGY_NAMES
+from railjoule.dashboard.look.theme import strategies_css
+from railjoule.dashboard.charts.chart import style_of
+from railjoule.dashboard.look.tokens import DARK, LIGHT
+from railjoule.dashboard.shell.strategies import StrategyList
+from railjoule.dashboard.state.workbench import Workbench
+row = next(row for row in StrategyList(Workbench()).strategies if row["name"] == "slowed")
+print(json.dumps([row["label"], str(row["swatch"]), str(row["info"]), LIGHT["slowed"], DARK["slowed"],
+    style_of("slowed")["line_dash"], strategies_css()]))
+"""
+
+
+def test_the_sidebar_lists_the_added_strategy(with_the_strategy: Path) -> None:
+    label, swatch, info, light, dark, dash, css = json.loads(answer(with_the_strategy, "-c", ON_THE_PAGE))
+    assert label == "Slowed"
+    assert "slowed" in swatch
+    assert "data-term='slowed'" in info
+    assert (light, dark, dash) == ("#6B5B00", "#D7C46A", [10, 2, 2, 2])
+    assert ".stroke.slowed { stroke: var(--rj-slowed)" in css
+
+
+GATE = ("tests/dashboard/look/test_glossary.py", "tests/dashboard/look/test_tokens.py")
+
+
+def test_the_added_strategy_passes_the_tests_of_its_look(with_the_strategy: Path) -> None:
+    """The gate's own tests, read from here, on the changed sources."""
+    answer(with_the_strategy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(str(ROOT / name) for name in GATE))
+
+
+def test_a_strategy_without_a_look_is_called_by_its_key() -> None:
+    from railjoule.dashboard.look.strategies import SPARE_LINE, look_of  # noqa: PLC0415
+
+    look = look_of("slow_and_steady")  # type: ignore[arg-type]
+    assert look.label == "Slow and steady"
+    assert (look.light, look.dark, look.dash) == SPARE_LINE
+
+
+SOLVE_DOCUMENTS = """
+import json, sys
+from railjoule.core import solve
+from railjoule.core.scenario import scenario_from_document
+found = {}
+for name, document in json.loads(sys.argv[1]).items():
+    for strategy in ("optimal", "bellman"):
+        run = solve(scenario_from_document(document), strategy, check=True)
+        found[f"{name}, {strategy}"] = [run.energy_kwh, run.gap, run.energy.imbalance]
+print(json.dumps(found))
+"""
+MIXED = {"model": "mixed_loss", "efficiency": 0.8, "loss_w_per_n2": 4e-5}
+
+
+def with_drive(drive: dict[str, object]) -> dict[str, object]:
+    """Return a document of the short line with a drive."""
+    return change_document(PLAIN, {**SHORT, "vehicle.drive": {**drive, "recuperation_factor": 0.6}})
+
+
+def test_the_added_drive_runs_and_passes_the_check(with_the_drive: Path) -> None:
+    """Without one of its losses it is the drive that has the other alone."""
+    copper = {"motors": 1, "gear_ratio": 1.0, "wheel_diameter_m": 2.0, "torque_per_amp_nm": 1.0, "resistance_ohm": 4e-5}
+    drives = {
+        "mixed": MIXED,
+        "efficiency": {"model": "constant_efficiency", "traction_efficiency": 0.8},
+        "mixed as efficiency": {**MIXED, "loss_w_per_n2": 0.0},
+        "copper": {"model": "copper_loss", **copper},
+        "mixed as copper": {**MIXED, "efficiency": 1.0},
+    }
+    documents = {name: with_drive(drive) for name, drive in drives.items()}
+    found = json.loads(answer(with_the_drive, "-c", SOLVE_DOCUMENTS, json.dumps(documents)))
+    for other in ("efficiency", "copper"):
+        for strategy in ("optimal", "bellman"):
+            energy = found[f"{other}, {strategy}"][0]
+            assert found[f"mixed as {other}, {strategy}"][0] == pytest.approx(energy, rel=1e-6)
+            assert found[f"mixed, {strategy}"][0] > energy
+    assert found["mixed, optimal"][1] < 1e-6
+    assert all(abs(imbalance) < 1e-9 for _, _, imbalance in found.values())
+
+
+FIELDS = """
+import json
+from railjoule.dashboard.editor.fields_of import parts_of
+print(json.dumps([part.key.rpartition(".")[2] for part in parts_of("vehicle.drive", "mixed_loss")]))
+"""
+
+
+def test_the_editor_has_fields_for_the_added_drive(with_the_drive: Path) -> None:
+    assert {"efficiency", "loss_w_per_n2"} <= set(json.loads(answer(with_the_drive, "-c", FIELDS)))
+
+
+def test_the_added_drive_runs_on_the_command_line(with_the_drive: Path) -> None:
+    (with_the_drive / "mixed.toml").write_text(tomli_w.dumps(with_drive(MIXED)), encoding="utf-8")
+    solved = json.loads(answer(with_the_drive, "-m", "railjoule.dashboard", "solve", "mixed.toml", "--json", "--check"))
+    assert solved["check"]["ok"]
+    assert solved["gap"] < 1e-6
+
+
+WITHOUT_A_FORMULA = """
+import sys
+from railjoule.core.check.drives import LOSS_MODELS
+from railjoule.core.scenario.drive import MixedLoss
+from railjoule.dashboard.command.cli import main
+del LOSS_MODELS[MixedLoss]
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_a_drive_without_a_formula_in_the_check_is_refused_in_a_sentence(with_the_drive: Path) -> None:
+    (with_the_drive / "mixed.toml").write_text(tomli_w.dumps(with_drive(MIXED)), encoding="utf-8")
+    run = run_in(with_the_drive, "-c", WITHOUT_A_FORMULA, "solve", "mixed.toml", "--check")
+    assert run.returncode == 2
+    assert "drive.model = 'mixed_loss' has no formula in the check" in run.stderr
+    assert run.stderr.count("\n") == 1
+
+
+def test_every_drive_has_a_formula_in_the_check() -> None:
+    assert LOSS_MODELS.keys() == MAKERS.keys()
+
+
+def test_the_drive_that_is_added_gives_its_derivatives():
+    """Compiled, against central differences of its own power; F v / 0.8 + 1e-6 F^2 and 0.8 F v - 1e-6 F^2 by hand."""
+    names = {}
+    exec(ADDED_DRIVE.replace("cache=True", ""), names)
+    parameters = np.array([0.8, 1e-6])
+    for kernel, by_hand in (("driving_power", 1e5 / 0.8 + 100.0), ("generated_power", 0.8e5 - 100.0)):
+        power = partial(names[kernel], parameters)
+        p, p_f, p_v, p_ff, p_fv, p_vv = power(1e4, 10.0)
+        assert p == pytest.approx(by_hand)
+        for exact, index, df, dv in ((p_f, 0, 1.0, 0), (p_v, 0, 0, 1e-3), (p_ff, 1, 1.0, 0), (p_fv, 1, 0, 1e-3)):
+            after, before = (power(1e4 + sign * df, 10.0 + sign * dv)[index] for sign in (1, -1))
+            assert exact == pytest.approx((after - before) / (2 * (df + dv)), rel=1e-6)
+        assert p_vv == 0
