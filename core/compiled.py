@@ -92,7 +92,7 @@ class Kernel:
     def _form(self, function: FunctionType, **options: bool) -> Any:
         cached = self._options.get("cache", False) and MODE.is_saving
         # nobody calls a kernel from C
-        return numba.njit(**{**self._options, **options, "cache": cached}, no_cfunc_wrapper=True)(function)
+        return _NJIT(**{**self._options, **options, "cache": cached}, no_cfunc_wrapper=True)(function)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         """Return the function's result."""
@@ -127,6 +127,7 @@ class Kernel:
 MODE = Mode()
 _UNLITERAL: Any = numba.types.unliteral
 _CONFIG: Any = numba.config
+_NJIT: Any = numba.njit
 
 
 class KernelType(numba.types.Dispatcher):
