@@ -27,7 +27,7 @@ from railjoule.core.imports.row_order import TableNotes, TableRows, in_order, ro
 from railjoule.core.imports.source_file import SourceFile, counted, shown_list
 from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
 from railjoule.core.imports.unit_choice import ColumnUnit, TableUnits
-from railjoule.core.imports.units import IntervalKind
+from railjoule.core.imports.units import IntervalKind, unit_words
 from railjoule.core.scenario._sentences import shorten, show
 
 RINF_STRING = re.compile(r"([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\( ?([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\)")
@@ -188,8 +188,8 @@ def _tell_units(found: ResolvedColumns, position: ColumnUnit, value: ColumnUnit,
     """Say which units were taken where neither a column's name nor its cells nor the user says it."""
     for column, unit in ((found.begin, position), (found.value, value)):
         if unit.is_assumed:
-            words = unit.unit.replace("permille", "per mille")
-            notes.add(Finding("assumption", f"no unit is named for {column!r}: taken as {words}."))
+            told = f"no unit is named for {column!r}: taken as {unit_words(unit.unit)}."
+            notes.add(Finding("assumption", told))
 
 
 def _read(place: str, column: str, cell: Cell, convert: Callable[[Cell], float]) -> float:

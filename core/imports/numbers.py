@@ -7,7 +7,7 @@ from typing import Literal
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
-from railjoule.core.imports.units import KNOTS, Quantity, without_unit
+from railjoule.core.imports.units import KNOTS, Quantity, unit_words, without_unit
 from railjoule.core.scenario._sentences import show
 from railjoule.core.units import MS_PER_KMH
 
@@ -211,7 +211,7 @@ def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: st
     number, own = without_unit(text, kind)
     if own is not None:
         if stated is not None and own != stated:
-            raise ValueError(f"is in {own}, but the column in {stated}")
+            raise ValueError(f"is in {unit_words(own)}, but the column in {unit_words(stated)}")
         cell, unit = number, own
     if unit == KNOTS:
         raise ValueError("is in knots, which are not read; write km/h, of which a knot is 1.852")

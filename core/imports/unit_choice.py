@@ -8,7 +8,7 @@ from railjoule.core.imports.cells import Cell
 from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ColumnMap, ResolvedColumns
 from railjoule.core.imports.numbers import is_zero_in_words, names_unit, text_of_cell
 from railjoule.core.imports.table import Interval
-from railjoule.core.imports.units import IntervalKind, Quantity
+from railjoule.core.imports.units import IntervalKind, Quantity, unit_words
 
 # of a run that a train can be driven over; below it the unit was another
 SHORTEST_LINE_M = 50.0
@@ -113,7 +113,9 @@ class TableUnits:
             sentence, likely = doubt
             if unit.is_assumed:
                 likely = (*likely, unit.unit) if likely else ()
-                raise self._question(key, f"no unit is named for {column!r}, and in {unit.unit} {sentence}", likely)
+                raise self._question(
+                    key, f"no unit is named for {column!r}, and in {unit_words(unit.unit)} {sentence}", likely
+                )
             told.append(f"{sentence}: is the unit right?")
         return told
 

@@ -85,6 +85,11 @@ class Heading:
     doubt: str = ""
 
 
+def unit_words(unit: str) -> str:
+    """Return what a unit is called in a sentence."""
+    return {"permille": "per mille", "percent": "per cent", "ratio": "1 in n"}.get(unit, unit)
+
+
 def plain(text: str) -> str:
     """Return a text in small letters without accents."""
     letters = (letter for letter in unicodedata.normalize("NFKD", text) if not unicodedata.combining(letter))
@@ -163,7 +168,7 @@ def _judged(heading: str, quantity: Quantity, units: Sequence[str], unknown: Seq
     if unknown:
         return Heading(unit, f"{heading!r} says {', '.join(map(repr, unknown))}, which is not understood")
     if len(units) > 1:
-        return Heading(None, f"{heading!r} names {len(units)} units, {' and '.join(units)}")
+        return Heading(None, f"{heading!r} names {len(units)} units, {' and '.join(map(unit_words, units))}")
     words = name_tokens(heading)
     is_curvature = quantity == "curves" and any(word in CURVATURES for word in words) and "radius" not in words
     if is_curvature and unit not in {"deg", "1/m", "1/km"}:

@@ -193,7 +193,9 @@ def _with_table(card: Card, file: Brought) -> Card:
     try:
         return _with_result(card, file, read_intervals(file.source, kind, file.wanted))
     except UnitError as error:
-        return _with_unit_to_choose(_failed(card, file, str(error)), error)
+        # the menu beside it has the units under the names that the page has for them
+        sentence = f"{str(error).partition('; name the unit')[0]}; choose the unit."
+        return _with_unit_to_choose(_failed(card, file, sentence), error)
     except RailjouleError as error:
         return _failed(card, file, str(error))
 

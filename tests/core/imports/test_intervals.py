@@ -307,7 +307,7 @@ def test_a_heading_names_the_unit_of_positions(heading, end_m):
         ("from_m,to_m,gradient compensated\n0,500,5\n", "gradients",
          "'gradient compensated' says 'compensated', which is not understood"),
         ("from_m,to_m,gradient (%) [\u2030]\n0,500,5\n", "gradients",
-         "'gradient (%) [\u2030]' names 2 units, percent and permille"),
+         "'gradient (%) [\u2030]' names 2 units, per cent and per mille"),
         ("from_m,to_km,gradient_permille\n0,500,5\n", "gradients", "'from_m' and 'to_km' name two units, m and km"),
         ("from (furlong),to,limit_kmh\n0,500,60\n", "limits",
          "'from (furlong)' says 'furlong', which is not understood"),
@@ -317,9 +317,9 @@ def test_a_heading_names_the_unit_of_positions(heading, end_m):
          "row 2 names a unit under 'gradient', and row 3 does not"),
         # by size, where no unit is named
         ("from_m,to_m,gradient\n0,500,100\n500,900,-200\n", "gradients",
-         "no unit is named for 'gradient', and in permille gradients reach 200 per mille"),
+         "no unit is named for 'gradient', and in per mille gradients reach 200 per mille"),
         ("from_m,to_m,slope\n0,500,0.012\n500,900,0\n", "gradients",
-         "no unit is named for 'slope', and in permille no gradient exceeds 0.012 per mille"),
+         "no unit is named for 'slope', and in per mille no gradient exceeds 0.012 per mille"),
         ("from_m,to_m,radius\n0,500,0.35\n500,900,1.2\n", "curves",
          "no unit is named for 'radius', and in m radii go down to 0.35 m"),
         ("from,to,gradient_permille\n0,48.5,5\n", "gradients",
@@ -375,7 +375,7 @@ def test_knots_are_no_speed_of_trains():
 
 def test_a_cell_must_not_contradict_its_heading():
     """core.md, B3: 12 per mille under per cent was 120 per mille."""
-    told = "a.csv, row 2: gradient [%] = '12 \u2030' is in permille, but the column in percent."
+    told = "a.csv, row 2: gradient [%] = '12 \u2030' is in per mille, but the column in per cent."
     with pytest.raises(ScenarioError, match=f"^{re.escape(told)}$"):
         table_of("from_m,to_m,gradient [%]\n0,500,12 \u2030\n")
 

@@ -167,7 +167,7 @@ def test_a_cell_that_names_its_unit_is_read_in_it(cell, kind, value):
 
 
 def test_a_cell_must_not_contradict_its_column():
-    with pytest.raises(ValueError, match="is in permille, but the column in percent"):
+    with pytest.raises(ValueError, match="is in per mille, but the column in per cent"):
         value_of("12 \u2030", "gradients", "percent", ".", "percent")
 
 
