@@ -25,6 +25,8 @@ from railjoule.core.errors import SolverError
 
 FEWEST_POINTS = 4
 """Between fewer samples there is no change of effort."""
+MOST_POINTS = 1500
+"""Of a stretch that is longer, means of some samples are smoothed: the time of the linear program grows faster."""
 # at 1 Hz half of it is 5 mm/s2, the effort that holds a metro against a tenth of its resistance
 LEAST_STEP_MS = 0.01
 """No recorder knows a speed better than this [m/s]."""
@@ -65,7 +67,9 @@ def smoothed_speed(
     for first, last in moving_stretches(speed_ms):
         if last + 1 - first >= FEWEST_POINTS:
             samples, cells = slice(first, last + 1), slice(first, last)
-            smoothed[samples] = _steadiest(time_s[samples], speed_ms[samples], step_ms, noise_ms, pull_ms2[cells])
+            smoothed[samples] = _smoothed_stretch(
+                time_s[samples], speed_ms[samples], step_ms, noise_ms, pull_ms2[cells]
+            )
             effort = np.diff(smoothed[samples]) / np.diff(time_s[samples]) + pull_ms2[cells]
             coasts[cells] = np.abs(effort) < step_ms / COASTING_S
     return smoothed, coasts
@@ -77,6 +81,24 @@ def moving_stretches(speed_ms: FloatArray) -> list[tuple[int, int]]:
     starts, ends = np.flatnonzero(np.diff(moving) > 0), np.flatnonzero(np.diff(moving) < 0)
     last = len(speed_ms) - 1
     return [(max(int(start) - 1, 0), min(int(end), last)) for start, end in zip(starts, ends, strict=True)]
+
+
+def _smoothed_stretch(
+    time_s: FloatArray, speed_ms: FloatArray, step_ms: float, noise_ms: float, pull_ms2: FloatArray
+) -> FloatArray:
+    """Return the smoothed speeds of one stretch [m/s], of many samples by means of several."""
+    inner = len(speed_ms) - 2
+    size = -(-inner // MOST_POINTS)
+    if size == 1:
+        return _steadiest(time_s, speed_ms, step_ms, noise_ms, pull_ms2)
+    # both ends, which may be at rest, stay samples of their own
+    borders = np.concatenate([[0], np.arange(1, inner + 1, size), [inner + 1]])
+    counts = np.diff(np.append(borders, inner + 2))
+    times, speeds = (np.add.reduceat(values, borders) / counts for values in (time_s, speed_ms))
+    pulls = np.interp(0.5 * (times[1:] + times[:-1]), 0.5 * (time_s[1:] + time_s[:-1]), pull_ms2)
+    means = _steadiest(times, speeds, step_ms, noise_ms / float(np.sqrt(size)), pulls)
+    smoothed: FloatArray = np.interp(time_s, times, means)
+    return np.where(speed_ms > 0, smoothed, 0.0)
 
 
 def _steadiest(

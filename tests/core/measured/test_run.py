@@ -39,6 +39,17 @@ def test_the_model_finds_the_energy_of_a_recorded_run(name, strategy, largest):
     assert measured.modelled.travel_time_s == pytest.approx(run.travel_time_s, abs=1.0)
 
 
+def test_a_run_of_many_samples_is_smoothed_by_their_means(scenario):
+    run = solve(with_time(scenario, 110.0), "speed_limits")
+    columns = samples(run, step_s=0.02, speed_step_ms=0.0)
+    noise = 0.05 * np.random.default_rng(2).standard_normal(len(columns["speed_ms"]))
+    columns["speed_ms"] = np.where(columns["speed_ms"] > 0, np.maximum(columns["speed_ms"] + noise, 0.0), 0.0)
+    measured = measured_run(read_recording(as_csv(columns, ("time_s", "speed_ms")), "run.csv"), scenario)
+    assert len(measured.speed_ms) > 5000
+    assert measured.recording.speed_noise_ms == pytest.approx(0.05, rel=0.05)
+    assert measured.modelled.energy_kwh == pytest.approx(run.energy_kwh, rel=0.01)
+
+
 def test_raw_steps_would_cost_more_than_they_did(scenario):
     # why there is a smoothing at all: a train that coasts would be paid for in traction and brakes in turn
     run = solve(scenario)
