@@ -40,8 +40,8 @@ def contradiction(
     if not reasons:
         return ""
     return (
-        f"These runs contradict the model, and no interval counts: {'; '.join(reasons)}; check the gauges, the mass, "
-        "the gradients and the place of the runs on the line."
+        f"These runs contradict the model, so the intervals are not valid: {'; '.join(reasons)}; check the gauges, the "
+        "mass, the gradients and the place of the runs on the line."
     )
 
 

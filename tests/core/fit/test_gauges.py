@@ -61,7 +61,7 @@ def test_runs_that_contradict_the_model_are_reported(scenario):
     assert fit_runs(clean.runs(scenario), scenario).contradiction == ""
     sentence = fit_runs(off.runs(scenario), scenario).contradiction
     assert sentence.startswith(
-        "These runs contradict the model, and no interval counts: the offset of the effort would"
+        "These runs contradict the model, so the intervals are not valid: the offset of the effort would"
     )
     by_exact = fit_runs(off.runs(scenario), scenario, stated=EXACT).contradiction
     assert "would be -" in by_exact
