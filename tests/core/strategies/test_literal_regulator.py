@@ -103,6 +103,6 @@ def test_a_train_that_comes_to_rest_for_ever_is_given_up():
 
 
 def test_it_knows_no_braking_curve():
-    sentence = r"^needs a train without vehicle\.braking\.permitted_deceleration for the literal regulator\.$"
+    sentence = r"^needs a train without a permitted deceleration \(vehicle\.braking\.permitted_deceleration\) for the"
     with pytest.raises(StrategyRefusedError, match=sentence):
         literal({"vehicle.braking.permitted_deceleration": [[0, 0.5]]})
