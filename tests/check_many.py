@@ -7,7 +7,8 @@ each call within a limit of time; a longer one is stopped and counted. Every cal
 that a run that was broken off or ended by --minutes goes on where it was, as long as the sources are the same.
 `--count 5000` takes a quarter of an hour, a night is `--count 20000 --minutes 480`. The status is 1 where any call
 broke a rule, left the numbers, raised a traceback or a warning of NumPy, or took longer than the limit; where a run
-that is called optimal misses a window of arrival; and where a bound is shown beside a run that needs less.
+that is called optimal misses a window of arrival, or none is found; and where a bound is shown beside a run that needs
+less.
 """
 
 import argparse
@@ -376,6 +377,11 @@ def is_below(row: Row) -> bool:
     return bool(row.get("below", 0.0) > BELOW_SHARE)
 
 
+def is_unsolved(row: Row) -> bool:
+    """Return whether `optimal` ended without a run; each scenario has one that keeps all windows."""
+    return row["strategy"] == "optimal" and row["status"] == "refused" and row["words"].startswith("SolverError")
+
+
 def table(rows: list[Row]) -> str:
     """Return the table of strategies, and the lines that belong to it."""
     scenarios = {row["seed"] for row in rows}
@@ -403,6 +409,7 @@ def _other_lines(rows: list[Row]) -> Iterator[str]:
     solved = [row for row in rows if row.get("status") == "solved"]
     yield f"windows of arrival missed by a run that is called optimal: {_places(filter(is_missed, rows))}"
     yield f"bounds above a run they are shown beside: {_places(filter(is_below, rows))}"
+    yield f"optima that were not found: {_places(filter(is_unsolved, rows))}"
     broken = [row for row in solved if is_faulty(row)]
     yield f"broken rules: {_places(broken)}"
     yield f"not finite: {_places(row for row in solved if row['broken'] and row['broken'][0][0] == 'finite numbers')}"
@@ -448,6 +455,7 @@ def faults(rows: list[Row]) -> dict[str, int]:
     return {
         "not finite": len(not_finite),
         "a broken rule": sum(map(is_faulty, solved)) - len(not_finite),
+        "an optimum not found": sum(map(is_unsolved, rows)),
         "a window missed by an optimum": sum(map(is_missed, rows)),
         "a bound above a run beside it": sum(map(is_below, rows)),
         "a traceback": sum(row["status"] == "traceback" for row in rows),

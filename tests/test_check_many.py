@@ -140,16 +140,18 @@ def test_what_is_not_as_it_must_be_is_counted() -> None:
         good | {"status": "traceback", "words": "x"},
         good | {"status": "stopped"},
         good | {"status": "refused", "words": "y"},
+        good | {"status": "refused", "words": "SolverError: the optimum was not found."},
     ]
     assert check_many.faults(rows) == {
         "not finite": 1,
         "a broken rule": 1,
+        "an optimum not found": 1,
         "a window missed by an optimum": 1,
         "a bound above a run beside it": 1,
         "a traceback": 1,
         "over the limit of time": 1,
     }
-    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 10 calls: 1 not finite, ")
+    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 11 calls: 1 not finite, ")
 
 
 def test_no_scenario_is_begun_after_its_time(tmp_path, monkeypatch) -> None:
