@@ -24,6 +24,7 @@ from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_ce
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_vehicle import actual_vehicle, changed, notes_on
 from railjoule.core.simulate.driver import STANDING_SPEED2
+from railjoule.core.simulate.leg import leg_of
 from railjoule.core.simulate.odometer import Stretch, estimated_positions, stopping_position, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
@@ -154,7 +155,10 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         start, planned_start = float(leg[-1]), stop
     course = build_course(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(course.cell_count + 1)
-    dwell[stop_nodes[:-1]] = [station.dwell_s for station in real.line.in_running_order().inner_stations]
+    # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
+    plan = leg_of(planned)
+    stands = [plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stops_of(scenario)[:-1])]
+    dwell[[0, *stop_nodes[:-1]]] = stands
     course = replace(course, dwell_s=dwell)
     actual = make_trajectory(real, course, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
     return Following(planned, actual, tuple(errors), tuple(courses), scenario.disturbance.departure_delay_s)

@@ -18,6 +18,7 @@ from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableEr
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.strategies.arrival_windows import arrival_windows
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import all_rows
 from railjoule.core.task import LEAST_SLACK, Task
@@ -159,7 +160,7 @@ def energy_time_frontier(
         bound = certify(timed, solution.optimum).energy_j if with_bounds else np.nan
         return solution.energy_j, solution.optimum.price_of_time_w, bound
 
-    return _frontier(coarse, "optimal", travel_times_s, point, _mesh_notes(task, coarse), executor)
+    return _frontier(coarse, "optimal", travel_times_s, point, _notes(task, coarse), executor)
 
 
 def strategy_frontier(
@@ -185,7 +186,7 @@ def strategy_frontier(
         return run.energy.net_j, price, np.nan if run.gap is None or run.bound is None else run.bound.energy_j
 
     coarse = coarsened(task, most_cells)
-    return _frontier(coarse, strategy, travel_times_s, point, _mesh_notes(task, coarse), executor)
+    return _frontier(coarse, strategy, travel_times_s, point, _notes(task, coarse), executor)
 
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
@@ -205,11 +206,13 @@ def coarsened(task: Task, most_cells: int) -> Task:
     return prepare_task(longer, *task.end_speeds_ms)
 
 
-def _mesh_notes(task: Task, coarse: Task) -> tuple[str, ...]:
-    """Return the sentence on a mesh that is coarser than the one asked for, or nothing."""
+def _notes(task: Task, coarse: Task) -> tuple[str, ...]:
+    """Return the sentences on windows of arrival, and on a mesh that is coarser than the one asked for."""
+    windows = ("Windows of arrival do not count here.",) if arrival_windows(task) else ()
     if coarse is task:
-        return ()
+        return windows
     return (
+        *windows,
         f"Computed over {coarse.course.cell_count:,} cells of at most {coarse.scenario.solver.mesh_m:.3g} m instead of "
         f"the {task.course.cell_count:,} of the mesh of {task.scenario.solver.mesh_m:g} m.",
     )

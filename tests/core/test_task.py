@@ -13,10 +13,10 @@ from railjoule.core.task import LEAST_SLACK
 
 STOPS = {
     "line.stations": [
-        {"position_m": 0.0, "dwell_s": 99.0},
+        {"position_m": 0.0},
         {"position_m": 600.0, "dwell_s": 20.0},
         {"position_m": 1300.0, "dwell_s": 12.5},
-        {"position_m": 2000.0, "dwell_s": 99.0},
+        {"position_m": 2000.0},
     ],
     "timetable.travel_time_s": 300.0,
 }

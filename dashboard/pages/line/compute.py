@@ -65,8 +65,9 @@ class LineRuns:
 
     @property
     def measured_by(self) -> tuple[Sharing, ...]:
-        """What the optimum is measured by: the given timetable where there is one, else both rules."""
-        return ("given",) if "given" in self.runs else RULES
+        """What the optimum is measured by: the given timetable or else both rules, if they keep the windows."""
+        others: tuple[Sharing, ...] = ("given",) if "given" in self.runs else RULES
+        return tuple(other for other in others if not self.missed.get(other))
 
     @property
     def pays(self) -> bool:

@@ -25,14 +25,16 @@ def figure_cells(runs: LineRuns) -> list[str]:
     best = runs.best
     prices = [leg.price_of_time_w for leg in best.legs]
     # up to rounding: where no window binds all legs have one price
-    one = max(prices) - min(prices) <= 1e-9 * max(prices)
+    one = max(prices) - min(prices) <= 1e-9 * max(map(abs, prices))
     ends = [words.price(price) for price in (min(prices), max(prices))]
     price = "\u2013".join(dict.fromkeys(ends))
     others = []
     for other in OTHERS:
         if other in runs.runs:
             energy = runs.runs[other].run.energy_kwh
-            cost = comparisons.above(energy, best.run.energy_kwh)
+            # a line whose windows it misses is another one
+            missed = runs.missed.get(other)
+            cost = (words.UNKNOWN, "") if missed else comparisons.above(energy, best.run.energy_kwh)
             others.append(parts.figure(SHARING_WORDS[other].capitalize(), *cost, f"{words.energy(energy)} kWh"))
     supplement = parts.figure(
         "Running-time supplement",
@@ -65,7 +67,9 @@ def sharing_words(runs: LineRuns) -> list[str]:
         costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
     told = f"Against the optimal reserve, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
-    if runs.pays:
+    if not savings:
+        verdict = "No other way of sharing the slack that is shown keeps the windows of arrival."
+    elif runs.pays:
         verdict = f"{told}."
     else:
         verdict = (

@@ -9,6 +9,7 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import ScenarioError, TimetableError, load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.scenario.document import change_document, scenario_from_document
+from railjoule.core.simulate.following import simulate_following
 from railjoule.core.simulate.train_state import State, rest_scenario
 from railjoule.core.strategies import compare, prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
@@ -273,3 +274,12 @@ def test_any_windows_of_two_legs(seed):
     assert run.energy_kwh <= best_kwh + 2e-6 * scale
     assert run.lower_bound_kwh <= best_kwh + 2e-6 * scale
     assert run.lower_bound_kwh <= run.energy_kwh + 2e-6 * scale
+
+
+def test_a_plan_that_waits_is_followed_with_its_waits():
+    times = {"timetable.travel_time_s": 1100.0, "vehicle.drive": COPPER_LOSS}
+    windows = ({"earliest_arrival_s": 900.0}, {"earliest_arrival_s": 1100.0})
+    scenario = two_legs(((700.0, -15.0), (600.0, 4.0)), windows, **times)
+    following = simulate_following(scenario)
+    assert following.actual.travel_time_s == pytest.approx(following.planned.travel_time_s, abs=0.5)
+    assert following.actual.arrival_s(700.0) == pytest.approx(900.0, abs=0.5)
