@@ -31,5 +31,11 @@ def test_events_follow_edited_disturbances(state: Workbench) -> None:
 
 def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> None:
     Robustness(state)
-    state.scenario.edit({"disturbance.coordinate_error_m": -7.0, "simulation.reset_sensor_m": 250.0})
+    state.scenario.edit(
+        {
+            "disturbance.coordinate_error_m": -7.0,
+            "simulation.target_braking": True,
+            "simulation.reset_sensor_m": 250.0,
+        }
+    )
     assert (state.robustness.coordinate_error_m, state.robustness.reset_sensor_m) == (-7.0, 250.0)

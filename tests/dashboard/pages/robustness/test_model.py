@@ -18,7 +18,7 @@ def test_a_file_that_names_its_reality_is_believed() -> None:
 
 
 def test_its_changes_are_keys_of_the_file() -> None:
-    model = RobustnessModel(actual_load_percent=70.0, stop_sensor_m=20.0, speed_error_percent=1.0)
+    model = RobustnessModel(actual_load_percent=70.0, stop_sensor_m=20.0, speed_error_percent=1.0, target_braking=True)
     scenario = load_scenario("liashenko-ii").with_(**model.changes)
     assert scenario.disturbance.actual_load_factor == 0.7
     assert scenario.simulation.stop_sensor_m == 20.0
@@ -41,3 +41,10 @@ def test_numbers_have_bounds() -> None:
         model.parse("seed", "1.5")
     with pytest.raises(ValueError, match=r"^At most 100, the vehicle's crush load\.$"):
         model.parse("actual_load_percent", "120")
+
+
+def test_sensors_are_keys_of_target_braking_only() -> None:
+    """Those of a file are taken away with it, as the scenario would refuse them."""
+    of_a_file = load_scenario("liashenko-ii").with_(**{"simulation.stop_sensor_m": 20.0})
+    model = RobustnessModel(stop_sensor_m=20.0, target_braking=False)
+    assert of_a_file.with_(**model.changes).simulation.stop_sensor_m == 15.0
