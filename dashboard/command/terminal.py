@@ -267,7 +267,8 @@ def verdict(summary: Summary) -> str:
     reference = Reference(known["energy_kwh"] * J_PER_KWH, known["strategy"], known["within_s"], known["proven"])
     more = comparisons.above(summary["energy_kwh"], known["energy_kwh"])
     of = comparisons.reference_words(reference, summary["allowed_time_s"])
-    return words.plain_text(f"{more.sentence} the {of}")
+    late = comparisons.late(summary["travel_time_s"], summary["allowed_time_s"])
+    return words.plain_text(f"{f'{late}, ' if late else ''}{more.sentence} the {of}")
 
 
 def bound_words(summary: Summary) -> str:
@@ -368,10 +369,13 @@ def _proof_lines(first: Summary) -> list[str]:
 def _above_reference(result: Summary) -> str:
     known = result["reference"]
     amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
-    return words.plain_text(comparisons.cell(amount))
+    late = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
+    return words.plain_text(late or comparisons.cell(amount))
 
 
 def _above_bound(result: Summary) -> str:
+    if comparisons.late(result["travel_time_s"], result["allowed_time_s"]):
+        return words.plain_text(words.UNKNOWN)
     amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"], result["proven"])
     return words.plain_text(comparisons.cell(amount))
 

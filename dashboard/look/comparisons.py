@@ -82,6 +82,34 @@ def above_reference(run: Trajectory) -> Amount | None:
     return None if run.reference is None else above(run.energy_kwh, run.reference.energy_kwh)
 
 
+def late(travel_time_s: float, asked_s: float) -> str:
+    """Return how late a run is, as '1.7 s late'; empty where it is in time."""
+    more = travel_time_s - asked_s
+    return f"{words.time(more)} s late" if more >= OTHER_TIME_S else ""
+
+
+def late_of(run: Trajectory) -> str:
+    """Return how late a run arrives by its timetable; empty where it is in time."""
+    return late(run.travel_time_s, run.scenario.travel_time_s)
+
+
+def in_time_asked(run: Trajectory) -> str:
+    """Return by how much a run lies above the best known one in the time of the timetable, or how late it is.
+
+    It stands under a heading that says %. A late run has no percentage: an optimum in more time is another measure.
+    """
+    return late_of(run) or cell(above_reference(run))
+
+
+def beside(run: Trajectory, other: Trajectory) -> str:
+    """Return by how much a run lies above another, or how late it is where it keeps neither that time nor its own.
+
+    It stands under a heading that says %.
+    """
+    later = late(run.travel_time_s, max(run.scenario.travel_time_s, other.travel_time_s))
+    return late_of(run) if later else cell(above(run.energy_kwh, other.energy_kwh))
+
+
 def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None, proven: bool) -> Amount | None:
     """Return by how much an energy lies above its bound, nothing if that proves it; None where no bound is known.
 

@@ -188,7 +188,7 @@ def _pinned_cells(run: Trajectory, first: Trajectory) -> tuple[str, ...]:
     return (
         words.energy(run.energy_kwh),
         words.energy_difference(run.energy_kwh - first.energy_kwh),
-        comparisons.cell(comparisons.above(run.energy_kwh, first.energy_kwh)),
+        comparisons.beside(run, first),
         words.time(run.travel_time_s),
         words.number(run.max_speed_kmh),
         words.number(run.distance_m, 0),
@@ -270,7 +270,8 @@ def certificate(findings: Findings) -> list[str]:
     sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
     more = comparisons.above_reference(run)
     if run is not best and run.reference is not None and more is not None:
-        needed = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"
+        late = comparisons.late_of(run)
+        needed = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh{f', is {late}' if late else ''}"
         known = comparisons.reference_words(run.reference, run.scenario.travel_time_s)
         sentences.insert(1, f"{needed}, {more.sentence} the {known}.")
     return sentences
