@@ -29,7 +29,6 @@ delay = words.plain(words.delay)
 load = words.plain(words.load)
 price = words.plain(words.price)
 notice = words.plain(words.notice)
-outcome = words.plain(words.outcome)
 
 
 def printable(text: str) -> str:
@@ -137,7 +136,7 @@ def following_text(following: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            outcome(_more(planned, actual), following["delay_s"], following["stop_error_m"]),
+            _outcome(following),
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
@@ -155,7 +154,7 @@ def ride_text(ride: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             *learned,
-            f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
+            _outcome(ride),
             *_cause_lines(ride["causes_kwh"]),
             *ride["notes"],
             f"Driver: {driver_words(actual['advice'])}",
@@ -186,7 +185,7 @@ def field_oriented_text(run: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            outcome(_more(planned, actual), run["delay_s"], run["stop_error_m"]),
+            _outcome(run),
             f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
             f"{number(run['voltage_limit_v'], 0)} V per phase.",
             "",
@@ -197,9 +196,10 @@ def field_oriented_text(run: Summary) -> str:
     )
 
 
-def _more(planned: Summary, actual: Summary) -> str:
-    """Return by how much the energy of a run is above that of its plan."""
-    return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
+def _outcome(run: Summary) -> str:
+    """Return what became of a plan."""
+    energies = run["actual"]["energy_kwh"], run["planned"]["energy_kwh"]
+    return words.plain_text(comparisons.outcome(*energies, run["delay_s"], run["stop_error_m"]))
 
 
 def _two_runs(runs: dict[str, Summary]) -> list[str]:
