@@ -6,7 +6,7 @@ decided in `railjoule.core.best_known`, and when a share of an energy means anyt
 """
 
 import math
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -90,10 +90,12 @@ def misses(delay_s: float, stop_error_m: float) -> tuple[Amount, ...]:
     return tuple(missed)
 
 
-Values = TypeVar("Values", float, FloatArray)
-
-
-def is_false_saving(energy_kwh: Values, reference_kwh: Values, delay_s: Values, stop_error_m: Values) -> Any:
+def is_false_saving(
+    energy_kwh: float | FloatArray,
+    reference_kwh: float | FloatArray,
+    delay_s: float | FloatArray,
+    stop_error_m: float | FloatArray,
+) -> Any:
     """Return whether a run needs less energy than another [kWh], but misses timetable or stop; of arrays an array."""
     misses_stop = np.abs(stop_error_m) >= STOP_ERROR_TOLD_M
     return (energy_kwh < reference_kwh) & ((delay_s >= OTHER_TIME_S) | misses_stop)

@@ -151,7 +151,7 @@ def proof_figure(run: Trajectory) -> Markup:
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 
 
-def late_figure(run: Trajectory) -> str:
+def late_figure(run: Trajectory) -> Markup:
     """Return how late a run is, and how far above the best known one in the time that it takes."""
     amount, reference, asked_s = comparisons.above_reference(run), run.reference, run.scenario.travel_time_s
     detail = whole = ""
