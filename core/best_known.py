@@ -1,7 +1,7 @@
 """Runs over one scenario beside each other: which of them is the best known, and what each is measured against.
 
-A run is measured against the best that is known among those that arrive within the time of the timetable. A run with a
-time of its own, as one under speed limits that may be late, brings the optimum over that time with it. What is proven
+A run is measured against the best that is known among those that arrive within the time of the timetable. A run that is
+late, as one under speed limits may be, brings the optimum over its own time with it. What is proven
 to be the optimum within the time stays the reference: a run on another mesh may need a hair less.
 
 A run that misses a window of arrival which binds the optimum solves another problem: it is measured against nothing,
@@ -36,10 +36,12 @@ def with_best_known(runs: Sequence[Trajectory]) -> list[Trajectory]:
 
 def _reference(run: Trajectory, runs: Sequence[Trajectory], windows: tuple[Window, ...]) -> Reference | None:
     """Return what a run is measured against: the best of runs that keep the windows of arrival, as it does itself."""
-    own = run.reference
-    within = run.scenario.travel_time_s if own is None else own.within_s
-    # a run with a time of its own is not measured by the timetable, which it does not keep
-    known = [] if own is None else [own]
+    own, within = run.reference, run.scenario.travel_time_s
+    if own is not None and own.within_s > within + ON_TIME_S:
+        # a late run is not measured by the timetable, which it does not keep
+        within = own.within_s
+    # the optimum over less time than the timetable's is none over all of it
+    known = [] if own is None or own.within_s < within - ON_TIME_S else [own]
     known += [
         Reference(other.energy.net_j, other.strategy, within, _is_optimum_within(within, other), windows)
         for other in runs

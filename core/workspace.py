@@ -197,7 +197,7 @@ class Workspace:
             # a name with a folder in it, or of what is no file here, is refused before anything is opened
             plain = file_name == Path(file_name).name and "\\" not in file_name and file_name.isprintable()
             if not plain or file_name.startswith("."):
-                raise WorkspaceError(f"file = {show(file_name)} must be the name of a file in {self.folder / kind}.")
+                raise WorkspaceError(f"file = {show(file_name)} must be the name of a file in {kind}.")
             return self._read(kind, self._folder(kind) / file_name)[0]
 
         return read
@@ -313,7 +313,7 @@ class Workspace:
 
     def studies(self) -> tuple[str, ...]:
         """Return the names of all kept studies, sorted; raises WorkspaceError if their folder cannot be read."""
-        with _told(f"{self.folder / STUDIES} cannot be read"):
+        with _told(f"{STUDIES} cannot be read"):
             try:
                 entries = [entry for entry in os.scandir(self._folder(STUDIES)) if entry.is_file(follow_symlinks=False)]
             except FileNotFoundError:
@@ -330,13 +330,13 @@ class Workspace:
             If it is no name, or the folder cannot be made.
         """
         name = checked_name(name)
-        with _told(f"{self.folder / STUDIES} cannot be made"):
+        with _told(f"{STUDIES} cannot be made"):
             return self._folder(STUDIES, make=True) / f"{name}{STUDY_SUFFIX}"
 
     def delete_study(self, name: str) -> None:
         """Put a kept study away among the deleted files; raises RailjouleError if there is none, or it cannot be."""
         path = self.study_path(name)
-        with self._thread_lock, _told(f"{name}: nothing was changed in {self.folder / STUDIES}"):
+        with self._thread_lock, _told(f"{name}: nothing was changed in {STUDIES}"):
             path.rename(self._deleted_folder() / f"{STUDIES}-{secrets.token_hex(4)}-{path.name}")
             self._forget_oldest()
 
@@ -366,7 +366,7 @@ class Workspace:
         if make:
             path.mkdir(parents=True, exist_ok=True)
         if path.is_symlink() or path.resolve() != path:
-            raise WorkspaceError(f"{path} is a link, which is not followed.")
+            raise WorkspaceError(f"{path.name} is a link, which is not followed.")
         return path
 
     def _deleted_folder(self) -> Path:
@@ -385,7 +385,7 @@ class Workspace:
         """Yield name, file and why it is none, for all that lies in the folder of a kind and has its suffix."""
         count = 0
         shipped = {same_name_key(name) for name in (() if kind == "runs" else preset_names(kind))}
-        with _told(f"{self.folder / kind} cannot be read"):
+        with _told(f"{kind} cannot be read"):
             try:
                 entries = sorted(os.scandir(self._folder(kind)), key=lambda entry: entry.name)
             except FileNotFoundError:
@@ -416,10 +416,10 @@ class Workspace:
     def _read(self, kind: Kind, path: Path) -> tuple[str, Stamp]:
         flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
         # without following a link, and without waiting for whoever writes to a pipe
-        with _told(f"{path.name} in {self.folder / kind} cannot be read"), open(os.open(path, flags), "rb") as file:
+        with _told(f"{path.name} in {kind} cannot be read"), open(os.open(path, flags), "rb") as file:
             found = os.fstat(file.fileno())
             if path.is_symlink() or not stat.S_ISREG(found.st_mode):
-                raise WorkspaceError(f"{path.name} in {self.folder / kind} is no file.")
+                raise WorkspaceError(f"{path.name} in {kind} is no file.")
             content = file.read(LARGEST_FILE_BYTES + 1)
         return decoded(content, path.name), _stamp(found)
 
@@ -460,7 +460,7 @@ class Workspace:
     @contextmanager
     def _alone(self, kind: Kind, name: str) -> Iterator[None]:
         """Let nobody else of this program change the workspace, and tell what the disk refuses."""
-        with self._thread_lock, _told(f"{name}: nothing was changed in {self.folder / kind}"):
+        with self._thread_lock, _told(f"{name}: nothing was changed in {kind}"):
             self._folder(kind, make=True)
             flags = os.O_CREAT | os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
             with open(os.open(self.folder / LOCK, flags, 0o666), "rb") as lock:
@@ -606,10 +606,10 @@ def _put_where_nothing_is(path: Path, target: Path) -> None:
     try:
         os.link(path, target)
     except FileExistsError:
-        raise NameTakenError(f"There is a file {target.name} in {target.parent} already.") from None
+        raise NameTakenError(f"There is a file {target.name} in {target.parent.name} already.") from None
     except OSError as error:  # a file system without hard links; or there is nothing to move
         if os.path.lexists(target):
-            raise NameTakenError(f"There is a file {target.name} in {target.parent} already.") from error
+            raise NameTakenError(f"There is a file {target.name} in {target.parent.name} already.") from error
         path.rename(target)
     else:
         path.unlink()

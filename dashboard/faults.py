@@ -3,6 +3,7 @@
 import logging
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from weakref import WeakKeyDictionary
 
 import panel as pn
@@ -11,6 +12,9 @@ from bokeh.document import Document
 from railjoule.dashboard.insides import session_document, thaw
 
 LOG = logging.getLogger(__name__)
+OURS = str(Path(__file__).parents[1])
+MOST_KNOWN = 200
+"""Different errors of one session that are logged: a message may hold a number that each move changes."""
 SENTENCE = "That did not work: a program error, which the server\u2019s log describes. Everything else still works."
 
 
@@ -19,17 +23,19 @@ class Faults:
 
     def __init__(self, tell: Callable[[str], None]) -> None:
         self._tell = tell
-        self._known: set[tuple[str, str, int]] = set()
+        self._known: set[tuple[object, ...]] = set()
         document = pn.state.curdoc
         if document is not None:
             FAULTS[document] = self
 
     def note(self, error: Exception, what: str) -> None:
-        """Log an error with its traceback, unless one of its kind from the same place is in the log already."""
-        last = traceback.extract_tb(error.__traceback__)[-1:]
-        place = (type(error).__name__, *((last[0].filename, last[0].lineno or 0) if last else ("", 0)))
-        if place not in self._known:
-            self._known.add(place)
+        """Log an error with its traceback, unless the same one from the same line of ours is in the log already."""
+        frames = traceback.extract_tb(error.__traceback__)
+        # a line of a library raises the errors of many of ours
+        last = [frame for frame in frames if frame.filename.startswith(OURS)][-1:] or frames[-1:]
+        known = (type(error), str(error), *((frame.filename, frame.lineno) for frame in last))
+        if known not in self._known and len(self._known) < MOST_KNOWN:
+            self._known.add(known)
             LOG.error("%s", what, exc_info=error)
 
     def tell(self, error: Exception, what: str = "a change on the page failed") -> None:

@@ -1,12 +1,19 @@
 """An event of the day: an unplanned stop or limit, another supply voltage, less recuperation."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import param
 
-from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
+from railjoule.core.scenario.disturbance import (
+    Event,
+    RecuperationChange,
+    UnplannedLimit,
+    UnplannedStop,
+    VoltageChange,
+)
 from railjoule.dashboard.look import words
-from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
 
 KINDS = ("stop", "limit", "voltage", "recuperation")
 
@@ -21,8 +28,13 @@ TABLES = {
 NOTICE_BEFORE_M, FIRST_LIMIT_M, FIRST_STOP_S = 230.0, 100.0, 20.0
 """An event is noticed this far ahead [m]; a new limit is this long [m], a new stop takes this long [s]."""
 
-# as core/scenario bounds the places of events
-LONGEST_M = 1e7
+BY_KIND: Mapping[tuple[str, str], Mapping[str, Any]] = {
+    ("stop", "position_m"): core_bounds(UnplannedStop, "position_m"),
+    ("limit", "position_m"): core_bounds(UnplannedLimit, "from_m"),
+    ("voltage", "share_percent"): core_bounds(VoltageChange, "line_voltage_factor", 100),
+    ("recuperation", "share_percent"): core_bounds(RecuperationChange, "recuperation_factor", 100),
+}
+"""Bounds of the fields that kinds of events have in common."""
 
 KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}
 
@@ -33,12 +45,22 @@ class EventModel(TypedParameters):
     kept = ("kind", "position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
 
     kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
-    position_m = TypedNumber("at, m", "m", default=300.0, bounds=(0.0, LONGEST_M))
-    to_m = TypedNumber("to, m", "m", default=400.0, bounds=(0.0, LONGEST_M))
-    duration_s = TypedNumber("stops for, s", "s", default=5.0, bounds=(0.0, 86_400.0))
-    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, bounds=(0.0, 600.0))
+    position_m = TypedNumber("at, m", "m", default=300.0, **core_bounds(UnplannedLimit, "from_m"))
+    to_m = TypedNumber("to, m", "m", default=400.0, **core_bounds(UnplannedLimit, "to_m"))
+    duration_s = TypedNumber("stops for, s", "s", default=5.0, **core_bounds(UnplannedStop, "duration_s"))
+    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, **core_bounds(UnplannedLimit, "limit_kmh"))
     share_percent = TypedNumber("of nominal, %", "%", default=80.0, bounds=(0.0, 200.0))
-    noticed_at_m = TypedNumber("noticed at, m", "m", default=70.0, bounds=(0.0, LONGEST_M))
+    noticed_at_m = TypedNumber("noticed at, m", "m", default=70.0, **core_bounds(Event, "noticed_at_m"))
+
+    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+        """Return the least and the largest number that a field takes for this kind of event."""
+        own = BY_KIND.get((self.kind, field))
+        return super().bounds_of(field) if own is None else own["bounds"]
+
+    def closed_ends(self, field: str) -> tuple[bool, bool]:
+        """Return whether a field takes its least and its largest number themselves, for this kind of event."""
+        own = BY_KIND.get((self.kind, field))
+        return super().closed_ends(field) if own is None else own["inclusive_bounds"]
 
     @property
     def document(self) -> dict[str, Any]:

@@ -11,6 +11,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
+from railjoule.dashboard.faults import handle
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.page_list import PAGES
 
@@ -89,7 +90,11 @@ class Browser(JSComponent):
             # a new list first: a callback may ask for the next idle moment, which the browser must be asked for again
             callbacks, self._idle = self._idle, []
             for callback in callbacks:
-                callback()
+                # those that wait after one that fails would never be called
+                try:
+                    callback()
+                except Exception as error:
+                    handle(error)
         elif kind == "dark":
             self._toggle(bool(data.get("dark")))
         elif kind == "scenario":

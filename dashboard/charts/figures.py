@@ -1,5 +1,7 @@
 """Figures that stand alone: with both axes, without a shared cursor."""
 
+from functools import cache
+
 import panel as pn
 from bokeh.models import Range1d
 from bokeh.plotting import figure
@@ -13,6 +15,8 @@ from railjoule.dashboard.parts import html as parts
 DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"
 
 
+# a map asks for a few colours once for each of its cells
+@cache
 def ink_on(colour: str) -> str:
     """Return black or white, whichever contrasts more with a colour."""
     # at the geometric mean of both, the contrast ratio of WCAG 2.2 with each is the same

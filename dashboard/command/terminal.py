@@ -29,7 +29,6 @@ delay = words.plain(words.delay)
 load = words.plain(words.load)
 price = words.plain(words.price)
 notice = words.plain(words.notice)
-outcome = words.plain(words.outcome)
 
 
 def printable(text: str) -> str:
@@ -138,7 +137,7 @@ def following_text(following: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            outcome(_more(planned, actual), following["delay_s"], following["stop_error_m"]),
+            _outcome(following),
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
@@ -156,7 +155,7 @@ def ride_text(ride: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             *learned,
-            f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
+            _outcome(ride),
             *_cause_lines(ride["causes_kwh"]),
             *ride["notes"],
             f"Driver: {driver_words(actual['advice'])}",
@@ -187,7 +186,7 @@ def field_oriented_text(run: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            outcome(_more(planned, actual), run["delay_s"], run["stop_error_m"]),
+            _outcome(run),
             f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
             f"{number(run['voltage_limit_v'], 0)} V per phase.",
             "",
@@ -198,9 +197,10 @@ def field_oriented_text(run: Summary) -> str:
     )
 
 
-def _more(planned: Summary, actual: Summary) -> str:
-    """Return by how much the energy of a run is above that of its plan."""
-    return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
+def _outcome(run: Summary) -> str:
+    """Return what became of a plan."""
+    energies = run["actual"]["energy_kwh"], run["planned"]["energy_kwh"]
+    return words.plain_text(comparisons.outcome(*energies, run["delay_s"], run["stop_error_m"]))
 
 
 def _two_runs(runs: dict[str, Summary]) -> list[str]:
@@ -268,7 +268,8 @@ def verdict(summary: Summary) -> str:
     reference = Reference(known["energy_kwh"] * J_PER_KWH, known["strategy"], known["within_s"], known["proven"])
     more = comparisons.above(summary["energy_kwh"], known["energy_kwh"])
     of = comparisons.reference_words(reference, summary["allowed_time_s"])
-    return words.plain_text(f"{more.sentence} the {of}")
+    late = comparisons.late(summary["travel_time_s"], summary["allowed_time_s"])
+    return words.plain_text(f"{f'{late}, ' if late else ''}{more.sentence} the {of}")
 
 
 def bound_words(summary: Summary) -> str:
@@ -369,10 +370,13 @@ def _proof_lines(first: Summary) -> list[str]:
 def _above_reference(result: Summary) -> str:
     known = result["reference"]
     amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
-    return words.plain_text(comparisons.cell(amount))
+    late = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
+    return words.plain_text(late or comparisons.cell(amount))
 
 
 def _above_bound(result: Summary) -> str:
+    if comparisons.late(result["travel_time_s"], result["allowed_time_s"]):
+        return words.plain_text(words.UNKNOWN)
     amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"], result["proven"])
     return words.plain_text(comparisons.cell(amount))
 

@@ -6,11 +6,12 @@ decided in `railjoule.core.best_known`, and when a share of an energy means anyt
 """
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.trajectory import Bound, Reference
 from railjoule.core.units import J_PER_KWH
@@ -19,6 +20,13 @@ from railjoule.dashboard.look import words
 # half of the tenth in which times are told
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
+# told with one decimal, a smaller one would read 0.0 m
+STOP_ERROR_TOLD_M = 0.05
+"""From this stopping error on, a run misses its stop."""
+MISSED = "Runs that say late, beyond or short need less energy, but arrive late or miss the stop: that saves nothing."
+"""What the words of `extra_cell` mean."""
+STANDS = "stands"
+"""A cell of a run that does not reach the end."""
 WAITING = "more time saves nothing"
 # the least that a percentage of two decimals can tell
 LEAST_GAP_TOLD = 1e-4
@@ -71,6 +79,62 @@ def above(energy_kwh: float, reference_kwh: float) -> Amount:
     return Amount(words.energy_difference(energy_kwh - reference_kwh), "kWh")
 
 
+def misses(delay_s: float, stop_error_m: float) -> tuple[Amount, ...]:
+    """Return what an actual run misses of timetable and stop, as '3.2 s late' and '14.5 m beyond the stop'."""
+    missed = []
+    if delay_s >= OTHER_TIME_S:
+        missed.append(Amount(words.time(delay_s), "s late"))
+    if abs(stop_error_m) >= STOP_ERROR_TOLD_M:
+        side = "beyond the stop" if stop_error_m > 0 else "short of the stop"
+        missed.append(Amount(words.number(abs(stop_error_m)), f"m {side}"))
+    return tuple(missed)
+
+
+def is_false_saving(
+    energy_kwh: float | FloatArray,
+    reference_kwh: float | FloatArray,
+    delay_s: float | FloatArray,
+    stop_error_m: float | FloatArray,
+) -> Any:
+    """Return whether a run needs less energy than another [kWh], but misses timetable or stop; of arrays an array."""
+    misses_stop = np.abs(stop_error_m) >= STOP_ERROR_TOLD_M
+    return (energy_kwh < reference_kwh) & ((delay_s >= OTHER_TIME_S) | misses_stop)
+
+
+def extra(energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m: float) -> Amount:
+    """Return as `above` by how much an actual run lies above another; never a percentage saved by a miss."""
+    if is_false_saving(energy_kwh, reference_kwh, delay_s, stop_error_m):
+        return Amount(words.energy_difference(energy_kwh - reference_kwh), "kWh")
+    return above(energy_kwh, reference_kwh)
+
+
+def headline(
+    energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m: float, detail: str
+) -> tuple[Amount, str]:
+    """Return the main number of an actual run and what stands beneath it: what was missed comes before less energy."""
+    if not is_false_saving(energy_kwh, reference_kwh, delay_s, stop_error_m):
+        return above(energy_kwh, reference_kwh), detail
+    first, *others = misses(delay_s, stop_error_m)
+    return first, "; ".join([*map(str, others), detail])
+
+
+def extra_cell(energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m: float) -> str:
+    """Return `extra` under a heading that says %, where what was missed has the room of one word."""
+    if not math.isfinite(energy_kwh):
+        return STANDS
+    if is_false_saving(energy_kwh, reference_kwh, delay_s, stop_error_m):
+        return "late" if delay_s >= OTHER_TIME_S else "beyond" if stop_error_m > 0 else "short"
+    return above(energy_kwh, reference_kwh).cell
+
+
+def outcome(energy_kwh: float, planned_kwh: float, delay_s: float, stop_error_m: float) -> str:
+    """Return in a sentence what became of a plan; what was missed comes before energy that this saves."""
+    more = extra(energy_kwh, planned_kwh, delay_s, stop_error_m)
+    if is_false_saving(energy_kwh, planned_kwh, delay_s, stop_error_m):
+        return f"{', '.join(map(str, misses(delay_s, stop_error_m)))}; {more} energy."
+    return f"{more} energy, {words.delay(delay_s)} s, stopping error {words.stop_error(stop_error_m)} m."
+
+
 def saving(energy_kwh: float, reference_kwh: float) -> tuple[str, Amount]:
     """Return whether a run 'saves' or 'costs' energy [kWh] beside another, and how much of the other's, unsigned."""
     amount = above(energy_kwh, reference_kwh)
@@ -80,6 +144,34 @@ def saving(energy_kwh: float, reference_kwh: float) -> tuple[str, Amount]:
 def above_reference(run: Trajectory) -> Amount | None:
     """Return by how much a run lies above the best known one; None where none was looked for."""
     return None if run.reference is None else above(run.energy_kwh, run.reference.energy_kwh)
+
+
+def late(travel_time_s: float, asked_s: float) -> str:
+    """Return how late a run is, as '1.7 s late'; empty where it is in time."""
+    more = travel_time_s - asked_s
+    return f"{words.time(more)} s late" if more >= OTHER_TIME_S else ""
+
+
+def late_of(run: Trajectory) -> str:
+    """Return how late a run arrives by its timetable; empty where it is in time."""
+    return late(run.travel_time_s, run.scenario.travel_time_s)
+
+
+def in_time_asked(run: Trajectory) -> str:
+    """Return by how much a run lies above the best known one in the time of the timetable, or how late it is.
+
+    It stands under a heading that says %. A late run has no percentage: an optimum in more time is another measure.
+    """
+    return late_of(run) or cell(above_reference(run))
+
+
+def beside(run: Trajectory, other: Trajectory) -> str:
+    """Return by how much a run lies above another, or how late it is where it keeps neither that time nor its own.
+
+    It stands under a heading that says %.
+    """
+    later = late(run.travel_time_s, max(run.scenario.travel_time_s, other.travel_time_s))
+    return late_of(run) if later else cell(above(run.energy_kwh, other.energy_kwh))
 
 
 def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None, proven: bool) -> Amount | None:

@@ -61,8 +61,8 @@ ENERGY = (
     ),
     Term(
         "Above the optimum",
-        "By how much this run's energy exceeds that of the optimal run in the same time. Zero "
-        "with a tick means: proven to be the optimum.",
+        "By how much this run's energy exceeds the optimum in the time of the timetable. Zero with a tick means: "
+        "proven to be the optimum. A late run shows its delay instead.",
         ("above optimum", "Above best known", "above"),
     ),
     Term(

@@ -220,11 +220,6 @@ def notice(position_m: float, time_s: float, event: str) -> str:
     return f"At {number(position_m, 0)} m, after {time(time_s)} s: {event}."
 
 
-def outcome(more: str, delay_s: float, stop_error_m: float) -> str:
-    """Return what became of a plan; `more` is by how much its energy rose."""
-    return f"{more} energy, {delay(delay_s)} s, stopping error {stop_error(stop_error_m)} m."
-
-
 def speed(ms: float, digits: int = 0) -> str:
     """Return a speed [m/s] in km/h."""
     return number(ms / MS_PER_KMH, digits)

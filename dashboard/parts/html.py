@@ -136,6 +136,8 @@ def change(now: float, before: float) -> Markup:
 def proof_figure(run: Trajectory) -> Markup:
     """Return how far a run is from the best known one, or from its bound where it is that one and not proven."""
     amount, reference = comparisons.above_reference(run), run.reference
+    if comparisons.late_of(run):
+        return late_figure(run)
     if amount is not None and reference is not None and not comparisons.is_reference(run):
         label = "Above the optimum" if reference.proven else "Above best known"
         told = comparisons.reference_words(reference, run.scenario.travel_time_s)
@@ -147,6 +149,18 @@ def proof_figure(run: Trajectory) -> Markup:
         return figure("Above the bound", words.UNKNOWN, "", f"no bound is known{' yet' if run.bound else ''}")
     detail = markup('<span class="open">\u25d0 bound</span> {} kWh', words.energy(run.lower_bound_kwh or 0.0))
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
+
+
+def late_figure(run: Trajectory) -> Markup:
+    """Return how late a run is, and how far above the best known one in the time that it takes."""
+    amount, reference, asked_s = comparisons.above_reference(run), run.reference, run.scenario.travel_time_s
+    detail = whole = ""
+    if amount is not None and reference is not None:
+        noun = comparisons.reference_noun(reference.proven)
+        detail = f"{amount.sentence} the {noun} in {words.time(reference.within_s)} s"
+        whole = f"{amount.sentence} the {comparisons.reference_words(reference, asked_s)}"
+    more = words.time(run.travel_time_s - asked_s)
+    return figure("Late", more, "s", detail, whole=whole, term="Above the optimum")
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
@@ -388,17 +402,16 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> Markup:
         line = swatch("pinned") if pin is pins[-1] else NO_SWATCH
         rows.append(((line + f"Pinned: {pin.name}", *_run_cells(pin.trajectory, pinned)), False))
     head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
-    noun = comparisons.reference_noun(runs.is_proven)
-    above = [] if pinned else [f"Above the {noun} in the same time."]
+    noun, asked = comparisons.reference_noun(runs.is_proven), words.time(runs.scenario.travel_time_s)
+    above = [] if pinned else [f"Above the {noun} in the {asked} s allowed."]
     notes = note_paragraphs(above) + other_times(runs.runs.values())
     return markup("<div>{}{}</div>", table("Runs", head, rows), notes)
 
 
 def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, str, str]:
-    amount = comparisons.above(run.energy_kwh, pinned.energy_kwh) if pinned else comparisons.above_reference(run)
     return (
         words.energy(run.energy_kwh),
-        comparisons.cell(amount),
+        comparisons.beside(run, pinned) if pinned else comparisons.in_time_asked(run),
         words.time(run.travel_time_s),
         words.number(run.max_speed_kmh),
     )

@@ -188,6 +188,14 @@ def number_fields(model: TypedParameters, *fields: str, **params: Any) -> list[N
 
 def tie(widget: Any, model: Any, field: str) -> None:
     """Let a widget's value and a field of a model follow each other."""
-    # each sets what the other one watches; that ends, as a value that is there already is no change
-    widget.param.watch(lambda event: setattr(model, field, event.new), "value")
-    model.param.watch(lambda event: setattr(widget, "value", event.new), field)
+
+    # the values of now, not those of the event: Panel gives a widget another value while it hears of one that is none
+    # of its options, and two that each restore the event's value would go on without end
+    def to_model(*_: Any) -> None:
+        setattr(model, field, widget.value)
+
+    def to_widget(*_: Any) -> None:
+        widget.value = getattr(model, field)
+
+    widget.param.watch(to_model, "value")
+    model.param.watch(to_widget, field)

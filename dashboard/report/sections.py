@@ -188,7 +188,7 @@ def _pinned_cells(run: Trajectory, first: Trajectory) -> tuple[str, ...]:
     return (
         words.energy(run.energy_kwh),
         words.energy_difference(run.energy_kwh - first.energy_kwh),
-        comparisons.cell(comparisons.above(run.energy_kwh, first.energy_kwh)),
+        comparisons.beside(run, first),
         words.time(run.travel_time_s),
         words.number(run.max_speed_kmh),
         words.number(run.distance_m, 0),
@@ -270,7 +270,8 @@ def certificate(findings: Findings) -> list[str]:
     sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
     more = comparisons.above_reference(run)
     if run is not best and run.reference is not None and more is not None:
-        needed = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"
+        needs = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"
+        needed = ", is ".join(filter(None, [needs, comparisons.late_of(run)]))
         known = comparisons.reference_words(run.reference, run.scenario.travel_time_s)
         sentences.insert(1, f"{needed}, {more.sentence} the {known}.")
     return sentences
@@ -300,7 +301,7 @@ def reality(findings: Findings, figures: Figures) -> Markup:
         )
         for word, run in (("Planned", found.planned), ("Driven", found.actual))
     ]
-    more = comparisons.above(found.actual.energy_kwh, found.planned.energy_kwh)
+    energies = found.actual.energy_kwh, found.planned.energy_kwh
     events = Markup()
     if isinstance(found, DisturbedRun):
         events = listed([*(words.notice(*told) for told in found.notices), *found.notes])
@@ -310,7 +311,7 @@ def reality(findings: Findings, figures: Figures) -> Markup:
     return section(
         "reality",
         title,
-        markup("<p>{}</p>", words.outcome(str(more), found.delay_s, found.stop_error_m)),
+        markup("<p>{}</p>", comparisons.outcome(*energies, found.delay_s, found.stop_error_m)),
         events,
         plots(figures, "reality"),
         parts.table("Planned and actual", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows),
@@ -332,11 +333,14 @@ def sensitivity_table(found: SensitivityTable) -> Markup:
         (
             (
                 words.setting(load),
-                *(words.share_difference(share) for share in shares),
+                *(
+                    comparisons.extra_cell(float(energy), found.planned_kwh, float(delay), float(error))
+                    for energy, delay, error in zip(*results, strict=True)
+                ),
             ),
             False,
         )
-        for load, shares in zip(found.load_factors, found.overconsumption, strict=True)
+        for load, *results in zip(found.load_factors, found.energy_kwh, found.delay_s, found.stop_error_m, strict=True)
     ]
     ways = "in both directions" if found.both_directions else "in one direction"
     load = words.setting(found.scenario.vehicle.load_factor)
@@ -344,7 +348,8 @@ def sensitivity_table(found: SensitivityTable) -> Markup:
         f"The plan for a load of {load} % is followed {ways} with another load, by a train that assumes to be farther "
         f"on by the error; planned: {words.energy(found.planned_kwh)} kWh. Energy against the plan, %."
     )
-    return parts.table("Overconsumption, %, over load and position error", head, rows) + note(told)
+    table = parts.table("Overconsumption, %, over load and position error", head, rows)
+    return joined([table, note(told), note(comparisons.MISSED)])
 
 
 # ---- scenario, file

@@ -10,7 +10,7 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.dashboard.charts.surface import CIVIDIS, TALLEST, round_step
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.tokens import COST_SCALES, ThemeName
 from railjoule.dashboard.pages.trade_off.compute import EnocMap
@@ -141,7 +141,8 @@ def _inside(places: FloatArray, found: EnocMap, top: float) -> FloatArray:
 
 def cost_surface(table: SensitivityTable) -> Surface | None:
     """Return the overconsumption over load and position error; None where no cell of the table could be driven."""
-    share = table.overconsumption
+    missed = comparisons.is_false_saving(table.energy_kwh, table.planned_kwh, table.delay_s, table.stop_error_m)
+    share = np.where(missed, np.nan, table.overconsumption)
     if not np.any(np.isfinite(share)):
         return None
     return Surface(

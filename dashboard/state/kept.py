@@ -51,8 +51,19 @@ class Kept(param.Parameterized):
         self.param.update(**{field: self._made(field, value) for field, value in new.items()})
 
     def bounds_of(self, field: str) -> tuple[float | None, float | None]:
-        """Return the least and the largest number that a field takes, ends included."""
+        """Return the least and the largest number that a field takes; `open_end` says whether it takes these."""
         return getattr(self.param[field], "bounds", None) or (None, None)
+
+    def closed_ends(self, field: str) -> tuple[bool, bool]:
+        """Return whether a field takes its least and its largest number themselves."""
+        return getattr(self.param[field], "inclusive_bounds", None) or (True, True)
+
+    def open_end(self, field: str, number: float) -> str:
+        """Return, as 'above 0', which end of a field a number is where the field takes all but that; else nothing."""
+        (low, high), closed = self.bounds_of(field), self.closed_ends(field)
+        if number == low and not closed[0]:
+            return f"above {low:g}"
+        return f"below {high:g}" if number == high and not closed[1] else ""
 
     def checked(self, field: str, value: Any) -> Any:
         """Return a value that may stand in a field, as it is kept.
@@ -68,7 +79,10 @@ class Kept(param.Parameterized):
                 return None
             raise ValueError("must have a value")
         if isinstance(parameter, param.Number):
-            return _number(value, self.bounds_of(field), isinstance(parameter, param.Integer))
+            number = _number(value, self.bounds_of(field), isinstance(parameter, param.Integer))
+            if end := self.open_end(field, number):
+                raise ValueError(f"must be {end}")
+            return number
         # before Selector, of which it is a kind
         if isinstance(parameter, param.ListSelector):
             return [_choice(one, parameter.objects) for one in _list(value)]
@@ -182,9 +196,13 @@ def _item(value: Any, kind: Any) -> Any:
         if field not in kind.kept:
             raise ValueError(f"has an entry with the unknown key {short(field)}")
     checked = {}
-    for field, one in value.items():
+    for field in (field for field in kind.kept if field in value):
+        one = value[field]
         try:
             checked[field] = template.checked(field, one)
         except ValueError as refusal:
             raise ValueError(f"has {field} = {short(one)}, which {refusal}") from None
+        # the bounds of numbers may depend on choices, which stand before them
+        if isinstance(template.param[field], param.Selector):
+            setattr(template, field, checked[field])
     return checked

@@ -5,6 +5,8 @@ import re
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
+from annotated_types import Ge, Gt, Le, Lt
+from pydantic import BaseModel
 
 from railjoule.dashboard.state.kept import Kept
 
@@ -98,6 +100,27 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minute:02d}:{second:02d}{tenths}" if hours else f"{minute}:{second:02d}{tenths}"
 
 
+def core_bounds(part: type[BaseModel], key: str, scale: float = 1.0) -> dict[str, Any]:
+    """Return the bounds of a key of the scenario's file, as a `TypedNumber` takes them.
+
+    Parameters
+    ----------
+    part : type
+        The part of the scenario that has the key.
+    key : str
+    scale : float
+        A number of the page over that of the file, such as 100 for a percentage.
+    """
+    limits = {type(limit): limit for limit in part.model_fields[key].metadata}
+    at_least, above, at_most, below = (limits.get(kind) for kind in (Ge, Gt, Le, Lt))
+    low = at_least.ge if at_least else above.gt if above else None
+    high = at_most.le if at_most else below.lt if below else None
+    return {
+        "bounds": (None if low is None else scale * low, None if high is None else scale * high),
+        "inclusive_bounds": (above is None, below is None),
+    }
+
+
 class TypedNumber(param.Number):
     """A parameter that has a field on a page: all that is said of it stands here, once.
 
@@ -158,6 +181,8 @@ class TypedParameters(Kept):
             number = parse_time(text, bounds, name[:1].upper() + name[1:])
         else:
             number = parse_number(text, bounds)
+        if end := self.open_end(field, number):
+            raise ValueError(f"{end.capitalize()}.")
         if not isinstance(self.param[field], param.Integer):
             return number
         if number != int(number):

@@ -205,17 +205,20 @@ class Worker(Generic[Request, Result]):
         self._turn(partial(self._finish, about, requested_s, future))
 
     def _finish(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
-        self._running = False
         events.TALLY.settle(self)
         error = future.exception()
         self._late.answered(more=self._request is not None)
         outcome = future.result() if error is None else told(error)
-        if about is self._about():
-            self._settle(outcome)
-        events.worked(self._document, name_of(self._compute), time.monotonic() - requested_s, outcome)
-        if self._request is not None:
+        try:
+            # still running: what is asked for meanwhile replaces the request that waits, which is older
+            if about is self._about():
+                self._settle(outcome)
+        finally:
+            self._running = False
+            events.worked(self._document, name_of(self._compute), time.monotonic() - requested_s, outcome)
             request, self._request = self._request, None
-            self._start(request)
+            if request is not None:
+                self._start(request)
 
     def _settle(self, outcome: Result | RailjouleError) -> None:
         settle(outcome, self._deliver, self._fail)

@@ -27,7 +27,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 
 def row(user: User, name: str) -> list[str]:
     """Return the cells of a run in the table."""
-    table = user.page.get_by_role("table").filter(has_text="above bound")
+    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     return table.get_by_role("row").filter(has_text=name).get_by_role("cell").all_inner_texts()
 
 
@@ -36,7 +36,7 @@ def number(cell: str) -> float:
 
 
 def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
-    table = user.page.get_by_role("table").filter(has_text="above bound")
+    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     # Bellman is not ticked: it comes with the work behind this page
     for name in ("Optimal", "Bellman", "Set speeds", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
         expect(table.get_by_role("row").filter(has_text=name).first).to_be_visible()
@@ -59,7 +59,7 @@ def test_another_run_becomes_the_reference(user: User) -> None:
 
 
 def test_the_table_is_sorted_by_a_column(user: User) -> None:
-    table = user.page.get_by_role("table").filter(has_text="above bound")
+    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     sort = table.get_by_role("button", name="kWh", exact=True)
     for upwards in (True, False):
         sort.click()
@@ -68,7 +68,7 @@ def test_the_table_is_sorted_by_a_column(user: User) -> None:
 
 
 def test_only_ticked_strategies(user: User) -> None:
-    table = user.page.get_by_role("table").filter(has_text="above bound")
+    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     user.page.get_by_role("button", name="Selected only", exact=True).click()
     expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(0)
     user.page.get_by_role("button", name="All strategies", exact=True).click()
@@ -79,7 +79,7 @@ def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
     field = user.page.get_by_label("Name of pinned run 1")
     field.fill(CANARY)
     field.press("Enter")
-    table = user.page.get_by_role("table").filter(has_text="above bound")
+    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     expect(table).to_contain_text(f"1 {CANARY}")
     expect(user.page.locator(".differences")).to_contain_text(CANARY)
     assert user.page.evaluate("window.canary") is None

@@ -83,6 +83,17 @@ def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
     assert found.reference == open_end.reference
 
 
+def test_an_early_run_is_measured_against_the_optimum_of_the_time_asked_for(task):
+    given = {"search.limits_kmh": [30.0, 30.0]}
+    early = run_strategy(prepare_task(task.scenario.with_(**given)), "speed_limits")
+    best = run_strategy(task, "optimal")
+    assert early.travel_time_s < task.scenario.travel_time_s - 1
+    # what its own time takes at least is dearer, and another measure
+    assert early.reference.energy_j > best.energy.net_j
+    _, found = with_best_known([best, early])
+    assert found.reference == best.reference
+
+
 def test_no_late_run_is_what_a_timely_one_is_measured_against(runs):
     cheap = replace(runs["speed_limits"], energy=replace(runs["speed_limits"].energy, traction_j=1e6))
     optimal, _ = with_best_known([replace(runs["optimal"], reference=None), cheap])

@@ -109,8 +109,8 @@ class Teller:
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
         if self.runs.runs[strategy].price_of_time_w is not None:
             self.tell(place, strategy, price=plain(figures["Extra second saves"]["value"]))
-        above = next(match for label, match in figures.items() if label.startswith("Above "))
-        text = amount(plain(f"{above['value']} {above['unit']}"))
+        above = next(match for label, match in figures.items() if label.startswith(("Above ", "Late")))
+        text = amount(plain(f"{above['value']} {above['unit']}")) + (" late" if above["label"] == "Late" else "")
         bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
         if "bound" in above["label"]:
             self.tell(place, strategy, above_bound=text)
@@ -144,7 +144,8 @@ class Teller:
         for row in rows_of(self.compare.table.object, "Run"):
             if row:
                 name = NAMES[row["Run"]]
-                self.tell("compare", name, energy=row["kWh"], time=row["s"], above_bound=amount(row["above bound, %"]))
+                above = next(text for head, text in row.items() if head.startswith("above "))
+                self.tell("compare", name, energy=row["kWh"], time=row["s"], above=amount(above))
         _, energies, *_ = self.compare.compared
         for text in energies.sources["names"].data["text"]:
             name, energy = text.rsplit(" ", 1)
@@ -231,7 +232,6 @@ def test_each_quantity_is_read_where_it_stands(teller: Teller) -> None:
     assert told[first, "time"].keys() == everywhere
     assert told[first, "energy"].keys() == {*everywhere, "sidebar", "chart", "compared"}
     for name in teller.runs.runs:
-        assert told[name, "above"].keys() >= {"sidebar", "table", "report's table", "command"}
-        assert told[name, "above_bound"].keys() >= {"compare", "command"}
+        assert told[name, "above"].keys() >= {"sidebar", "table", "compare", "report's table", "command"}
     assert "head" in told["fastest", "above"]
     assert "solve" in told[first, "bound"]

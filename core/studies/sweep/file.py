@@ -72,7 +72,7 @@ class SweepFile:
         """
         place = Path(path)
         if place.exists():
-            raise StudyFileError(f"{shorten(str(path))} exists already.")
+            raise StudyFileError(f"{shorten(place.name)} exists already.")
         with _failures_named(place, "written"):
             connection = _connected(place)
             with connection:
@@ -100,7 +100,7 @@ class SweepFile:
         """
         place = Path(path)
         if not place.is_file():
-            raise StudyFileError(f"{shorten(str(path))}: there is no such file.")
+            raise StudyFileError(f"{shorten(place.name)}: there is no such file.")
         with _failures_named(place, "read"):
             connection = _connected(place)
             try:
@@ -111,7 +111,7 @@ class SweepFile:
                 found = []
         if found != [(FORMAT,)]:
             connection.close()
-            raise StudyFileError(f"{shorten(str(path))} holds no study of railjoule.")
+            raise StudyFileError(f"{shorten(place.name)} holds no study of railjoule.")
         try:
             file = cls(place, connection, study)
             if study is not None:
@@ -134,7 +134,7 @@ class SweepFile:
             # the order of the fields counts
             if json.dumps(kept) != json.dumps(asked):
                 told = "" if name == "scenario" else f": {shorten(str(kept))}, not {shorten(str(asked))}"
-                raise StudyFileError(f"{shorten(str(self.path))} holds another study, whose {name} differs{told}.")
+                raise StudyFileError(f"{shorten(self.path.name)} holds another study, whose {name} differs{told}.")
 
     @property
     def same_solver(self) -> bool:
@@ -218,6 +218,6 @@ def _failures_named(path: Path, done: str) -> Iterator[None]:
         yield
     except sqlite3.Error as error:
         if "not a database" in str(error):
-            raise StudyFileError(f"{shorten(str(path))} holds no study of railjoule.") from None
+            raise StudyFileError(f"{shorten(path.name)} holds no study of railjoule.") from None
         words = WORDS.get(str(error), str(error))
-        raise StudyFileError(f"{shorten(str(path))} cannot be {done}: {words}.") from None
+        raise StudyFileError(f"{shorten(path.name)} cannot be {done}: {words}.") from None

@@ -18,7 +18,8 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> parts.
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
     header = ["Run", "kWh", "vs ref., kWh", "%", "s", "vs ref., s", "km/h", "recuperated"]
     header += [words.LOSS_WORDS[kind].lower() for kind in kinds]
-    header.append("above bound, %")
+    best = among[0].run.reference
+    header.append(f"above {comparisons.reference_name(best is not None and best.proven)}, %")
     buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     rows = []
     for contender in among:
@@ -45,11 +46,11 @@ def numbers(run: Trajectory, reference: Trajectory, kinds: Sequence[str]) -> lis
     return [
         words.energy(run.energy_kwh),
         words.energy_difference(run.energy_kwh - reference.energy_kwh),
-        comparisons.cell(comparisons.above(run.energy_kwh, reference.energy_kwh)),
+        comparisons.beside(run, reference),
         words.time(run.travel_time_s),
         words.delay(run.travel_time_s - reference.travel_time_s),
         words.number(run.max_speed_kmh),
         words.energy(energy.recuperated_j / J_PER_KWH),
         *(words.UNKNOWN if joules is None else words.energy(joules / J_PER_KWH) for joules in losses),
-        comparisons.cell(comparisons.above_own_bound(run)),
+        comparisons.in_time_asked(run),
     ]

@@ -143,27 +143,9 @@ class DisturbancesView(PageView):
     def _cells(self, rides: Rides) -> list[str]:
         # the names are in the order of REACTION_WORDS
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in words.REACTION_WORDS)
-        by_driver = driver.actual.energy_kwh
-        energy = f"{words.energy(by_driver)} kWh"
-        spent, more = comparisons.saving(by_driver, planned.energy_kwh)
-        verb, saved = comparisons.saving(computer.actual.energy_kwh, by_driver)
-        arrives = comparisons.arrival(computer.delay_s - driver.delay_s)
-        unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
-            parts.figure(
-                "Extra energy, driver" if spent == "costs" else "Energy saved, driver",
-                *more,
-                f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
-                "main",
-            ),
-            parts.figure(
-                f"Replanning {verb}",
-                saved.value,
-                unit,
-                f"arrives {arrives}",
-                whole=f"{saved} {'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}",
-                term="Replanning",
-            ),
+            driver_figure(driver, planned.energy_kwh),
+            replanning_figure(computer, driver),
             parts.figure("With advance notice", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
             self._arrival("Driver arrives", driver),
             self._arrival("Replanned run arrives", computer),
@@ -202,7 +184,7 @@ class DisturbancesView(PageView):
             cells = (
                 name,
                 words.energy(ride.actual.energy_kwh),
-                comparisons.above(ride.actual.energy_kwh, planned.energy_kwh).cell,
+                comparisons.extra(ride.actual.energy_kwh, planned.energy_kwh, ride.delay_s, ride.stop_error_m).cell,
                 words.delay(ride.delay_s),
                 words.number(ride.actual.max_speed_kmh),
                 price,
@@ -210,6 +192,33 @@ class DisturbancesView(PageView):
             rows.append((cells, reaction == "computer"))
         header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
         return parts.inset(parts.table("Who reacts", header, rows))
+
+
+def driver_figure(driver: DisturbedRun, planned_kwh: float) -> str:
+    """Return what the driver's ride needs more than the undisturbed one, or saves in time."""
+    by_driver, missed = driver.actual.energy_kwh, (driver.delay_s, driver.stop_error_m)
+    detail = f"{words.energy(by_driver)} kWh, undisturbed {words.energy(planned_kwh)}"
+    if comparisons.is_false_saving(by_driver, planned_kwh, *missed):
+        amount, detail = comparisons.headline(by_driver, planned_kwh, *missed, detail)
+        return parts.figure("Driver", *amount, detail, "main", term="Extra energy, driver")
+    spent, more = comparisons.saving(by_driver, planned_kwh)
+    return parts.figure("Extra energy, driver" if spent == "costs" else "Energy saved, driver", *more, detail, "main")
+
+
+def replanning_figure(computer: DisturbedRun, driver: DisturbedRun) -> str:
+    """Return what replanning saves of the driver's energy; where it arrives later or misses the stop, how much less."""
+    by_computer, by_driver = computer.actual.energy_kwh, driver.actual.energy_kwh
+    later_s, energy = computer.delay_s - driver.delay_s, f"{words.energy(by_driver)} kWh"
+    verb, saved = comparisons.saving(by_computer, by_driver)
+    label, unit, than = f"Replanning {verb}", saved.unit, "of"
+    if verb == "costs":
+        unit, than = f"{saved.unit} more", "more than"
+    elif comparisons.is_false_saving(by_computer, by_driver, later_s, computer.stop_error_m):
+        saved = comparisons.Amount(words.energy(by_driver - by_computer), "kWh")
+        label, unit, than = "Replanning needs", "kWh less", "less than"
+    whole = f"{saved} {than} the driver\u2019s {energy}"
+    detail = f"arrives {comparisons.arrival(later_s)}"
+    return parts.figure(label, saved.value, unit, detail, whole=whole, term="Replanning")
 
 
 def told(rides: Rides) -> list[str]:

@@ -9,14 +9,21 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
-from railjoule.dashboard.parts.html import figure, figures, flow_bar, joined, markup, note_paragraphs, price_figure
+from railjoule.dashboard.parts.html import (
+    escaped,
+    figure,
+    figures,
+    flow_bar,
+    joined,
+    markup,
+    note_paragraphs,
+    price_figure,
+)
 from railjoule.dashboard.work.runs import Runs
 
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
-# told with one decimal, a smaller one would read 0.0 m
-LEAST_STOP_ERROR_M = 0.05
 SAME_ENERGY = 1e-9
 """Relatively: two ways to solve for the same plan."""
 
@@ -63,11 +70,20 @@ def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
 
 def _main(actual: ActualRun) -> str:
     planned, driven = actual.planned.energy_kwh, actual.actual.energy_kwh
+    detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
+    if is_false_saving(actual):
+        missed, detail = comparisons.headline(driven, planned, actual.delay_s, actual.stop_error_m, detail)
+        return figure("Actual run", *missed, detail, kind="main", term="Actual run costs")
     label = "Actual run saves" if actual.extra_kwh < 0 and actual.causes else "Actual run costs"
     amount = comparisons.above(driven, planned)
     unit = markup('kWh <b class="over">{}</b>', amount) if amount.unit == "%" else "kWh "
-    detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
     return figure(label, words.energy_difference(actual.extra_kwh), unit, detail, kind="main", term="Actual run costs")
+
+
+def is_false_saving(actual: ActualRun) -> bool:
+    """Return whether an actual run needs less than its plan, but arrives late or misses the stop."""
+    energies = actual.actual.energy_kwh, actual.planned.energy_kwh
+    return bool(actual.causes and comparisons.is_false_saving(*energies, actual.delay_s, actual.stop_error_m))
 
 
 def _planned(actual: ActualRun, run: Trajectory) -> str:
@@ -84,14 +100,11 @@ def _planned(actual: ActualRun, run: Trajectory) -> str:
 
 def late_words(actual: ActualRun) -> str:
     """Return how late a run arrives, and how far from its place it stands, as HTML."""
-    late, error = actual.delay_s, actual.stop_error_m
-    told: str = "on time" if abs(late) < comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"
-    if late >= comparisons.OTHER_TIME_S:
-        told = markup(OPEN, f"{words.time(late)} s late")
-    if abs(error) >= LEAST_STOP_ERROR_M:
-        side = "beyond the stop" if error > 0 else "short of the stop"
-        told = joined([told, markup(OPEN, f"{words.number(abs(error))} m {side}")], ", ")
-    return told
+    late = actual.delay_s
+    told = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
+    if late < comparisons.OTHER_TIME_S:
+        told.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
+    return joined(told, ", ")
 
 
 def causes_block(actual: ActualRun) -> str:
@@ -116,7 +129,8 @@ def causes_block(actual: ActualRun) -> str:
     rows.append(bar("Together", 0.0, ends[-1], "all", strong=True))
     title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
     if actual.extra_kwh < 0:
-        title = f"Where the saved {words.energy(abs(actual.extra_kwh))} kWh comes from"
+        energy = words.energy(abs(actual.extra_kwh))
+        title = f"Where the {f'{energy} kWh less' if is_false_saving(actual) else f'saved {energy} kWh'} comes from"
     order = ["Each cause is added to those above it."] if len(energies) > 1 else []
     flow = markup("<div class=flow>{}</div>", joined(rows))
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))

@@ -53,7 +53,9 @@ class SimpleSection:
         self.again = pmui.Button(
             label=ASK, variant="outlined", size="small", margin=0, height=ROW_PX, visible=False, on_click=self._press
         )
-        self.choice = buttons(self.model, "changes", {}, margin=0, height=ROW_PX)
+        # before the choice follows the model: it takes no value that is none of its options
+        self.model.param.watch(self._offer, "found")
+        self.choice = buttons(self.model, "changes", self._options(), margin=0, height=ROW_PX)
         label = markup("<span>Changes of regime between two stops, at most {}</span>", info(NAME))
         self.pin = pmui.Button(
             label=PIN, variant="text", size="small", margin=0, height=ROW_PX, on_click=lambda _: self.state.pin_simple()
@@ -75,6 +77,14 @@ class SimpleSection:
 
     def _press(self, *_: object) -> None:
         self.model.param.trigger("ask")
+
+    def _options(self) -> dict[str, int]:
+        found = self.model.found
+        return {} if found is None else {str(changes): changes for changes in found.runs}
+
+    def _offer(self, *_: object) -> None:
+        """Offer the numbers of changes that were found, and choose the model's."""
+        self.choice.param.update(options=self._options(), value=self.model.changes)
 
     def show_beside_runs(self) -> None:
         """Show what changes with the runs and pins of the page; before the first run there is nothing to ask for."""
@@ -112,10 +122,6 @@ class SimpleSection:
 
     def _show_found(self, found: SimpleOrders) -> None:
         runs, model = found.runs, self.model
-        options = {str(changes): changes for changes in runs}
-        # options first: a value that is none of them would be refused
-        if self.choice.options != options:
-            self.choice.param.update(options=options, value=model.changes)
         known = found.advice.optimum is not None
         self.chart.host.visible = known
         if known:

@@ -1,6 +1,6 @@
 """The work behind the page Measured runs: files are read and computed in threads, and shown as they come."""
 
-from functools import cache
+from functools import cache, partial
 from importlib.resources import files as resources
 from typing import Any
 
@@ -56,6 +56,7 @@ class MeasuredRuns(PageWork[MeasuredRunsModel]):
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state.measured_runs)
         model = self.model
+        self._reading: set[object] = set()
         self.study_of_runs = self.study(compute_measured, self._take, marked=True)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, "page")
@@ -73,17 +74,22 @@ class MeasuredRuns(PageWork[MeasuredRunsModel]):
         """Read what was brought, each file in a thread of its own turn."""
         brought, self.model.brought = self.model.brought, ()
         for name, content in brought:
-            self.model.reading += 1
+            reading = object()
+            self._reading.add(reading)
+            self.model.reading = len(self._reading)
             # a worker each: of what one is asked meanwhile, it does the last alone
-            Worker(read_brought, self._add, self._refuse).ask((name, content))
+            Worker(read_brought, partial(self._add, reading), partial(self._refuse, reading)).ask((name, content))
 
-    def _add(self, files: tuple[RunFile, ...]) -> None:
-        self.model.reading -= 1
+    def _add(self, reading: object, files: tuple[RunFile, ...]) -> None:
+        self._reading.discard(reading)
+        self.model.reading = len(self._reading)
         for file in files:
             self.model.add(file)
 
-    def _refuse(self, failure: RailjouleError) -> None:
-        self.model.param.update(reading=self.model.reading - 1, refusal=str(failure))
+    def _refuse(self, reading: object, failure: RailjouleError) -> None:
+        # also where a file that was read could not be taken: it counts once
+        self._reading.discard(reading)
+        self.model.param.update(reading=len(self._reading), refusal=str(failure))
 
     def _ask(self, *_: Any) -> None:
         model = self.model

@@ -10,7 +10,7 @@ from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineMap, limit_changes, limits_of
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 
 # the fields begin with the defaults of the file's own keys
@@ -36,8 +36,9 @@ class MotorModel(TypedParameters, PageModel):
     passing = ("studying", "no_machine")
 
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
-    # as core/scenario/options.py bounds it
-    bandwidth_rads = TypedNumber("Bandwidth, rad/s", "rad/s", 1, default=LOOP.bandwidth_rads, bounds=(1.0, 50.0))
+    bandwidth_rads = TypedNumber(
+        "Bandwidth, rad/s", "rad/s", 1, default=LOOP.bandwidth_rads, **core_bounds(SimulationOptions, "bandwidth_rads")
+    )
     rotor_resistance_factor = TypedNumber(
         "Assumed / true resistance", "", 2, default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Of the rotor."
     )

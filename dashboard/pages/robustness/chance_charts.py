@@ -10,7 +10,7 @@ from railjoule.dashboard.charts.chart import nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.label_places import text_width_px
 from railjoule.dashboard.charts.line_names import rows_of
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts import html as parts
 
@@ -106,7 +106,15 @@ def chance_table(table: MonteCarloTable) -> str:
     text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
     quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
-    return parts.inset(quantiles, parts.note_paragraphs([text]))
+    return parts.inset(quantiles, parts.note_paragraphs([text, *_missed_words(table)]))
+
+
+def _missed_words(table: MonteCarloTable) -> list[str]:
+    """Return how many runs need less than a plan for their load by a miss, in a sentence; nothing where none does."""
+    known = table.replanned_kwh[: table.done]
+    missed = int(comparisons.is_false_saving(table.energy_kwh, known, table.delay_s, table.stop_error_m).sum())
+    count = f"{words.number(missed, 0)} of the runs need"
+    return [f"{count} less than a plan for their load, but arrive late or miss the stop: no saving."] if missed else []
 
 
 class LoadScatter(LoneChart):

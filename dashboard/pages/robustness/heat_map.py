@@ -54,18 +54,22 @@ class Measure:
         return self.words.rpartition(", ")[2]
 
     def texts(self, table: SensitivityTable) -> list[str]:
-        """Return what each cell reads, row after row; where there is no share to tell, the difference in kWh."""
-        values, energies = self.values(table), table.energy_kwh
-        references = np.full(energies.shape, np.nan) if self.reference_kwh is None else self.reference_kwh(table)
-        cells = zip(values.ravel(), energies.ravel(), np.broadcast_to(references, energies.shape).ravel(), strict=True)
-        return [
-            "stands"
-            if not np.isfinite(energy)
-            else self.show(float(value))
-            if np.isfinite(value)
-            else comparisons.above(float(energy), float(reference)).cell
-            for value, energy, reference in cells
-        ]
+        """Return what each cell reads, row after row: a share, where it means nothing kWh, or what a run misses."""
+        energies = table.energy_kwh
+        if self.reference_kwh is None:
+            shown = zip(self.values(table).ravel(), energies.ravel(), strict=True)
+            return [self.show(float(value)) if np.isfinite(energy) else comparisons.STANDS for value, energy in shown]
+        references = np.broadcast_to(self.reference_kwh(table), energies.shape)
+        columns = energies, references, table.delay_s, table.stop_error_m
+        return [comparisons.extra_cell(*map(float, cell)) for cell in zip(*map(np.ravel, columns), strict=True)]
+
+    def drawn(self, table: SensitivityTable) -> FloatArray:
+        """Return the values without those of runs that need less by a miss; shape (loads, errors)."""
+        if self.reference_kwh is None:
+            return self.values(table)
+        reference = self.reference_kwh(table)
+        missed = comparisons.is_false_saving(table.energy_kwh, reference, table.delay_s, table.stop_error_m)
+        return np.where(missed, np.nan, self.values(table))
 
 
 def percent_difference(percent: float) -> str:
@@ -166,7 +170,7 @@ class HeatMapChart(Chart):
 
     def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
         assert self.figure is not None
-        loads, errors, values = table.load_factors, table.coordinate_errors_m, measure.values(table)
+        loads, errors, values = table.load_factors, table.coordinate_errors_m, measure.drawn(table)
         most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
         done = np.arange(values.size).reshape(values.shape) < table.done
         y, x = (index.ravel() for index in np.indices(values.shape))
@@ -211,7 +215,7 @@ class CostSurface(Chart):
 
     def draw(self, table: SensitivityTable, measure: Measure) -> None:
         """Draw a complete table."""
-        values, state = measure.values(table), (table, measure, self.palette.costs)
+        values, state = measure.drawn(table), (table, measure, self.palette.costs)
         if state == self._drawn or not np.any(np.isfinite(values)):
             return
         self._drawn = state

@@ -6,13 +6,13 @@ from typing import Any, get_args
 import param
 
 from railjoule.core import Scenario
+from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
-from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_FIELDS
 from railjoule.dashboard.pages.robustness.compute import Reality
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 
 SENSORS = SimulationOptions()
@@ -33,6 +33,12 @@ TABLE_FIELDS = ("both_directions", "knows")
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 
+def sensor(label: str, unit: str, digits: int, key: str) -> TypedNumber:
+    """Return a number of the sensors, with default and bounds of its key in the file."""
+    default, bounds = getattr(SENSORS, key), core_bounds(SimulationOptions, key)
+    return TypedNumber(label, unit, digits, default=default, **bounds)
+
+
 class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
@@ -40,25 +46,36 @@ class RobustnessModel(TypedParameters, PageModel):
     passing = ("drawing", "most_load_percent")
 
     actual_load_percent = TypedNumber(
-        "Actual load, % of capacity", "%", default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1
+        "Actual load, % of capacity",
+        "%",
+        default=FIRST_LOAD_PERCENT,
+        step=1,
+        **core_bounds(Disturbance, "actual_load_factor", 100),
     )
     coordinate_error_m = TypedNumber(
-        "Position error, m", "m", default=FIRST_ERROR_M, bounds=(-10_000, 10_000), softbounds=(-25, 25), step=1
+        "Position error, m",
+        "m",
+        default=FIRST_ERROR_M,
+        softbounds=(-25, 25),
+        step=1,
+        **core_bounds(Disturbance, "coordinate_error_m"),
     )
     speed_error_percent = TypedNumber(
-        "Speed error, %", "%", 1, default=0.0, bounds=(-50, 50), softbounds=(-5, 5), step=0.1
+        "Speed error, %",
+        "%",
+        1,
+        default=0.0,
+        softbounds=(-5, 5),
+        step=0.1,
+        **core_bounds(SimulationOptions, "speed_error", 100),
     )
     target_braking = param.Boolean(
         default=SENSORS.target_braking, doc="Whether the train brakes along the target curve."
     )
-    reset_sensor_m = TypedNumber("D1, resets position", "m", default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5))
-    calibration_length_m = TypedNumber(
-        "D1 to D2, calibrates", "m", default=SENSORS.calibration_length_m, bounds=(0.0, 1e5)
-    )
-    stop_sensor_m = TypedNumber("D3, resets position", "m", default=SENSORS.stop_sensor_m, bounds=(0.0, 1e5))
-    target_deceleration_ms2 = TypedNumber(
-        "Target curve, m/s\u00b2", "m/s\u00b2", 2, default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10)
-    )
+    reset_sensor_m = sensor("D1, resets position", "m", 0, "reset_sensor_m")
+    calibration_length_m = sensor("D1 to D2, calibrates", "m", 0, "calibration_length_m")
+    stop_sensor_m = sensor("D3, resets position", "m", 0, "stop_sensor_m")
+    target_deceleration_ms2 = sensor("Target curve, m/s\u00b2", "m/s\u00b2", 2, "target_deceleration_ms2")
     load_deviation_percent = TypedNumber("Load, \u00b1 %", "%", default=18.0, bounds=(0.01, 100))
     error_deviation_m = TypedNumber("Position error, \u00b1 m", "m", 1, default=5.0, bounds=(0.01, 1000))
     resistance_deviation_percent = TypedNumber("Resistance, \u00b1 %", "%", 1, default=8.0, bounds=(0.01, 100))

@@ -12,7 +12,7 @@ from railjoule.core.scenario.options import LITERAL_KEYS, SearchOptions
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip, StorageCurve
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
@@ -53,9 +53,16 @@ class SpeedLimitsModel(TypedParameters, PageModel):
     regulator = param.Selector(default="coast", objects=list(REGULATORS), doc="The regulator under the limits.")
     free_borders = param.Boolean(default=False, doc="Whether the search can move the section ends.")
     section_count = TypedInteger("Sections", default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS))
-    time_window_percent = TypedNumber("Time window, \u00b1 %", "%", 1, default=1.0, bounds=(0.0, 50.0))
+    time_window_percent = TypedNumber(
+        "Time window, \u00b1 %", "%", 1, default=1.0, **core_bounds(SearchOptions, "time_window", 100)
+    )
     stop_deceleration_ms2 = TypedNumber(
-        "Braking, m/s\u00b2", "m/s\u00b2", 2, default=0.8, bounds=(0.0, 20.0), doc="For stops."
+        "Braking, m/s\u00b2",
+        "m/s\u00b2",
+        2,
+        default=0.8,
+        doc="For stops.",
+        **core_bounds(SearchOptions, "stop_deceleration_ms2"),
     )
     storage_size_kwh = TypedNumber(
         "Storage, kWh", "kWh", 2, default=None, allow_None=True, bounds=(0.0, 1e4), softbounds=(0, 5), step=0.01

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -32,7 +33,7 @@ from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.offered import OFFERED
-from railjoule.dashboard.work.study_pool import LOOK_THREADS, LOOKS, STUDY_THREADS
+from railjoule.dashboard.work.study_pool import LOOK_THREADS, LOOKS
 from railjoule.dashboard.work.worker import Worker, without_page
 
 if TYPE_CHECKING:
@@ -110,18 +111,27 @@ def save(request: SaveRequest) -> Saved:
     return Saved(f"file/{OFFERED.offer(path, request.name)}", request.name)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BeginRequest:
-    """A study that is to begin, and the file that keeps it, if any."""
+    """A study that is to begin, the file that keeps it, if any, and the page's scenario."""
 
     settings: EstimateRequest
     path: Path | None
+    base: Mapping[str, Any]
 
 
-def make_results(request: BeginRequest) -> Results:
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """Where the rows of a study go, and what asked for it."""
+
+    request: BeginRequest
+    results: Results
+
+
+def make_results(request: BeginRequest) -> Begun:
     """Return where the rows of a study go; errors as `study_of`."""
     study = request.settings.study()
-    return MemoryResults(study) if request.path is None else SweepFile.create(request.path, study)
+    return Begun(request, MemoryResults(study) if request.path is None else SweepFile.create(request.path, study))
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +162,8 @@ class Studies(PageWork[StudyModel]):
         self.results: Results | None = None
         self.table: SweepTable | None = None
         self._running: Running | None = None
+        # what begins, and how far the study before it was
+        self._beginning: tuple[BeginRequest, Progress] | None = None
         self._base: Mapping[str, Any] | None = None
         self._shape: tuple[object, ...] = ()
         model = self.model
@@ -165,8 +177,8 @@ class Studies(PageWork[StudyModel]):
             self._refuse,
             threads=LOOK_THREADS,
         )
-        self.beginner: Worker[BeginRequest, Results] = Worker(
-            make_results, self._begin, self._refuse, threads=LOOK_THREADS
+        self.beginner: Worker[BeginRequest, Begun] = Worker(
+            make_results, self._begin, self._refuse_beginning, threads=LOOK_THREADS
         )
         self.looker: Worker[DrawRequest, Shown] = Worker(
             look_and_draw, self._take_look, self.take_failure, about=of_study, threads=LOOK_THREADS
@@ -226,18 +238,36 @@ class Studies(PageWork[StudyModel]):
         except RailjouleError as refusal:
             self._refuse(refusal)
             return
-        self.model.refusal = ""
-        self.beginner.ask(BeginRequest(request, path))
+        begin = BeginRequest(request, path, self.state.scenario.keep())
+        self._beginning = begin, self.model.progress
+        # from now on: it must not be asked for twice
+        self.model.param.update(refusal="", progress=Progress("waiting", 0, request.sample))
+        self.beginner.ask(begin)
 
-    def _begin(self, results: Results) -> None:
-        request = self.model.current
+    def _begin(self, begun: Begun) -> None:
+        request, results = begun.request, begun.results
+        if self._beginning is None or self._beginning[0] is not request:
+            # stopped before it began
+            _close(results)
+            return
+        self._beginning = None
         self._show_results(results, results.path.stem if isinstance(results, SweepFile) else None)
-        self._base = self.state.scenario.keep()
-        self.model.asked = request
+        self._base = request.base
+        self.model.asked = request.settings
         if isinstance(results, SweepFile):
             self.model.name_to_keep = ""
             self._list_kept()
         self._run()
+
+    def _refuse_beginning(self, failure: RailjouleError) -> None:
+        self._stay()
+        self._refuse(failure)
+
+    def _stay(self) -> None:
+        """Leave the study that is shown as it was before another one was asked for."""
+        if self._beginning is not None:
+            self.model.progress = self._beginning[1]
+            self._beginning = None
 
     def _show_results(self, results: Results, name: str | None) -> None:
         """Show another study, and let go of the one before."""
@@ -258,13 +288,12 @@ class Studies(PageWork[StudyModel]):
 
     def _let_go(self) -> None:
         """End what runs, and close its file after its last rows."""
-        if self._running is not None:
-            self._running.stop()
-            self._running = None
-        if isinstance(self.results, SweepFile):
-            # by the thread that hands over runs: after those that are under way
-            STUDY_THREADS.submit(_close, self.results)
-        self.results = None
+        running, results = self._running, self.results
+        self._running = self.results = None
+        if running is not None:
+            running.stop(partial(_close, results))
+        else:
+            _close(results)
 
     def _run(self) -> None:
         assert self.results is not None
@@ -290,7 +319,9 @@ class Studies(PageWork[StudyModel]):
         self.model.progress = progress
 
     def _stop(self, *_: Any) -> None:
-        if self._running is not None and self.model.progress.is_under_way:
+        if self._beginning is not None:
+            self._stay()
+        elif self._running is not None and self.model.progress.is_under_way:
             progress = self.model.progress
             self.model.progress = Progress("stopping", progress.done, progress.runs, progress.per_s)
             self._running.stop()
@@ -409,9 +440,11 @@ class Studies(PageWork[StudyModel]):
     def end(self, *_: Any) -> None:
         """End the study, as the page has gone; what is kept in a file stays there."""
         super().end()
+        self._stay()
         self._let_go()
 
 
-def _close(results: SweepFile) -> None:
-    with suppress(RailjouleError):
-        results.close()
+def _close(results: Results | None) -> None:
+    if isinstance(results, SweepFile):
+        with suppress(RailjouleError):
+            results.close()

@@ -119,6 +119,46 @@ def test_another_time_than_asked_is_told(strategy: str, time: float, words: str)
     assert comparisons.other_time(strategy, time, 9999.0) == words
 
 
+def retimed(run: Trajectory, later_s: float, asked_later_s: float = 0.0) -> Trajectory:
+    """Return a run that takes more time than it does, and was asked for in more."""
+    more = later_s - float(run.time_s[-1] - run.scenario.travel_time_s)
+    timetable = run.scenario.timetable.model_copy(update={"travel_time_s": run.scenario.travel_time_s + asked_later_s})
+    scenario = run.scenario.model_copy(update={"timetable": timetable})
+    return replace(run, scenario=scenario, time_s=np.append(run.time_s[:-1], run.time_s[-1] + more))
+
+
+def test_a_late_run_tells_how_late_it_is_instead_of_a_percentage(run: Trajectory) -> None:
+    in_time, late = retimed(run, 0.04), retimed(run, 1.7)
+    assert comparisons.in_time_asked(in_time) == "0.00"
+    assert comparisons.in_time_asked(late) == "1.7 s late"
+    # beside another run too, unless that one takes as long
+    assert comparisons.beside(late, in_time) == "1.7 s late"
+    assert comparisons.beside(late, retimed(run, 1.7)) == "0.00"
+    assert comparisons.beside(in_time, late) == "0.00"
+    # later than another one is none where the timetable asks for it
+    assert comparisons.beside(retimed(run, 10.0, asked_later_s=10.0), in_time) == "0.00"
+
+
+@pytest.mark.parametrize(
+    ("energy", "delay_s", "stop_error_m", "more", "cell", "outcome"),
+    [
+        # in time at the stop: less is a saving
+        (9.0, 0.04, -0.04, f"{MINUS}10.0 %", f"{MINUS}10.0", f"{MINUS}10.0 % energy, 0.0 s, stopping error"),
+        (11.0, 3.2, 14.5, "+10.0 %", "+10.0", "+10.0 % energy, +3.2 s, stopping error +14.50 m."),
+        (9.0, 3.2, 14.5, f"{MINUS}1.000 kWh", "late", "3.2 s late, 14.5 m beyond the stop; "),
+        (9.0, -3.2, -2.0, f"{MINUS}1.000 kWh", "short", "2.0 m short of the stop; "),
+        (9.0, 0.0, 2.0, f"{MINUS}1.000 kWh", "beyond", f"2.0 m beyond the stop; {MINUS}1.000 kWh energy."),
+    ],
+)
+def test_what_misses_timetable_or_stop_saves_nothing(
+    energy: float, delay_s: float, stop_error_m: float, more: str, cell: str, outcome: str
+) -> None:
+    run = energy, 10.0, delay_s, stop_error_m
+    assert str(comparisons.extra(*run)) == more
+    assert comparisons.extra_cell(*run) == cell
+    assert outcome in comparisons.outcome(*run)
+
+
 def test_one_arrives_later_or_earlier() -> None:
     assert comparisons.arrival(1.1) == "1.1 s later"
     assert comparisons.arrival(-1.1) == "1.1 s earlier"

@@ -108,6 +108,22 @@ def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
     assert "Fastest: 101.3 s earlier than the 300.0 s allowed." in plain(parts.runs_table(runs, "optimal"))
 
 
+def test_a_late_run_is_told_by_its_delay_before_its_energy() -> None:
+    """The metro with a limit: set speeds of 1.7 s more than the 170.0 s of the timetable (walk_engineer.md, F5)."""
+    runs = compute_runs(RunsRequest(load_scenario("metro-with-limit"), ("speed_limits", "fastest")))
+    late, best = runs.runs["speed_limits"], runs.best
+    assert late.travel_time_s - 170.0 == pytest.approx(1.7, abs=1e-3)
+    over = 100 * (late.energy_kwh / late.reference.energy_kwh - 1)
+    head = plain(parts.run_figures(runs, late, None, stale=False))
+    assert f"Late 1.7 s {over:.1f} % above the optimum in 171.7 s" in head
+    text = plain(parts.runs_table(runs, "optimal"))
+    assert f"Set speeds {late.energy_kwh:.2f} 1.7 s late 171.7 " in text
+    assert "Above the optimum in the 170.0 s allowed." in text
+    # what is early is measured by the time asked for
+    fastest = runs.runs["fastest"]
+    assert f"Fastest {fastest.energy_kwh:.2f} +{100 * (fastest.energy_kwh / best.energy_kwh - 1):.0f} 133.6 " in text
+
+
 def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
     """At 9999 s this train rolls down to its end with 0.628 kWh given back; waiting any longer changes nothing."""
     scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})

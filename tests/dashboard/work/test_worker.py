@@ -81,6 +81,46 @@ def test_a_defect_is_logged_not_shown(caplog: pytest.LogCaptureFixture) -> None:
     assert taken == [20]
 
 
+def test_a_page_that_cannot_take_an_error_still_gets_results_in_order() -> None:
+    """Asked 1, 2 and 3, it got 3, then 2 (dashboard.md, D5)."""
+    gate, page, taken = Gate(), Page(), []
+
+    def fail(_: RailjouleError) -> None:
+        raise ValueError("a defect of who watches")
+
+    worker = Worker(gate, taken.append, fail)
+    gate.open.set()
+    with set_curdoc(page.document):
+        worker.ask(-1)
+        worker.ask(2)
+    with pytest.raises(ValueError, match="who watches"):
+        page.take_turn()
+    with set_curdoc(page.document):
+        worker.ask(3)
+    page.take_turn()
+    page.take_turn()
+    assert taken == [20, 30]
+
+
+def test_what_is_asked_for_while_a_result_is_taken_replaces_what_waits() -> None:
+    gate, page, taken = Gate(), Page(), []
+
+    def take(result: int) -> None:
+        taken.append(result)
+        if result == 10:
+            worker.ask(3)
+
+    worker = Worker(gate, take, lambda _: None)
+    with set_curdoc(page.document):
+        worker.ask(1)
+        worker.ask(2)
+    gate.open.set()
+    page.take_turn()
+    page.take_turn()
+    assert taken == [10, 30]
+    assert gate.done == [1, 3]
+
+
 @pytest.mark.parametrize("kind", ["worker", "study"])
 def test_a_page_is_asked_for_its_turn_by_the_event_loop_alone(kind: str) -> None:
     # a thread that asks a document for a turn while that gives free what it held may not be heard

@@ -8,6 +8,7 @@ from html import unescape
 from typing import Any
 
 import pytest
+from bokeh.document import Document
 from panel.io.state import set_curdoc
 from turns import PATIENCE_S, Page
 
@@ -176,9 +177,14 @@ def test_a_changed_scenario_makes_it_stale_until_it_is_asked_for_again(desk: Des
 
 
 def test_another_scenario_has_none_of_it(desk: Desk) -> None:
+    # in a document, where the widget takes none but its own options
+    desk.section.view.get_root(Document())
     desk.open()
     desk.state.scenario.choose("liashenko-0")
     assert desk.state.simple.found is None
+    assert desk.state.simple.changes is None
+    assert desk.section.choice.value is None
+    assert desk.section.choice.options == {}
     assert not desk.section.results.visible
     assert desk.section.again.label == "Compute"
 

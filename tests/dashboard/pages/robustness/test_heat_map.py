@@ -5,6 +5,7 @@ from railjoule.core import load_scenario
 from railjoule.core.studies import sensitivity
 from railjoule.dashboard.look import comparisons
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.words import MINUS
 from railjoule.dashboard.pages.robustness.heat_map import (
     MEASURES,
     HeatMapChart,
@@ -52,6 +53,22 @@ def test_beside_a_plan_that_gives_energy_back_cells_tell_kilowatt_hours() -> Non
     assert (
         MEASURES["overconsumption"].texts(table)[0] == comparisons.above(table.energy_kwh[0, 0], table.planned_kwh).cell
     )
+
+
+def test_a_cell_that_misses_timetable_or_stop_is_no_saving() -> None:
+    """At full load and +10 m the train is 3.2 s late and stops 14.5 m too far (walk_engineer.md, F8)."""
+    table = sensitivity(load_scenario("metro-with-limit"), [0.0, 1.0], [0.0, 10.0], both_directions=False)
+    measure = MEASURES["over_replanned"]
+    assert table.over_replanned[1, 1] == pytest.approx(-0.018, abs=5e-4)
+    assert (table.delay_s[1, 1], table.stop_error_m[1, 1]) == pytest.approx((3.2, 14.5), abs=0.05)
+    assert measure.texts(table)[3] == "late"
+    assert np.isnan(measure.drawn(table)[1, 1])
+    # an empty train, which is in time, does save beside the plan for half a load
+    in_time = MEASURES["overconsumption"]
+    assert in_time.texts(table)[0].startswith(MINUS)
+    assert in_time.drawn(table)[0, 0] == in_time.values(table)[0, 0] < 0
+    # how late it is stays a number
+    assert MEASURES["delay_s"].texts(table)[3] == "+3.2"
 
 
 def test_cells_that_are_not_computed_yet_stay_empty() -> None:

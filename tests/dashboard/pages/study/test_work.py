@@ -1,21 +1,27 @@
 """The work of the page without a page around it: all of it is done in the test's own turn."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from threading import Event
+from typing import Any
 
 import numpy as np
 import pytest
+from panel.io.state import set_curdoc
+from turns import PATIENCE_S, Page
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.studies.sweep import SweepFile
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.snapshot import lay, snapshot_of
+from railjoule.dashboard.pages.study import work
 from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.pages.study.work import Studies
 from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.offered import OFFERED
+from railjoule.dashboard.work.study_pool import STUDY_THREADS
 
 TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
 
@@ -85,6 +91,69 @@ def test_other_settings_are_another_study_and_the_last_one_stays_until_it_begins
     desk.run()
     assert desk.model.study is not first
     assert desk.model.asked == desk.model.current
+
+
+class NoRun:
+    """Stands for the runs of a study: none is made."""
+
+    def __init__(self, *_: Any) -> None:
+        pass
+
+    def begin(self) -> None:
+        pass
+
+    def stop(self, then: Callable[[], None]) -> None:
+        then()
+
+
+@pytest.fixture
+def page(monkeypatch: pytest.MonkeyPatch) -> Page:
+    """A page whose turns the test takes, which draws in threads alone and makes no run."""
+    monkeypatch.setattr(work, "beside", lambda _here, act, *arguments: act(*arguments))
+    monkeypatch.setattr(work, "Running", NoRun)
+    return Page()
+
+
+def take_turns_until(page: Page, holds: Callable[[], bool]) -> None:
+    while not holds():
+        page.take_turn()
+
+
+def test_results_belong_to_the_settings_that_were_asked_for(desk: Desk, page: Page) -> None:
+    """Settings that change while the study is being made (dashboard.md, D1)."""
+    model, asked = desk.model, desk.model.current
+    with set_curdoc(page.document):
+        model.param.trigger("start")
+        desk.state.scenario.travel_time_s += 5
+        model.param.update(runs=80, seed=7)
+    take_turns_until(page, lambda: model.study is not None)
+    assert model.study is not None
+    assert model.study.sample == 60
+    assert model.asked == asked
+    assert model.asked != model.current
+    # and a run of it is opened over the scenario of then
+    assert desk.work._base is not None
+    assert desk.work._base["travel_time_s"] == desk.state.scenario.travel_time_s - 5
+
+
+def test_a_double_click_asks_once(desk: Desk, page: Page, monkeypatch: pytest.MonkeyPatch) -> None:
+    made, make = [], work.make_results
+    monkeypatch.setattr(desk.work.beginner, "_compute", lambda request: made.append(request) or make(request))
+    with set_curdoc(page.document):
+        desk.model.param.trigger("start")
+        assert desk.model.progress.is_under_way
+        desk.model.param.trigger("start")
+    take_turns_until(page, lambda: desk.model.study is not None)
+    assert len(made) == 1
+
+
+def test_a_study_that_was_stopped_before_it_began_does_not(desk: Desk, page: Page) -> None:
+    with set_curdoc(page.document):
+        desk.model.param.trigger("start")
+        desk.model.param.trigger("stop")
+    page.take_turn()
+    assert desk.model.study is None
+    assert desk.model.progress.state == "none"
 
 
 def test_a_study_that_cannot_be_begun_leaves_the_last_one(desk: Desk) -> None:
@@ -161,11 +230,10 @@ def test_a_study_is_kept_opened_again_and_goes_on(own: Path) -> None:
     desk.run()
     assert desk.model.kept_as == "my study"
     assert (own / "studies" / "my study.study").is_file()
+    # a study of another page, which may take an hour, does not keep the file locked (dashboard.md, D2)
+    may_end = Event()
+    STUDY_THREADS.submit(may_end.wait, PATIENCE_S)
     desk.work.end()
-    # its file is closed by the thread that hands over runs
-    from railjoule.dashboard.work.study_pool import STUDY_THREADS  # noqa: PLC0415
-
-    STUDY_THREADS.submit(int).result()
     other = Desk()
     assert other.model.kept_names == ["my study"]
     other.model.wanted_kept = ("open", "my study")
@@ -180,7 +248,7 @@ def test_a_study_is_kept_opened_again_and_goes_on(own: Path) -> None:
     other.model.wanted_kept = ("delete", "my study")
     assert other.model.kept_names == ["my study"]
     other.work.end()
-    STUDY_THREADS.submit(int).result()
+    may_end.set()
     third = Desk()
     third.model.wanted_kept = ("delete", "my study")
     assert third.model.kept_names == []
@@ -192,6 +260,8 @@ def test_a_name_that_is_taken_is_refused(own: Path) -> None:
     desk.run()
     desk.model.param.update(name_to_keep="twice", seed=5)
     desk.model.param.trigger("start")
-    assert "exists already" in desk.model.refusal
+    # without the folder of the server (dashboard.md, D3)
+    assert desk.model.refusal == "twice.study exists already."
+    assert desk.model.progress.state == "done"
     assert desk.model.progress.done == 60
     desk.work.end()

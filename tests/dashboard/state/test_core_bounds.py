@@ -1,0 +1,195 @@
+"""Each number that a field takes, the scenario's file takes too (dashboard.md, D6: 5 of 8 fields of Robustness)."""
+
+from typing import Annotated, Any
+
+import pytest
+from pydantic import BaseModel, TypeAdapter
+
+from railjoule.core.scenario.distribution import Exponential, LogNormal, Normal
+from railjoule.core.scenario.disturbance import (
+    Disturbance,
+    Event,
+    RecuperationChange,
+    UnplannedLimit,
+    UnplannedStop,
+    VoltageChange,
+)
+from railjoule.core.scenario.line import Station
+from railjoule.core.scenario.machine import InductionMachine
+from railjoule.core.scenario.options import EnocOptions, MonteCarloOptions, SearchOptions, SimulationOptions
+from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.vehicle import Vehicle
+from railjoule.dashboard.actual.event import EventModel
+from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
+from railjoule.dashboard.pages.line.model import LineModel, StationModel
+from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
+from railjoule.dashboard.pages.motor.model import MotorModel
+from railjoule.dashboard.pages.robustness.model import RobustnessModel
+from railjoule.dashboard.pages.speed_limits.model import SectionModel, SpeedLimitsModel
+from railjoule.dashboard.pages.study.model import StudyModel
+from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.state.scenario import ScenarioModel
+
+STOP, LIMIT = EventModel(kind="stop"), EventModel(kind="limit")
+VOLTAGE, RECUPERATION = EventModel(kind="voltage"), EventModel(kind="recuperation")
+Key = tuple[type[BaseModel], str, float]
+KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
+    "robustness": (
+        RobustnessModel(),
+        {
+            "actual_load_percent": (Disturbance, "actual_load_factor", 100),
+            "coordinate_error_m": (Disturbance, "coordinate_error_m", 1),
+            "speed_error_percent": (SimulationOptions, "speed_error", 100),
+            "reset_sensor_m": (SimulationOptions, "reset_sensor_m", 1),
+            "calibration_length_m": (SimulationOptions, "calibration_length_m", 1),
+            "stop_sensor_m": (SimulationOptions, "stop_sensor_m", 1),
+            "target_deceleration_ms2": (SimulationOptions, "target_deceleration_ms2", 1),
+            "load_deviation_percent": (Normal, "standard_deviation", 100),
+            "error_deviation_m": (Normal, "standard_deviation", 1),
+            "resistance_deviation_percent": (LogNormal, "log_standard_deviation", 100),
+            "voltage_deviation_percent": (Normal, "standard_deviation", 100),
+            "seed": (MonteCarloOptions, "seed", 1),
+        },
+    ),
+    "stop": (
+        STOP,
+        {
+            "position_m": (UnplannedStop, "position_m", 1),
+            "duration_s": (UnplannedStop, "duration_s", 1),
+            "noticed_at_m": (Event, "noticed_at_m", 1),
+        },
+    ),
+    "limit": (
+        LIMIT,
+        {
+            "position_m": (UnplannedLimit, "from_m", 1),
+            "to_m": (UnplannedLimit, "to_m", 1),
+            "limit_kmh": (UnplannedLimit, "limit_kmh", 1),
+        },
+    ),
+    "voltage": (VOLTAGE, {"share_percent": (VoltageChange, "line_voltage_factor", 100)}),
+    "recuperation": (RECUPERATION, {"share_percent": (RecuperationChange, "recuperation_factor", 100)}),
+    "disturbances": (DisturbancesModel(), {"accepted_delay_s": (Disturbance, "accepted_delay_s", 1)}),
+    "motor": (
+        MotorModel(),
+        {
+            "bandwidth_rads": (SimulationOptions, "bandwidth_rads", 1),
+            "rotor_resistance_factor": (SimulationOptions, "rotor_resistance_factor", 1),
+            "speed_noise_rads": (SimulationOptions, "speed_noise_rads", 1),
+            "noise_seed": (SimulationOptions, "noise_seed", 1),
+            "max_phase_voltage_v": (InductionMachine, "max_phase_voltage_v", 1),
+            "max_current_a": (InductionMachine, "max_current_a", 1),
+        },
+    ),
+    "speed limits": (
+        SpeedLimitsModel(),
+        {
+            "time_window_percent": (SearchOptions, "time_window", 100),
+            "stop_deceleration_ms2": (SearchOptions, "stop_deceleration_ms2", 1),
+        },
+    ),
+    "section": (SectionModel(), {}),
+    "station": (
+        StationModel(),
+        {
+            "dwell_s": (Station, "dwell_s", 1),
+            "arrival_s": (Station, "arrival_s", 1),
+            "earliest_s": (Station, "earliest_arrival_s", 1),
+            "latest_s": (Station, "latest_arrival_s", 1),
+            "given_s": (Station, "arrival_s", 1),
+        },
+    ),
+    "line": (LineModel(ScenarioModel()), {}),
+    "measured runs": (MeasuredRunsModel(), {}),
+    "study": (StudyModel(ScenarioModel().base), {}),
+    "scenario": (
+        ScenarioModel(),
+        {
+            "travel_time_s": (Timetable, "travel_time_s", 1),
+            "load_percent": (Vehicle, "load_factor", 100),
+            "acceleration_time_s": (EnocOptions, "acceleration_time_s", 1),
+        },
+    ),
+}
+"""Of each model, the keys of the file that its fields set, and how many of a field's units are one of the key's."""
+NO_SINGLE_KEY = {
+    # 0 stands for no delay at all; above it is the mean of `Exponential`
+    "mean_departure_delay_s",
+    # of an event of another kind
+    *("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m"),
+    # what the page shows, which no file has
+    "ripple_at_s",
+    "begins_at_m",
+    *("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent"),
+    # an entry of a list of the file, held to the vehicle's speed, and how many there are
+    *("section_count", "to_m"),
+    # of a study, not of its scenario
+    *("runs", "seed"),
+    # a drive's, whichever it is
+    "recuperation_percent",
+}
+
+
+def ends(model: TypedParameters, field: str) -> list[float]:
+    """Return the least and the largest number that a field takes."""
+    (low, high), (low_in, high_in) = model.bounds_of(field), model.closed_ends(field)
+    # just inside of an end that it does not take itself
+    low = low if low is None or low_in else low + 1e-9
+    high = high if high is None or high_in else high - 1e-9
+    return [end for end in (low, high) if end is not None]
+
+
+@pytest.mark.parametrize(("page", "field"), [(page, field) for page, (_, keys) in KEYS.items() for field in keys])
+def test_what_a_field_takes_the_file_takes(page: str, field: str) -> None:
+    model, keys = KEYS[page]
+    part, key, scale = keys[field]
+    declared: Any = part.model_fields[key]
+    adapter = TypeAdapter(Annotated[declared.annotation, *declared.metadata])
+    found = ends(model, field)
+    assert len(found) == 2
+    for number in found:
+        adapter.validate_python(int(number) if key.endswith("seed") else number / scale)
+
+
+def test_every_field_of_every_page_is_held_to_the_file() -> None:
+    for page, (model, keys) in KEYS.items():
+        typed = {name for name in model.param if isinstance(model.param[name], TypedNumber)}
+        assert typed <= {*keys, *NO_SINGLE_KEY}, page
+
+
+@pytest.mark.parametrize(
+    ("model", "field", "text", "sentence"),
+    [
+        (RobustnessModel(), "reset_sensor_m", "0", "Above 0."),
+        (RobustnessModel(), "calibration_length_m", "0", "Above 0."),
+        (RobustnessModel(), "stop_sensor_m", "0", "Above 0."),
+        (RobustnessModel(), "target_deceleration_ms2", "0", "Above 0."),
+        (RobustnessModel(), "speed_error_percent", "50", "Below 50."),
+        (RobustnessModel(), "speed_error_percent", "-50", "Above -50."),
+        (SpeedLimitsModel(), "time_window_percent", "0", "Above 0."),
+        (SpeedLimitsModel(), "stop_deceleration_ms2", "0", "Above 0."),
+        (STOP, "position_m", "0", "Above 0."),
+        (LIMIT, "limit_kmh", "0", "Above 0."),
+        (VOLTAGE, "share_percent", "0", "Above 0."),
+        (RECUPERATION, "share_percent", "150", "At most 100."),
+    ],
+)
+def test_what_the_file_refuses_the_field_refuses(model: TypedParameters, field: str, text: str, sentence: str) -> None:
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        model.parse(field, text)
+    # and a link too
+    with pytest.raises(ValueError, match=sentence.split(" ", maxsplit=1)[0].lower()):
+        model.checked(field, float(text))
+
+
+def test_a_link_is_held_to_the_kind_of_its_events() -> None:
+    for kind, share in (("recuperation", 150.0), ("voltage", 0.0)):
+        with pytest.raises(ValueError, match="share_percent"):
+            DisturbancesModel().checked("events", [{"share_percent": share, "kind": kind}])
+    # a limit may begin where the line does
+    assert DisturbancesModel().checked("events", [{"kind": "limit", "position_m": 0.0}])
+
+
+def test_the_mean_delay_is_one_that_the_file_takes() -> None:
+    model = RobustnessModel(mean_departure_delay_s=ends(RobustnessModel(), "mean_departure_delay_s")[1])
+    Exponential.model_validate(model.chance_changes(1)["montecarlo.departure_delay_s"])
