@@ -67,7 +67,7 @@ def sharing_words(runs: LineRuns) -> list[str]:
         costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
     told = f"Against the optimal reserve, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
-    if not savings:
+    if not costs:
         verdict = "No other way of sharing the slack that is shown keeps the windows of arrival."
     elif runs.pays:
         verdict = f"{told}."
