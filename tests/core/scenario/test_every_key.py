@@ -233,7 +233,6 @@ AT_THE_ENDS = [
 ]
 
 
-@pytest.mark.xfail(strict=True, reason="branch windows: windows and dwells at the ends of the line")
 def test_keys_of_a_station_at_an_end_have_an_effect_or_are_refused() -> None:
     before, wrong = plan(scenario_from_document(shortened({}))), []
     for station in AT_THE_ENDS:
