@@ -280,7 +280,7 @@ def page_words(error: RailjouleError) -> str:
 
 
 def _without_options(sentence: str) -> str:
-    return OPTION.sub("", sentence).replace("--from ", "Begins at ")
+    return OPTION.sub("", sentence).replace("by --from", "under Begins at").replace("--from ", "Begins at ")
 
 
 def _in_words(sentence: str) -> str:

@@ -147,7 +147,9 @@ class MeasuredRunsView(PageView):
         self.change = pmui.Button(
             label="Change", variant="text", size="small", margin=(0, 0, 0, 4), on_click=self._unfold
         )
-        line = pn.Row(self.columns, self.change, margin=(6, 0, 4, 0), stylesheets=[parts.WRAP_CSS])
+        # a run whose place is asked for has no results, but this field
+        self.begins = NumberField(self.model, "begins_at_m", max_width=320)
+        line = pn.Row(self.columns, self.change, self.begins, margin=(6, 0, 4, 0), stylesheets=[parts.WRAP_CSS])
         return parts.stack(line, css=ROW_CSS)
 
     def _fit_panel(self) -> Viewable:
@@ -165,7 +167,6 @@ class MeasuredRunsView(PageView):
 
     def _where(self) -> Viewable:
         self.where = parts.html_pane()
-        self.begins = NumberField(self.model, "begins_at_m", max_width=320)
         opened = pmui.Button(
             label="Open its time and stops on Drive",
             variant="text",
@@ -176,7 +177,7 @@ class MeasuredRunsView(PageView):
         self.pin = pmui.Button(
             label=PIN, variant="outlined", size="small", height=30, margin=(4, 8, 0, 0), on_click=self._turn_pin
         )
-        return parts.stack(self.where, self.begins, pn.Row(self.pin, opened, margin=0, stylesheets=[parts.WRAP_CSS]))
+        return parts.stack(self.where, pn.Row(self.pin, opened, margin=0, stylesheets=[parts.WRAP_CSS]))
 
     def _listen(self) -> None:
         model = self.model

@@ -116,6 +116,9 @@ def test_a_saving_has_an_interval_and_a_part_of_the_line_stands_in_the_heading(s
     shipped = (FOLDER / "liashenko-ii-108s.csv").read_text().splitlines()
     speeds = "\n".join(",".join(line.split(",")[:2]) for line in shipped)
     state.measured_runs.bring([("part.csv", speeds.encode())])
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.shown.refusal.endswith("from 0 m and from 1000 m on; say where it begins under Begins at.")
     state.measured_runs.begins_at_m = 1000.0
     measured = state.measured_runs.measured
     assert measured is not None
