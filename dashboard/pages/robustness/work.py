@@ -53,6 +53,7 @@ class Robustness(PageWork[RobustnessModel]):
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
         self._take_crush_load()
+        self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS])
