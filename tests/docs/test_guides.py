@@ -31,7 +31,7 @@ SHORT = {
 
 def carried_out(guide: str, root: Path) -> Path:
     """Copy the sources to a folder, and change them as a guide says: its new file, and its changes of others."""
-    for name in ("core", "dashboard", "assets"):
+    for name in ("core", "dashboard", "assets", ".github"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
     text = text_of(f"howto/{guide}")
     (added,), (changes,) = blocks(text, "python"), blocks(text, "diff")
