@@ -2,12 +2,14 @@
 
 import ast
 import re
+import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable
 from importlib.metadata import entry_points
 from pathlib import Path
 
+import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
@@ -146,3 +148,17 @@ def test_the_constraints_are_names_and_releases_within_the_bounds():
     assert len(releases) == len(listed)
     for one in REQUIREMENTS:
         assert releases[canonicalize_name(one.name)] in one.specifier, one
+
+
+def test_the_package_has_its_version():
+    import railjoule  # noqa: PLC0415
+
+    assert railjoule.__version__ == PROJECT["project"]["version"]
+    with pytest.raises(AttributeError, match="no attribute 'versions'"):
+        _ = railjoule.versions
+
+
+def test_a_checkout_of_the_same_name_does_not_hide_the_installed_package(tmp_path):
+    (tmp_path / "railjoule" / "core").mkdir(parents=True)
+    (tmp_path / "railjoule" / "core" / "__init__.py").write_text("raise SystemExit('the checkout was imported')")
+    subprocess.run([sys.executable, "-c", "import railjoule.core"], cwd=tmp_path, check=True)

@@ -56,7 +56,7 @@ def main() -> int:
         python = str(Path(place) / ("Scripts" if sys.platform == "win32" else "bin") / "python")
         # pip builds where the sources are, and an editable install has its files there
         source = Path(place) / "source"
-        for part in ("core", "dashboard", "assets"):
+        for part in ("package", "core", "dashboard", "assets"):
             shutil.copytree(ROOT / part, source / part)
         for name in ("pyproject.toml", "README.md", "LICENSE"):
             shutil.copy(ROOT / name, source)

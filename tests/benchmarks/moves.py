@@ -157,6 +157,8 @@ def served(checkout: Path) -> Iterator[Server]:
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder) / "railjoule"
         package.mkdir()
+        (package / "__init__.py").touch()
+        (package / "core").symlink_to(Path(__file__).parents[2] / "core")
         for name in ("dashboard", "assets"):
             (package / name).symlink_to(checkout.resolve() / name)
         with serving("-m", "railjoule.dashboard", "serve", environment={"PYTHONPATH": folder}) as server:

@@ -101,6 +101,7 @@ def worker(checkout: Path) -> Iterator[Callable[[str], float]]:
     with tempfile.TemporaryDirectory() as folder:
         package = Path(folder) / "railjoule"
         package.mkdir()
+        (package / "__init__.py").touch()
         for name in PACKAGES:
             (package / name).symlink_to(checkout.resolve() / name)
         environment = {**os.environ, "PYTHONPATH": folder}

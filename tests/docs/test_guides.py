@@ -33,6 +33,7 @@ def carried_out(guide: str, root: Path) -> Path:
     """Copy the sources to a folder, and change them as a guide says: its new file, and its changes of others."""
     for name in ("core", "dashboard", "assets", ".github"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "package" / "__init__.py", root)
     text = text_of(f"howto/{guide}")
     (added,), (changes,) = blocks(text, "python"), blocks(text, "diff")
     (root / added.splitlines()[0].removeprefix("# ")).write_text(added, encoding="utf-8")
