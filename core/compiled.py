@@ -47,7 +47,7 @@ class Mode:
     @cached_property
     def is_compiled(self) -> bool:
         """Whether compiled code is called; assign to switch."""
-        return kernel_cache.has_all_kernels()
+        return bool(_CONFIG.DISABLE_JIT) or kernel_cache.has_all_kernels()
 
 
 def compile_when_slow() -> None:
