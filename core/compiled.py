@@ -53,10 +53,15 @@ class Mode:
 def compile_when_slow() -> None:
     """Compile all kernels once interpreted ones have taken too long."""
     if MODE.interpreted_s > PATIENCE_S:
-        # it imports all of the core
-        from railjoule.core.compilation import require_compiled  # noqa: PLC0415
+        compile_now()
 
-        require_compiled()
+
+def compile_now() -> None:
+    """Wait until all kernels are compiled."""
+    # it imports all of the core
+    from railjoule.core.compilation import require_compiled  # noqa: PLC0415
+
+    require_compiled()
 
 
 class Kernel:
@@ -109,6 +114,11 @@ class Kernel:
         _THREAD.is_interpreting = True
         try:
             return self.py_func(*arguments, **named)
+        except ZeroDivisionError:
+            # compiled code divides as NumPy does; what the call has written so far, it writes again
+            _THREAD.is_interpreting = False
+            compile_now()
+            return self.entry(*arguments, **named)
         finally:
             _THREAD.is_interpreting = False
             MODE.interpreted_s += time.perf_counter() - began_s

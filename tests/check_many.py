@@ -15,7 +15,6 @@ import argparse
 import importlib.util
 import json
 import math
-import os
 import queue
 import subprocess
 import sys
@@ -35,6 +34,7 @@ import numpy as np
 from railjoule.core import InfeasibleLineError, RailjouleError, Trajectory, check_run
 from railjoule.core.bounds import bounded
 from railjoule.core.check import switching
+from railjoule.core.kernel_cache import source_hash
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy, with_bounds
 from tests.any_scenarios import MODELS, add_windows, any_time, any_wide_document
@@ -303,8 +303,8 @@ class Worker:
 
 
 def sources() -> str:
-    """Return what tells the core's sources from others: the name of the folder that holds its compiled kernels."""
-    return Path(os.environ["NUMBA_CACHE_DIR"]).name
+    """Return a hash of the core's sources."""
+    return source_hash()
 
 
 def kept_rows(file: Path, seeds: range, is_review: bool = False) -> list[Row]:

@@ -4,6 +4,8 @@ A priced cell is a0 v0^2 + a1 v1^2 + kappa / v + beta v + gamma v^2 with v = (v0
 corner of the box or at a stationary point of an edge or of the inside, each a root of a cubic in v.
 """
 
+import math
+
 from railjoule.core.compiled import njit
 
 # Newton's steps inside a bracket that shrinks: a few suffice, 100 bisections would reach rounding by themselves.
@@ -46,7 +48,8 @@ def cubic_root(cubic: float, square: float, constant: float, low: float, high: f
 def pair_value(a0: float, a1: float, kappa: float, beta: float, gamma: float, v0: float, v1: float) -> float:
     """Return a0 v0^2 + a1 v1^2 + kappa / v + beta v + gamma v^2 with v = (v0 + v1) / 2."""
     v = 0.5 * (v0 + v1)
-    per_speed = kappa / v if kappa != 0.0 else 0.0
+    # without a compiler, Python refuses to divide by zero
+    per_speed = 0.0 if kappa == 0.0 else kappa / v if v > 0.0 else math.copysign(math.inf, kappa)
     return a0 * v0 * v0 + a1 * v1 * v1 + per_speed + (beta + gamma * v) * v
 
 

@@ -94,6 +94,11 @@ def require_windows(task: Task, windows: Windows) -> None:
         earliest, latest = windows.get(number, (0.0, np.inf))
         if number == len(shortest) - 1:
             latest = min(latest, task.travel_time_s)
+            if earliest > latest:
+                raise ScenarioError(
+                    f"earliest_arrival_s = {earliest:g} s at {arrival_name(task, number)} must be no later than the "
+                    f"{latest:g} s that the timetable allows for the whole run."
+                )
         possible_s = max(reached_s * (1 + LEAST_SLACK), earliest)
         if reached_s * (1 + LEAST_SLACK) >= latest or earliest > latest:
             waited = ready_s > float(dwell[: number + 1].sum() + shortest[:number].sum())

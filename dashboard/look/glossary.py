@@ -200,8 +200,8 @@ TIME = (
 MEASURED = (
     Term(
         "Could save",
-        "What the best run in the same time, with the same stops, needs less than the measured speeds do; both by the "
-        "model of the train. Stated only where the errors of speed and model do not explain it.",
+        "What the best run in the same time, with the same stops, needs less than the measured speeds, both by the "
+        "model. Stated only where errors of speed and model do not explain it.",
     ),
     Term(
         "Measured energy",

@@ -109,7 +109,8 @@ class ScenarioModel(TypedParameters):
             If it cannot be read, is too large for a page, or no train can run it; then nothing changes.
         """
         found = open_scenario(text, name)
-        self.param.update(opened=found.scenario, toml=found.toml, edits={})
+        # a link to the file does not name the scenario that was shown before it
+        self.param.update(preset=FIRST_SCENARIO, opened=found.scenario, toml=found.toml, edits={})
         self.restore()
 
     def restore(self) -> None:

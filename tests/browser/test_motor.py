@@ -74,7 +74,7 @@ def test_a_limit_that_is_too_low_is_told(user: User) -> None:
     expect(held.first).to_be_visible()
     user.type("Current, A", "100")
     alert = user.alert()
-    assert "max_current_a = 100 must be above" in alert
+    assert "max current = 100 A must be above" in alert
     user.type("Current, A", "810")
     expect(held).to_have_count(0)
     user.see_no_alert()

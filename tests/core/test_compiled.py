@@ -99,6 +99,20 @@ def test_the_last_interpreted_call_may_begin_the_compilation(monkeypatch: pytest
     assert _depth.entry.signatures  # type: ignore[attr-defined]
 
 
+@njit(error_model="numpy")
+def _share(part: float, whole: float) -> float:
+    return part / whole
+
+
+def test_a_division_by_zero_that_python_refuses_is_left_to_compiled_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(MODE, "is_compiled", False)
+    monkeypatch.setattr(MODE, "before_interpreting", lambda: None)
+    monkeypatch.setattr("railjoule.core.compiled.compile_now", lambda: None)
+    assert _share(1.0, 2.0) == 0.5
+    assert not _share.entry.signatures  # type: ignore[attr-defined]
+    assert _share(1.0, 0.0) == float("inf")
+
+
 def test_a_kernel_is_pickled_by_its_name() -> None:
     assert pickle.loads(pickle.dumps(copy_rows)) is copy_rows
 

@@ -145,7 +145,7 @@ def test_the_check_sees_a_drive_that_works_in_one():
 
 @pytest.mark.parametrize("strategy", ["eoc", "enoc", "phases", "speed_limits"])
 def test_who_cannot_honour_them_says_so(strategy):
-    with pytest.raises(StrategyRefusedError, match=r"needs a line without neutral sections: line\.neutral_sections"):
+    with pytest.raises(StrategyRefusedError, match=r"needs a line without neutral sections"):
         solve(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}), strategy)
 
 

@@ -202,7 +202,8 @@ class Teller:
             self.tell("command", name, energy=cells["kWh"], time=cells["time, s"], above=amount(above))
             self.tell("command", name, above_bound=bound and amount(bound))
         solved = " ".join(printed("solve", self.name).split())
-        told = re.search(rf"Energy ({NUMBER}) kWh .*? Bound ({NUMBER}) kWh\. .*? Time ({NUMBER}) s", solved)
+        # a run over nodes of its own may have no bound
+        told = re.search(rf"Energy ({NUMBER}) kWh .*?(?: Bound ({NUMBER}) kWh\. .*?)? Time ({NUMBER}) s", solved)
         assert told is not None
         saved = re.search(rf"would save ({NUMBER}) Wh", solved)
         self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3], price=saved and saved[1])

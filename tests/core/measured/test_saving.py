@@ -123,4 +123,4 @@ def test_the_optimum_in_whole_kmh_written_as_ms_has_no_saving(scenario):
     assert saving.run.modelled.energy_kwh == pytest.approx(2.224, rel=0.02)
     assert not saving.is_certain
     assert "The speed has steps of 1 km/h" in " ".join(saving.run.notes)
-    assert usable_steps([saving.run]).speed_variance == pytest.approx((1 / KMH) ** 2 / 12, rel=1e-2)
+    assert usable_steps([saving.run], scenario).speed_variance == pytest.approx((1 / KMH) ** 2 / 12, rel=1e-2)

@@ -20,7 +20,7 @@ from railjoule.core.scenario.document import change_document
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.dashboard.command.commands import Output, simulate
 from tests.builders import plain_scenario
-from tests.core.scenario.key_cases import CASES, EVENTS, LOOP, Numbers, plan, shortened
+from tests.core.scenario.key_cases import CASES, EVENTS, LOOP, Numbers, plan, shortened, timetable
 from tests.every_drive import DRIVES
 
 DESCRIPTIONS = {
@@ -237,8 +237,10 @@ def test_keys_of_a_station_at_an_end_have_an_effect_or_are_refused() -> None:
     before, wrong = plan(scenario_from_document(shortened({}))), []
     for station in AT_THE_ENDS:
         _, key = station
+        # a timetable that is given is all that reads an arrival
+        compute = timetable if key == "arrival_s" else plan
         try:
-            after = plan(scenario_from_document(shortened({"line.stations": [station]})))
+            after = compute(scenario_from_document(shortened({"line.stations": [station]})))
         except RailjouleError as refusal:
             wrong += [] if key in str(refusal) else [f"{station}: {refusal}"]
             continue

@@ -15,7 +15,7 @@ def plain(markup: str) -> str:
 
 def told(load_factor: float, error_m: float) -> tuple[ActualRun, str, str]:
     changes = {"disturbance.actual_load_factor": load_factor, "disturbance.coordinate_error_m": error_m}
-    scenario = load_scenario("metro-with-limit", changes)
+    scenario = load_scenario("metro-with-limit", {"simulation.target_braking": False, **changes})
     runs = compute_runs(RunsRequest(load_scenario("metro-with-limit"), ("optimal",)))
     actual = actual_run(scenario)
     return actual, plain(actual_figures(actual, runs, runs.best)), plain(causes_block(actual))

@@ -16,6 +16,9 @@ from railjoule.dashboard.pages.robustness.compute import RealityRequest, compute
 from railjoule.dashboard.pages.robustness.view import RobustnessView, chance_figures
 from railjoule.dashboard.state.workbench import Workbench
 
+NO_TARGET_CURVE = load_scenario("metro-with-limit", {"simulation.target_braking": False})
+"""A train that brakes where it thinks the curve begins, and so may miss its stop."""
+
 
 def plain(markup: str) -> str:
     return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
@@ -25,7 +28,7 @@ def figures_at(load_factor: float, error_m: float) -> list[str]:
     state = Workbench()
     view = RobustnessView(state, Browser(), Palette(dark=False))
     changes = {"disturbance.actual_load_factor": load_factor, "disturbance.coordinate_error_m": error_m}
-    state.robustness.reality = compute_reality(RealityRequest(load_scenario("metro-with-limit"), changes))
+    state.robustness.reality = compute_reality(RealityRequest(NO_TARGET_CURVE, changes))
     return [plain(cell) for cell in view._cells(state.robustness.reality)]
 
 
@@ -50,7 +53,7 @@ def test_less_than_the_plan_by_a_miss_has_no_percentage() -> None:
 def drawn(energy_kwh: list[float], delay_s: float) -> MonteCarloTable:
     count = len(energy_kwh)
     return MonteCarloTable(
-        scenario=load_scenario("metro-with-limit"),
+        scenario=NO_TARGET_CURVE,
         planned_kwh=10.0,
         drawn={"load_factor": np.full(count, 0.5)},
         replanned_kwh=np.full(count, 10.0),
