@@ -228,9 +228,8 @@ def _make_folder(folder: Path) -> None:
             shutil.rmtree(old, ignore_errors=True)
 
 
-@cache
 def remove_old_formats() -> None:
-    """Remove the folders of releases before 2.0, each of which kept the kernels of one state of the sources."""
+    """Remove the folders of release 1.0.0, each of which kept the kernels of one state of the sources."""
     for folder in cache_root().glob("numba-*"):
         shutil.rmtree(folder, ignore_errors=True)
 

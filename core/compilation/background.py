@@ -87,6 +87,7 @@ class Compilation:
                 # another process may have compiled them while this one waited
                 if not kernel_cache.has_all_kernels() and self._compile_parts():
                     kernel_cache.mark_complete()
+                    kernel_cache.remove_old_formats()
             LOG.debug("the kernels are in %s", folder)
         except Exception:
             LOG.exception("the kernels could not be compiled ahead; each is compiled at its first use")

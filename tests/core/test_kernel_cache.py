@@ -127,6 +127,15 @@ def test_the_kernels_of_two_former_versions_are_kept(tmp_path):
     assert sorted(path.name for path in (tmp_path / "solver").iterdir()) == ["3", "new"]
 
 
+def test_folders_of_the_first_release_are_removed(tmp_path, monkeypatch):
+    for variable in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.setenv(variable, str(tmp_path))
+    for name in ("numba-0123456789abcdef", "kernels"):
+        (tmp_path / "railjoule" / name).mkdir(parents=True)
+    kernel_cache.remove_old_formats()
+    assert [path.name for path in (tmp_path / "railjoule").iterdir()] == ["kernels"]
+
+
 MISSES = """
 import gc
 from numba.core.dispatcher import Dispatcher

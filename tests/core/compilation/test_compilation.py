@@ -34,6 +34,7 @@ def cold(monkeypatch, tmp_path):
     monkeypatch.setattr(module.kernel_cache, "cache_folder", lambda: tmp_path)
     monkeypatch.setattr(module.kernel_cache, "has_all_kernels", lambda: bool(marks))
     monkeypatch.setattr(module.kernel_cache, "mark_complete", lambda: marks.append(True))
+    monkeypatch.setattr(module.kernel_cache, "remove_old_formats", lambda: None)
 
     def use(*killed):
         def start():
