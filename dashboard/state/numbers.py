@@ -5,7 +5,6 @@ import re
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
-from annotated_types import Ge, Gt, Le, Lt
 from pydantic import BaseModel
 
 from railjoule.dashboard.state.kept import Kept
@@ -111,13 +110,16 @@ def core_bounds(part: type[BaseModel], key: str, scale: float = 1.0) -> dict[str
     scale : float
         A number of the page over that of the file, such as 100 for a percentage.
     """
-    limits = {type(limit): limit for limit in part.model_fields[key].metadata}
-    at_least, above, at_most, below = (limits.get(kind) for kind in (Ge, Gt, Le, Lt))
-    low = at_least.ge if at_least else above.gt if above else None
-    high = at_most.le if at_most else below.lt if below else None
+    limits = {
+        name: getattr(limit, name)
+        for limit in part.model_fields[key].metadata
+        for name in ("ge", "gt", "le", "lt")
+        if hasattr(limit, name)
+    }
+    low, high = limits.get("ge", limits.get("gt")), limits.get("le", limits.get("lt"))
     return {
         "bounds": (None if low is None else scale * low, None if high is None else scale * high),
-        "inclusive_bounds": (above is None, below is None),
+        "inclusive_bounds": ("gt" not in limits, "lt" not in limits),
     }
 
 

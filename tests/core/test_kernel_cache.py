@@ -172,7 +172,8 @@ def test_a_folder_that_takes_no_files_is_replaced_and_logged_in_one_line(tmp_pat
     """By a new folder of this user alone: what lies in a cache is run."""
     file = tmp_path / "file"
     file.touch()
-    monkeypatch.delenv(VARIABLE, raising=False)
+    # empty, so that what is set here does not outlive this test
+    monkeypatch.setenv(VARIABLE, "")
     monkeypatch.setenv(variable, str(file / "below"))
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     kernel_cache.cache_folder.cache_clear()

@@ -35,6 +35,8 @@ def workers(server: Server) -> list[psutil.Process]:
 
 
 def test_pages_of_two_processes_lose_nothing(server: Server) -> None:
+    # twice, so that both processes have loaded the compiled code
+    run(one_round(server, PAGES, 2.0))
     run(one_round(server, PAGES, 2.0))
     rest, used = memory_mb(server), [one.cpu_times().user for one in workers(server)]
     found = run(one_round(server, PAGES, SECONDS))

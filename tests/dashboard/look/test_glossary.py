@@ -47,7 +47,7 @@ def head_numbers(modules: Iterable[ast.Module]) -> Iterator[tuple[str, list[str]
 
 def the_added_page() -> Iterator[ast.Module]:
     """Yield the modules of the page that CONTRIBUTING.md adds."""
-    guide = (DASHBOARD.resolve().parent / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    guide = (Path(__file__).parents[3] / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
     for block in re.findall(r"^```python\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL):
         yield ast.parse(block)
 
