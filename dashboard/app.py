@@ -49,7 +49,6 @@ from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
-from railjoule.dashboard.server.metrics import MetricsHandler, Telling
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
@@ -86,14 +85,13 @@ settings.perform_document_validation = False
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
-TELL_MS, COUNTS_MS = 100, 2000
+TELL_MS = 100
 """How often one of several processes tells the others how many pages it has."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
 EXTRA_PATTERNS = [
     ("/health", HealthHandler),
     ("/ready", ReadyHandler),
-    ("/metrics", MetricsHandler),
     (r"/file/([\w-]+)", OfferedFileHandler),
     *documentation_patterns(),
 ]
@@ -247,7 +245,7 @@ def serve_handed(
     shared : mutable sequence of int
         Where all processes tell how many pages they have, as `Places` takes it.
     folder : Path
-        Where all of them keep files that browsers fetch, and what they count.
+        Where all of them keep files that browsers fetch.
     """
     serve_files_of(workspace)
     write_down()
@@ -257,8 +255,6 @@ def serve_handed(
     take = taking(server)
     server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
     server.io_loop.add_callback(channel.send, SERVES)
-    telling = Telling(folder, number)
-    TornadoCallback(telling.tell, COUNTS_MS).start()
     run(server)
 
 
@@ -303,7 +299,7 @@ def make_server(
     if not listens:
         listen_no_more(server)
     first = first_html(server, empty_page(), TOKEN)
-    opening = Opening(first, lambda: places.has_one, events.TALLY.someone_waits)
+    opening = Opening(first, lambda: places.has_one, events.WAITS.someone_waits)
     places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
     exchange(
         server,
