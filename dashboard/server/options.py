@@ -37,8 +37,6 @@ class ServerOptions:
         The path below which it is served, such as "/tools/railjoule"; empty for the root.
     sessions : int or None
         How many pages may be open at a time; None for any number.
-    processes : int
-        How many processes serve it, behind the one port.
     """
 
     address: str = DEFAULT_ADDRESS
@@ -46,7 +44,6 @@ class ServerOptions:
     origins: tuple[str, ...] = ()
     prefix: str = ""
     sessions: int | None = None
-    processes: int = 1
 
     @property
     def is_for_this_machine(self) -> bool:
