@@ -10,7 +10,7 @@ const WORDS = {
   silent: "The server does not answer. You can go on; what you change is kept in this page.",
   back: "The server is back. This page opens anew once you have left the field.",
 };
-const TABLE = /\.(csv|tsv|txt|xlsx)$/i, PIECE = 8192;
+const TABLE = /\.(csv|tsv|txt|xlsx)$/i, STUDY = /\.nc$/i, PIECE = 8192;
 const WAIT_S = [1, 2, 4, 8, 15], ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
 // a question that is older is shown to wait, and one that is much older has perhaps no answer
 const WAITING_MS = 1000, SILENT_MS = 5000, LOOK_MS = 200, CATCHES_UP_MS = 1500;
@@ -162,7 +162,7 @@ export function render({model, view}) {
     if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy_text(location.href)}); }
   });
 
-  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report or the file of a measured run to open it");
+  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report, a study or the file of a measured run to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
     const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
@@ -172,12 +172,13 @@ export function render({model, view}) {
       model.send_msg({kind: "drop", name: file.name, text});
     } catch { model.send_msg({kind: "no_text", name: file.name}); }
   };
-  // a workbook is no text: tables go as they are, all that are dropped
-  const read_table = async (file) => {
-    if (file.size > model.largest_table_bytes) { model.send_msg({kind: "large_table", name: file.name}); return; }
+  // workbooks and studies are no text: they go as they are, all that are dropped
+  const read_bytes = async (file) => {
+    const kind = STUDY.test(file.name) ? "study" : "table";
+    if (file.size > model.largest_table_bytes) { model.send_msg({kind: `large_${kind}`, name: file.name}); return; }
     const bytes = new Uint8Array(await file.arrayBuffer()), pieces = [];
     for (let at = 0; at < bytes.length; at += PIECE) { pieces.push(String.fromCharCode(...bytes.subarray(at, at + PIECE))); }
-    model.send_msg({kind: "table", name: file.name, data: btoa(pieces.join(""))});
+    model.send_msg({kind, name: file.name, data: btoa(pieces.join(""))});
   };
   const listeners = {
     ...typing,
@@ -199,8 +200,9 @@ export function render({model, view}) {
       if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
       event.preventDefault();
       if (is_gone()) { return; }
-      const files = [...event.dataTransfer.files], tables = files.filter((file) => TABLE.test(file.name));
-      if (tables.length) { tables.forEach(read_table); } else { read(files[0]); }
+      const files = [...event.dataTransfer.files];
+      const binary = files.filter((file) => TABLE.test(file.name) || STUDY.test(file.name));
+      if (binary.length) { binary.forEach(read_bytes); } else { read(files[0]); }
     },
   };
   for (const [name, listener] of Object.entries(listeners)) { window.addEventListener(name, listener, {signal}); }
