@@ -12,7 +12,7 @@ from pathlib import Path
 
 from railjoule.core.compilation import compilation
 from railjoule.core.kernel_cache import has_all_kernels
-from railjoule.core.workspace import Workspace
+from railjoule.dashboard.scenario_folder import ScenarioFolder
 from railjoule.dashboard.server.front import Front
 from railjoule.dashboard.server.logs import warn_without_login, write_down
 from railjoule.dashboard.server.options import ServerOptions
@@ -23,7 +23,7 @@ from railjoule.dashboard.work.offered import new_folder
 CONTEXT = multiprocessing.get_context("spawn")
 
 
-def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
+def serve_in_processes(options: ServerOptions, own: ScenarioFolder | None) -> None:
     """Serve the dashboard in several processes until a signal ends them.
 
     Raises
@@ -46,7 +46,7 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
 
 def _started(
     options: ServerOptions,
-    own: Workspace | None,
+    own: ScenarioFolder | None,
     folder: Path,
     number: int,
     channel: socket.socket,
@@ -59,7 +59,7 @@ def _started(
 
 def _serve(
     options: ServerOptions,
-    own: Workspace | None,
+    own: ScenarioFolder | None,
     number: int,
     channel: socket.socket,
     shared: MutableSequence[int],

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 from browser.server import Server, free_port, serving
 from browser.user import PATIENCE_MS, User
 
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
+COMMAND = ("-m", "railjoule.dashboard", "serve")
 LOAD, TIME, TARE = "Load, % of capacity", "Travel time, s", "Tare, kg"
 LIMIT = "Limit, km/h, row 1"
 KILLED_AFTER_MS = 60

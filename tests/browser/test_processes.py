@@ -10,7 +10,7 @@ from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User
 
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace", "--processes", "2", "--sessions", "3")
+COMMAND = ("-m", "railjoule.dashboard", "serve", "--processes", "2", "--sessions", "3")
 TIME = "Travel time, s, as a number"
 CAME_BACK = "!window.rjSame && document.documentElement.classList.contains('rj-started')"
 

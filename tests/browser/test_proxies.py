@@ -67,7 +67,7 @@ def test_a_page_works_behind_it_with_two_processes(name: str, tmp_path: Path) ->
     if shutil.which(name) is None:
         pytest.skip(f"{name} is not installed")
     port, to = free_port(), free_port()
-    command = ("-m", "railjoule.dashboard", "serve", "--no-workspace", "--processes", "2")
+    command = ("-m", "railjoule.dashboard", "serve", "--processes", "2")
     with serving(*command, "--origin", f"127.0.0.1:{port}", port=to), proxy(name, port, to, tmp_path) as url:
         # in a thread, as Playwright keeps a loop running in that of the tests
         with ThreadPoolExecutor(1) as thread:

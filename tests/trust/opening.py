@@ -40,7 +40,7 @@ class Crowd:
 def command(processes: int) -> tuple[str, ...]:
     """Return what serves with so many processes."""
     more = ("--processes", str(processes)) if processes > 1 else ()
-    return ("-m", "railjoule.dashboard", "serve", "--no-workspace", *more)
+    return ("-m", "railjoule.dashboard", "serve", *more)
 
 
 async def costs(server: Server, pages: int) -> list[float]:
