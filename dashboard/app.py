@@ -13,7 +13,6 @@ from tornado.web import StaticFileHandler
 
 from railjoule.core.compilation import compilation
 from railjoule.core.compiled import MODE
-from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
@@ -36,6 +35,7 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.scenario_folder import ScenarioFolder
 from railjoule.dashboard.server.documentation import documentation_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
@@ -53,7 +53,7 @@ from railjoule.dashboard.shortcuts import (
     read_set_values_alone,
     remember_defaults,
 )
-from railjoule.dashboard.state.files import serve_files_of
+from railjoule.dashboard.state.files import serve_folder
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
@@ -76,7 +76,7 @@ POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
 LOOK_MS = 3000
-"""How often a page looks at My files, which others may change too."""
+"""How often Start lists the folder, which others may change too."""
 EXTRA_PATTERNS = [
     ("/health", HealthHandler),
     ("/ready", ReadyHandler),
@@ -147,9 +147,9 @@ class Session:
         # what was changed before the page had loaded has not reached the browser: both are told now
         self.browser.start()
         self.lifeline.started = True
-        if self.state.files.there:
-            self.state.files.look()
-            pn.state.add_periodic_callback(self.state.files.look, period=LOOK_MS)
+        if self.state.files.folder is not None:
+            self.state.param.watch(self._list_files, "page")
+            pn.state.add_periodic_callback(self._list_files, period=LOOK_MS)
         compilation().begin()
         if self.state.runs is None:
             self.plans.ask()
@@ -157,6 +157,10 @@ class Session:
         if not MODE.is_compiled:
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
             self._poll()
+
+    def _list_files(self, *_: Any) -> None:
+        if self.state.page == "Start":
+            self.state.files.look()
 
     def _poll(self) -> None:
         """Show the progress of the compilation; once it has ended, ask for what had to wait for it."""
@@ -193,21 +197,25 @@ def make_page() -> Page:
     return Session().shell.page
 
 
-def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
+def serve(options: ServerOptions, folder: ScenarioFolder | None = None) -> None:
     """Serve the dashboard until it is stopped.
 
     Parameters
     ----------
     options : ServerOptions
         Where, and to whom.
-    workspace : Workspace, optional
-        The files that My files shows, and that every visitor may change.
+    folder : ScenarioFolder, optional
+        The folder that Start lists, and in which every visitor may save.
     """
-    serve_files_of(workspace)
+    serve_folder(folder)
     write_down()
     warn_without_login(options)
     compilation().begin()
-    run(make_server(options))
+    server = make_server(options)
+    if folder is not None:
+        # the page shows no path
+        print(f"Scenario files: {folder.path}", flush=True)
+    run(server)
 
 
 def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Server:

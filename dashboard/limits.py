@@ -22,6 +22,8 @@ MOST_STEPS = 100
 """Steps back that a page remembers."""
 LARGEST_RUN_BYTES = 8_000_000
 """Of a recorder's file; ten samples a second of eight columns are 2 MB an hour."""
+LARGEST_STUDY_BYTES = 64_000_000
+"""Of the file of a study: about 600,000 runs of five fields."""
 LONGEST_NOTE, LONGEST_AUTHOR = 2_000, 100
 """Characters of an author's note in a report, and of the author's name."""
 NONE = "-"
@@ -56,6 +58,8 @@ def limits() -> tuple[Limit, ...]:
         Limit("Report that is opened", _megabytes(LARGEST_FILE_BYTES), _megabytes(LARGEST_FILE_BYTES)),
         Limit("Characters of the note in a report", f"{LONGEST_NOTE:,}", f"{LONGEST_NOTE:,}"),
         Limit("File of a measured run", NONE, _megabytes(LARGEST_RUN_BYTES)),
+        Limit("File of a study that is opened", NONE, _megabytes(LARGEST_STUDY_BYTES)),
+        Limit("File of a study that is dropped", NONE, _megabytes(LARGEST_RUN_BYTES)),
         Limit("Parts of a dotted key", str(MOST_KEY_PARTS), str(MOST_KEY_PARTS)),
         Limit("Characters of a link", NONE, f"{LONGEST_LINK:,}"),
         Limit("Values of a link", NONE, f"{MOST_FIELDS:,}"),

@@ -226,6 +226,8 @@ export function render({model}) {
     if (button.dataset.scenario) {
       model.send_msg({kind: "scenario", name: button.dataset.scenario});
       requestAnimationFrame(() => setTimeout(() => turn("Drive", true)));
+    } else if (button.dataset.file) {
+      model.send_msg({kind: "file", name: button.dataset.file});
     } else if (path.some((element) => element.classList?.contains("rj-edit"))) {
       if (!draw()) { event.stopImmediatePropagation(); event.preventDefault(); }
     } else if (words === "Toggle theme") {

@@ -4,7 +4,7 @@ import {life_of, make} from "./dom.js";
 import {copy_text, offer} from "./files.js";
 import {deep} from "./page.js";
 
-const TABLE = /\.(csv|tsv|txt|xlsx)$/i, PIECE = 8192;
+const TABLE = /\.(csv|tsv|txt|xlsx)$/i, STUDY = /\.nc$/i, PIECE = 8192;
 const WORDS = {
   lost: "The connection to the server is lost. Changes have no effect until this page is loaded again, which it does by " +
     "itself when the server answers.",
@@ -100,7 +100,7 @@ export function render({model, view}) {
     if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy_text(location.href)}); }
   });
 
-  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report or the file of a measured run to open it");
+  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report, a study or the file of a measured run to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
     const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
@@ -110,12 +110,13 @@ export function render({model, view}) {
       model.send_msg({kind: "drop", name: file.name, text});
     } catch { model.send_msg({kind: "no_text", name: file.name}); }
   };
-  // a workbook is no text: tables go as they are, all that are dropped
-  const read_table = async (file) => {
-    if (file.size > model.largest_table_bytes) { model.send_msg({kind: "large_table", name: file.name}); return; }
+  // workbooks and studies are no text: they go as they are, all that are dropped
+  const read_bytes = async (file) => {
+    const kind = STUDY.test(file.name) ? "study" : "table";
+    if (file.size > model.largest_table_bytes) { model.send_msg({kind: `large_${kind}`, name: file.name}); return; }
     const bytes = new Uint8Array(await file.arrayBuffer()), pieces = [];
     for (let at = 0; at < bytes.length; at += PIECE) { pieces.push(String.fromCharCode(...bytes.subarray(at, at + PIECE))); }
-    model.send_msg({kind: "table", name: file.name, data: btoa(pieces.join(""))});
+    model.send_msg({kind, name: file.name, data: btoa(pieces.join(""))});
   };
   const listeners = {
     ...typing,
@@ -134,8 +135,9 @@ export function render({model, view}) {
       veil.remove();
       if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
       event.preventDefault();
-      const files = [...event.dataTransfer.files], tables = files.filter((file) => TABLE.test(file.name));
-      if (tables.length) { tables.forEach(read_table); } else { read(files[0]); }
+      const files = [...event.dataTransfer.files];
+      const binary = files.filter((file) => TABLE.test(file.name) || STUDY.test(file.name));
+      if (binary.length) { binary.forEach(read_bytes); } else { read(files[0]); }
     },
   };
   for (const [name, listener] of Object.entries(listeners)) { window.addEventListener(name, listener, {signal}); }

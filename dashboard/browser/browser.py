@@ -53,6 +53,7 @@ class Browser(JSComponent):
         self._idle: list[Callable[[], None]] = []
         self._toggle: Callable[[bool], None] = lambda _: None
         self._open: Callable[[str], None] = lambda _: None
+        self._open_file: Callable[[str], None] = lambda _: None
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:
         """Call back when any of the named values changes, and when the page has loaded if any has changed by then."""
@@ -81,6 +82,10 @@ class Browser(JSComponent):
         """Call back with the name of a shipped scenario when the user opens one of Start's cards."""
         self._open = callback
 
+    def on_file(self, callback: Callable[[str], None]) -> None:
+        """Call back with the name of a file when the user opens one of Start's list."""
+        self._open_file = callback
+
     def _values(self, names: list[str]) -> list[Any]:
         return [getattr(self, name) for name in names]
 
@@ -99,3 +104,5 @@ class Browser(JSComponent):
             self._toggle(bool(data.get("dark")))
         elif kind == "scenario":
             self._open(str(data.get("name")))
+        elif kind == "file":
+            self._open_file(str(data.get("name")))

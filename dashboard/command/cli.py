@@ -108,9 +108,7 @@ def _call(options: argparse.Namespace) -> bool:
     """Run a command; return whether all that it was to check holds."""
     from railjoule.dashboard.command import commands  # noqa: PLC0415
 
-    own = None
     if options.command == "serve":
-        # whoever reaches a page may change the files that it shows: others do only where somebody has said so
         place = ServerOptions(
             options.address,
             options.port,
@@ -118,18 +116,13 @@ def _call(options: argparse.Namespace) -> bool:
             options.prefix.rstrip("/"),
             options.sessions,
         )
-        if not options.no_workspace and (options.workspace is not None or place.is_for_this_machine):
-            own = commands.workspace_at(options.workspace, make=True)
-        commands.serve(place, own)
+        commands.serve(place, commands.scenario_folder(options.folder, place))
         return True
     if options.command in {"import", "export"}:
         from railjoule.dashboard.command import imports  # noqa: PLC0415
 
         (imports.run if options.command == "import" else imports.export)(options)
         return True
-    # commands that open no files of a user have no such option
-    if not getattr(options, "no_workspace", True):
-        own = commands.workspace_at(options.workspace)
     if options.command in {"measured", "fit"}:
         from railjoule.dashboard.command import measurements  # noqa: PLC0415
 
@@ -145,33 +138,31 @@ def _call(options: argparse.Namespace) -> bool:
     elif options.command == "study" and options.study == "sweep":
         from railjoule.dashboard.command import sweeps  # noqa: PLC0415
 
-        sweeps.study_sweep(options, commands.parsed_changes(options.set), own)
+        sweeps.study_sweep(options, commands.parsed_changes(options.set))
     elif options.command == "study":
-        commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output, own)
+        commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
     elif options.command == "validate":
         commands.validate(options.paper, output)
     elif options.command == "check":
         changes = commands.parsed_changes(options.set)
-        return commands.check(options.run, options.scenario, changes, options.strategy, output, own)
+        return commands.check(options.run, options.scenario, changes, options.strategy, output)
     elif options.command == "report":
         seconds = commands.parsed_seconds(options.prove_seconds)
         changes = commands.parsed_changes(options.set)
         contents = commands.report_contents(options.sections, options.author, options.note)
-        commands.report(options.file, changes, options.strategy, options.output, seconds, own, contents)
+        commands.report(options.file, changes, options.strategy, options.output, seconds, contents)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
         if options.command == "solve":
             seconds = commands.parsed_seconds(options.prove_seconds)
-            return commands.solve(
-                file, changes, options.strategy, options.trajectory, output, options.check, seconds, own
-            )
+            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check, seconds)
         if options.command == "simulate":
-            commands.simulate(file, changes, output, own)
+            commands.simulate(file, changes, output)
         elif options.command == "advise":
-            commands.advise(file, changes, options.changes, output, own)
+            commands.advise(file, changes, options.changes, output)
         else:
-            commands.compare_strategies(file, changes, output, commands.parsed_seconds(options.prove_seconds), own)
+            commands.compare_strategies(file, changes, output, commands.parsed_seconds(options.prove_seconds))
     return True
 
 
@@ -221,7 +212,6 @@ def build_parser() -> argparse.ArgumentParser:
     )
     _add_proof(report)
     _add_changes(report)
-    _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
     _add(commands, "limits", "show what is asked for at most, in a terminal and on a page")
@@ -256,13 +246,13 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
     )
-    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
-    _add_workspace(
-        serve,
-        "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "
-        "the address is not of this machine only",
-        "no My files, as on a public server",
+    serve.add_argument(
+        "--folder",
+        metavar="DIR",
+        help="the folder of scenario files that Start lists, in which every visitor can save; default: one in your "
+        "data directory, but none where --address or --origin lets others in",
     )
+    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
 
 
 def _add_study(commands: "argparse._SubParsersAction[_Parser]") -> None:
@@ -274,7 +264,6 @@ def _add_study(commands: "argparse._SubParsersAction[_Parser]") -> None:
         study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
         _add_output(study, "OUT.nc (netCDF), OUT.csv or OUT.parquet")
         _add_changes(study)
-        _add_workspace(study)
         if name == "sweep":
             _add_sweep(study)
 
@@ -328,7 +317,6 @@ def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
     check.add_argument("--strategy", metavar="S", help="the strategy that made the run; default: the scenario's own")
     _add_changes(check)
     _add_json(check)
-    _add_workspace(check)
 
 
 def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
@@ -529,7 +517,6 @@ def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name:
     parser.add_argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a scenario")
     _add_changes(parser, "change a key of the file, such as vehicle.load_factor=0.3; the value is TOML")
     _add_json(parser)
-    _add_workspace(parser)
     return parser
 
 
@@ -543,16 +530,6 @@ def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str)
 
 def _add_json(parser: _Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
-
-
-def _add_workspace(
-    parser: _Parser,
-    which: str = "the folder whose files can be named like shipped ones; default: that of `railjoule serve`",
-    none: str = "know shipped names alone",
-) -> None:
-    group = parser.add_mutually_exclusive_group()
-    group.add_argument("--workspace", metavar="DIR", help=which)
-    group.add_argument("--no-workspace", action="store_true", help=none)
 
 
 def _add_proof(parser: _Parser) -> None:

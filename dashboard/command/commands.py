@@ -1,6 +1,5 @@
 """What the commands of `railjoule` do; their words are read in `railjoule.dashboard.command.cli`."""
 
-import io
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -29,13 +28,13 @@ from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
-from railjoule.core.workspace import Workspace, default_folder
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import limits as all_limits
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import USUAL_SECTIONS
+from railjoule.dashboard.scenario_folder import ScenarioFolder, default_folder
 
 if TYPE_CHECKING:
     import pandas
@@ -70,7 +69,6 @@ def solve(
     output: Output,
     with_check: bool = False,
     prove_seconds: float | None = None,
-    own: Workspace | None = None,
 ) -> bool:
     """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
 
@@ -83,7 +81,7 @@ def solve(
     """
     # first of all: a name that cannot be written to is refused before anything is solved
     target = None if trajectory_file is None else table_file(trajectory_file)
-    scenario = load(file, changes, own)
+    scenario = load(file, changes)
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
         trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
@@ -107,7 +105,6 @@ def check(
     changes: Mapping[str, Any],
     strategy: str | None,
     output: Output,
-    own: Workspace | None = None,
 ) -> bool:
     """Check the run of a file against its scenario, and show the result; return whether it keeps every rule.
 
@@ -116,10 +113,10 @@ def check(
     RailjouleError
         If the file holds no run, no scenario is named, or anything is wrong with it.
     """
-    table = read_table(run_file, own)
+    table = read_table(run_file)
     if scenario_file is None:
         raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
-    scenario = load(scenario_file, changes, own)
+    scenario = load(scenario_file, changes)
     if strategy is not None and strategy not in STRATEGY_NAMES:
         raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
     try:
@@ -135,7 +132,6 @@ def compare_strategies(
     changes: Mapping[str, Any],
     output: Output,
     prove_seconds: float | None = None,
-    own: Workspace | None = None,
 ) -> None:
     """Run every strategy that takes a scenario, and show the results side by side.
 
@@ -144,15 +140,13 @@ def compare_strategies(
     RailjouleError
         If anything is wrong with the scenario.
     """
-    scenario = load(file, changes, own)
+    scenario = load(file, changes)
     runs, refused = compare(scenario, prove_seconds=prove_seconds)
     values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
 
 
-def advise(
-    file: str, changes: Mapping[str, Any], most: int | None, output: Output, own: Workspace | None = None
-) -> None:
+def advise(file: str, changes: Mapping[str, Any], most: int | None, output: Output) -> None:
     """Show the best runs with few changes of regime, their price against the optimum, and the orders of one of them.
 
     Raises
@@ -162,12 +156,12 @@ def advise(
     """
     from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
 
-    task = prepare_task(load(file, changes, own))
+    task = prepare_task(load(file, changes))
     advice = simple_advice(task, MOST_CHANGES if most is None else most)
     output.show(summary.summarise_advice(advice, last=most is not None), terminal.simple_advice_text)
 
 
-def simulate(file: str, changes: Mapping[str, Any], output: Output, own: Workspace | None = None) -> None:
+def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     """Plan a scenario, drive it under its disturbance, and show both.
 
     Raises
@@ -175,7 +169,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output, own: Workspa
     RailjouleError
         If anything is wrong with the scenario, or the real train cannot pass the line.
     """
-    scenario = load(file, changes, own)
+    scenario = load(file, changes)
     with refusals_named(scenario.strategy):
         # each kind alone: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
@@ -193,7 +187,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output, own: Workspa
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
 
-def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Workspace | None = None) -> None:
+def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None:
     """Solve many variants of a scenario, and write them as a labelled table.
 
     Raises
@@ -205,7 +199,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Wo
     from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
-    scenario = load(file, changes, own)
+    scenario = load(file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         if name == "sensitivity":
             table = sensitivity(scenario, executor=executor).to_dataset()
@@ -232,7 +226,6 @@ def report(
     strategy: str | None,
     target: str,
     prove_seconds: float | None = None,
-    own: Workspace | None = None,
     contents: Contents | None = None,
 ) -> None:
     """Write what there is to tell of a scenario as one file of HTML, by default everything.
@@ -243,7 +236,7 @@ def report(
         If anything is wrong with the scenario or the file to write, or a package of the dashboard is missing.
     """
     path = table_file(target, "-o", REPORT_SUFFIXES)
-    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy}, own)
+    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
     with missing_named("a report"):
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
@@ -303,8 +296,8 @@ def compile_kernels() -> None:
     print(f"The solver is compiled; the code is in {cache_folder()}.")
 
 
-def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
-    """Serve the dashboard, with a user's own files where it has any, until it is interrupted.
+def serve(options: "ServerOptions", folder: ScenarioFolder | None = None) -> None:
+    """Serve the dashboard, with a folder of scenario files where there is one, until it is interrupted.
 
     Raises
     ------
@@ -318,48 +311,36 @@ def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
     try:
-        app.serve(options, own)
+        app.serve(options, folder)
     except OSError as error:
         told = error.strerror or error
         raise CommandError(f"cannot serve at {options.address}, port {options.port}: {told}.") from None
 
 
-def workspace_at(folder: str | None, make: bool = False) -> Workspace | None:
-    """Return the workspace in a folder, by default in a user's own; None where the user has no home for one.
-
-    Parameters
-    ----------
-    folder : str or None
-        As named on the command line.
-    make : bool
-        Whether it may be a new one.
+def scenario_folder(named: str | None, options: "ServerOptions") -> ScenarioFolder | None:
+    """Return the folder that the dashboard lists: the named one, or the default one of a server for this machine.
 
     Raises
     ------
     CommandError
-        If there is no such folder, or it cannot be made.
+        If there is no folder of that name.
     """
     try:
-        workspace = Workspace(default_folder() if folder is None else folder)
-    except RuntimeError:
-        if folder is None:
+        if named is None:
+            # every visitor can save in the folder: others than this machine's users only where it was named
+            return ScenarioFolder(default_folder()) if options.is_for_this_machine and not options.origins else None
+        folder = ScenarioFolder(named)
+        if not folder.path.is_dir():
+            raise CommandError(f"--folder {shortened(named)}: there is no such folder; make it first.")
+    except (OSError, RuntimeError, ValueError) as error:  # a user without a home, a name with a null character
+        if named is None:
             return None
-        raise CommandError(f"--workspace {shortened(folder)}: there is no such user.") from None
-    # the default one is made when something is saved
-    if folder is None:
-        return workspace
-    try:
-        if make:
-            workspace.folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CommandError(f"--workspace {shortened(folder)}: {error.strerror or error}.") from None
-    if not workspace.folder.is_dir():
-        raise CommandError(f"--workspace {shortened(folder)}: there is no such folder.")
-    return workspace
+        raise CommandError(f"--folder {shortened(named)}: {error}.") from None
+    return folder
 
 
-def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) -> Scenario:
-    """Return the scenario of a file or report, or of that name the shipped one or one of the workspace, with changes.
+def load(file: str, changes: Mapping[str, Any]) -> Scenario:
+    """Return the scenario of a file or report, or the shipped one of that name, with changes.
 
     Raises
     ------
@@ -370,15 +351,13 @@ def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) ->
         known = Path(file).exists() or file in preset_names("scenarios")
         # a name with a suffix is meant for a file, which is missing then
         if not known and not Path(file).suffix:
-            names = () if own is None else own.names("scenarios")
-            if file not in names:
-                choices = ", ".join((*names, *preset_names("scenarios")))
-                raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {choices}.")
+            choices = ", ".join(preset_names("scenarios"))
+            raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {choices}.")
         if Path(file).suffix.lower() in REPORT_SUFFIXES:
             name = Path(file).name
-            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes, own=own)
+            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
         try:
-            return load_scenario(file, changes, own)
+            return load_scenario(file, changes)
         except ScenarioError:
             require_tables(Path(file), changes)
             raise
@@ -496,8 +475,8 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     return path
 
 
-def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
-    """Return the table of a file, or of a run of the workspace.
+def read_table(name: str) -> "pandas.DataFrame":
+    """Return the table of a file.
 
     Raises
     ------
@@ -506,13 +485,10 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
     """
     import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
 
-    if own is not None and not Path(name).suffix and not Path(name).exists() and name in own.names("runs"):
-        path, source = Path(f"{name}.csv"), io.BytesIO(own.text("runs", name).encode())
-    else:
-        path, source = table_file(name, "RUN"), None
+    path = table_file(name, "RUN")
     read = pandas.read_csv if path.suffix.lower() == ".csv" else pandas.read_parquet
     try:
-        table: pandas.DataFrame = read(path if source is None else source)
+        table: pandas.DataFrame = read(path)
     except FileNotFoundError:
         raise CommandError(f"{shortened(name)}: there is no such file.") from None
     except OSError as error:

@@ -26,7 +26,6 @@ from railjoule.core.studies.sweep import (
 )
 from railjoule.core.studies.sweep.cluster import cluster
 from railjoule.core.studies.sweep.export import require_format
-from railjoule.core.workspace import Workspace
 from railjoule.core.written import require_writable
 from railjoule.dashboard.command.commands import (
     CommandError,
@@ -47,7 +46,7 @@ BYTES_KEPT = 8
 STOPPED = "stopped: {done:,} of {rows:,} rows are kept in {file}; --resume goes on with them."
 
 
-def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: Workspace | None = None) -> None:
+def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> None:
     """Solve the rows of a sweep, write them as a table, and tell how many there are.
 
     Raises
@@ -58,7 +57,7 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: 
     path, over = _table_path(options.output), parsed_ranges(options.over)
     kept = path.with_name(path.name + RUNS_SUFFIX)
     study = study_of(
-        load(options.file, changes, own),
+        load(options.file, changes),
         over,
         options.sample,
         options.method,

@@ -7,7 +7,6 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.chart import Axis, Chart
@@ -66,7 +65,6 @@ class EditorView:
         self.editor.param.watch(self._turn, "open")
         self.editor.param.watch(self._show, "refused")
         state.scenario.param.watch(self._show, list(SCENARIO_FIELDS))
-        state.files.param.watch(self._show, "listing")
         state.param.watch(self._tell, ["runs", "failure"])
         browser.follow(["charts_in_sight"], lambda: self.queue.sight(browser.charts_in_sight))
 
@@ -328,7 +326,7 @@ class ChoosingGroup(Group):
 
 
 class PresetsGroup(ChoosingGroup):
-    """Which shipped vehicle, or one of My files, runs on which line."""
+    """Which shipped vehicle runs on which line."""
 
     def keys(self, look: Look) -> list[str]:
         """Return the choices that were made."""
@@ -347,7 +345,6 @@ class PresetsGroup(ChoosingGroup):
             ("line", "lines", "A shipped line with its limits and stations."),
         ):
             options = [(name, title) for title, name in preset_options(kind).items()]  # type: ignore[arg-type]
-            options += [(value, title) for title, value in self.parent.state.files.options(kind).items()]
             own, used = getattr(base, key), getattr(look.now, key)
             custom = used if used.preset is None else own
             if custom.preset is None:
@@ -358,16 +355,9 @@ class PresetsGroup(ChoosingGroup):
         return made
 
     def choose(self, key: str, value: str) -> None:
-        """Take a shipped vehicle or line, or one of My files; its own again where none is named."""
-        if key not in CHOICES:
-            return
-        kind: PresetKind = "vehicles" if key == "vehicle" else "lines"
-        files = self.parent.state.files
-        file = files.chosen(kind, value)
-        if file is not None:
-            files.open(file)
-        else:
-            self.editor.choose(kind, value)
+        """Take a shipped vehicle or line; its own again where none is named."""
+        if key in CHOICES:
+            self.editor.choose("vehicles" if key == "vehicle" else "lines", value)
 
 
 class DriveGroup(ChoosingGroup):

@@ -22,7 +22,7 @@ from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.uploads import too_large
+from railjoule.dashboard.work.uploads import large_study, too_large
 from railjoule.dashboard.work.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
@@ -80,8 +80,10 @@ class Keeping(param.Parameterized):
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
-            "table": self._take_table,
+            "table": lambda message: self._take_bytes(message, self.state.show_run),
+            "study": lambda message: self._take_bytes(message, self.state.show_study),
             "large_table": lambda message: self._refuse_run(too_large(shown_name(str(message.get("name"))))),
+            "large_study": lambda message: self.tell(large_study(shown_name(str(message.get("name"))))),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -141,20 +143,20 @@ class Keeping(param.Parameterized):
                 self.state.notice = ""
 
         try:
-            toml = self.state.files.whole(scenario_text(text, name), name)
+            toml = scenario_text(text, name)
         except RailjouleError as refusal:
             self.tell(str(refusal))
         else:
             self._when_read({"toml": toml}, lambda: self._attempt("file", lambda: take(toml)))
 
-    def _take_table(self, message: dict[str, Any]) -> None:
-        """Show a table that was dropped where runs are, whichever page is in sight."""
+    def _take_bytes(self, message: dict[str, Any], show: Callable[[str, bytes], None]) -> None:
+        """Show a dropped file on the page of such files, whichever page is in sight."""
         name = shown_name(str(message.get("name")))
         try:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
             return  # no browser of ours sends it
-        self.state.show_run(name, content)
+        show(name, content)
 
     def _refuse_run(self, refusal: str) -> None:
         """Turn to the page of measured runs, which tells why a file was not taken."""

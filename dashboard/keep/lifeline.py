@@ -18,7 +18,8 @@ class Lifeline(JSComponent):
     """The page's ties to its browser's address, keys, files and clipboard.
 
     What the browser reports is heard by kind: `open` (a fragment with a state), `undo`, `redo`, `drop` (a file),
-    `too_large` and `no_text` (files that cannot be read), `table` and `large_table` (files of runs), `copied`.
+    `too_large` and `no_text` (files that cannot be read), `table` and `large_table` (files of runs), `study` and
+    `large_study` (files of studies), `copied`.
     """
 
     address = param.String(default="", doc="Query or fragment that holds the page's state.")
@@ -27,7 +28,7 @@ class Lifeline(JSComponent):
     largest_scenario_bytes = param.Integer(default=LARGEST_SCENARIO_BYTES, doc="Largest scenario file to be dropped.")
     largest_report_bytes = param.Integer(default=LARGEST_REPORT_BYTES, doc="Largest report to be dropped.")
 
-    largest_table_bytes = param.Integer(default=LARGEST_RUN_BYTES, doc="Largest file of a run to be dropped.")
+    largest_table_bytes = param.Integer(default=LARGEST_RUN_BYTES, doc="Largest run or study to be dropped.")
 
     _esm = module("lifeline")
 

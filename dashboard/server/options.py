@@ -7,11 +7,11 @@ import socket
 from dataclasses import dataclass
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
-NO_LOGIN = "There is no login: whoever reaches the port can use the pages, and change the files of a workspace."
+NO_LOGIN = "There is no login: everybody who reaches the port can use the pages, and save in the folder of --folder."
 EXPOSED = (
     "Whoever reaches the port sees every page, can let this machine compute within the limits of a page, and asks at "
-    "/health and /ready how the server is. No file of this machine can be read there but those of the folder of My "
-    "files."
+    "/health and /ready how the server is. No file of this machine can be read there but those of the folder of "
+    "--folder."
 )
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 """A browser on this machine may call the server by any of them."""

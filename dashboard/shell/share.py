@@ -104,13 +104,7 @@ class Share:
         self.keeping.lifeline.copy(self._made(make))
 
     def _save(self, *_: Any) -> None:
-        try:
-            recipe = self._recipe()
-            self.keeping.lifeline.save(file_name(recipe.base.title), as_toml(recipe))
-            if recipe.program.of_scenario and recipe.untold:
-                self.state.notice = recipe.untold
-        except RailjouleError as refusal:
-            self.state.notice = str(refusal)
+        download(self.state, self.keeping)
 
     def _tell_copied(self, event: Any) -> None:
         if event.new is not None:
@@ -120,6 +114,17 @@ class Share:
         text = self.state.notice
         self.message.visible = bool(text)
         self.notice.object = refusal(text) if text else ""
+
+
+def download(state: Workbench, keeping: Keeping) -> None:
+    """Let the browser save the scenario as a file."""
+    try:
+        recipe = recipe_of(state)
+        keeping.lifeline.save(file_name(recipe.base.title), as_toml(recipe))
+        if recipe.program.of_scenario and recipe.untold:
+            state.notice = recipe.untold
+    except RailjouleError as refusal:
+        state.notice = str(refusal)
 
 
 def file_name(title: str) -> str:

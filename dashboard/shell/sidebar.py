@@ -27,10 +27,9 @@ from railjoule.dashboard.pages.study.settings import StudyFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
-from railjoule.dashboard.shell.saving_own import SavingOwn
+from railjoule.dashboard.shell.save import SaveScenario
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.shell.text_button import STYLE, text_button
-from railjoule.dashboard.state.files import OWN
 from railjoule.dashboard.state.workbench import Workbench
 
 FIELDS_AFTER_MS = 200
@@ -71,7 +70,7 @@ class Sidebar:
             # by this class the browser's half opens the drawer at a press, before the server answers
             css_classes=["rj-edit"],
         )
-        self.saving = SavingOwn(state, keeping)
+        self.saving = SaveScenario(state, keeping)
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.shortest = html_pane()
         self.vehicle = html_pane()
@@ -106,8 +105,6 @@ class Sidebar:
         self.preset.param.watch(self._choose, "value")
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
-        state.files.param.watch(self._name_scenario, ["listing", "current"])
-        state.files.param.watch(self._tell_refusal, "refusal")
         scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         state.param.watch(self._show_runs, "runs")
@@ -120,20 +117,8 @@ class Sidebar:
         self.strategy_part.visible = bool(PAGES[self.state.page].strategies)
 
     def _choose(self, event: Any) -> None:
-        if self._quiet or event.new.startswith(FROM_FILE):
-            return
-        file = self.state.files.chosen("scenarios", event.new)
-        if file is not None:
-            self.state.files.open(file)
-        elif not event.new.startswith(OWN):
+        if not self._quiet and not event.new.startswith(FROM_FILE):
             self.state.scenario.choose(event.new)
-
-    def _tell_refusal(self, event: Any) -> None:
-        """Tell why a scenario of My files was not opened, where their list is out of sight."""
-        if event.new and self.state.page != "Start":
-            self.state.notice = event.new
-        # what was chosen is not what is there
-        self._name_scenario()
 
     def _open(self, event: Any) -> None:
         if event.new is None:
@@ -148,7 +133,7 @@ class Sidebar:
         """Show in the list which scenario this is."""
         opened = self.state.scenario.opened
         self._opened += opened is not None
-        file = own_option(self.state) or f"{FROM_FILE} {self._opened}"
+        file = f"{FROM_FILE} {self._opened}"
         # or `_choose` would take the shipped scenario anew, without what was edited in it
         self._quiet = True
         with pn.io.hold():
@@ -185,18 +170,10 @@ def shipped_scenarios() -> tuple[tuple[str, str], ...]:
 def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, str]:
     """Return the scenarios to choose from by their titles, that of a file included under a name of its own."""
     options = dict(shipped_scenarios())
-    options |= state.files.options("scenarios")
     opened = state.scenario.opened
-    if opened is not None and file not in options.values():
+    if opened is not None:
         options[f"{opened.title or 'Untitled'} (file)"] = file
     return options
-
-
-def own_option(state: Workbench) -> str:
-    """Return the value of the scenario's file in My files; empty where it is none of them."""
-    current = state.files.current
-    there = current is not None and state.files.named("scenarios", current.name) is not None
-    return f"{OWN}{current.name}" if current is not None and there else ""
 
 
 class HasView(Protocol):

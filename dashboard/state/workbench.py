@@ -28,7 +28,7 @@ from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
-from railjoule.dashboard.pages.study.model import StudyModel
+from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
@@ -209,6 +209,11 @@ class Workbench(Kept, PageModel):
         """Turn to the page of measured runs with the file of one."""
         self.page = "Measured runs"
         self.measured_runs.bring([(name, content)])
+
+    def show_study(self, name: str, content: bytes) -> None:
+        """Turn to Study with the file of one."""
+        self.page = "Study"
+        self.study.brought = Brought(name, content)
 
     def pin_measured(self) -> None:
         """Pin the measured run that is shown."""

@@ -10,7 +10,7 @@ from browser.findings import grave_findings
 from browser.server import Server, free_port, serving
 from browser.user import PATIENCE_MS
 
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
+COMMAND = ("-m", "railjoule.dashboard", "serve")
 LOAD, TARE = "Load, % of capacity", "Tare, kg"
 LOST = "The connection to the server is lost. Changes have no effect"
 

@@ -31,7 +31,7 @@ TEMPORARY = " ".join(f"{kind}_temp_path {kind};" for kind in ("client_body", "pr
 """Where an nginx keeps files that is not the system's own."""
 STARTS_WITHIN_S = 20
 BROWSERS, TURNS = 20, 4
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
+COMMAND = ("-m", "railjoule.dashboard", "serve")
 
 
 @contextlib.contextmanager

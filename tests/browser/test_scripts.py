@@ -209,7 +209,6 @@ VALUES: dict[str, dict[str, Any]] = {
     "editor_head": {"status": "", "open": False},
     "energy_bars": {"places": [], "runs": []},
     "fields_form": {"fields": [], "version": 0},
-    "file_list": {"files": [], "deleted": "", "folder": "", "refusal": "", "left_out": []},
     "guess": {
         "lesson": "load",
         "title": "What a wrong load costs",
@@ -254,7 +253,6 @@ VALUES: dict[str, dict[str, Any]] = {
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
     "study_fields": {"fields": [], "groups": [], "note": "", "version": 0},
     "study_files": {},
-    "study_kept": {"rows": []},
     "study_rows": {"title": "", "note": "", "head": [], "rows": [], "more": "", "is_chosen": False},
     "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
 }

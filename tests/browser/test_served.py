@@ -14,7 +14,7 @@ from railjoule.dashboard.page_list import PAGES
 
 PREFIX = "tools/rail/"
 PLACES = 2
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace", "--prefix", f"/{PREFIX}", "--sessions", str(PLACES))
+COMMAND = ("-m", "railjoule.dashboard", "serve", "--prefix", f"/{PREFIX}", "--sessions", str(PLACES))
 
 
 @pytest.fixture(scope="module")

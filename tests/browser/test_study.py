@@ -1,5 +1,6 @@
 """Study, as a user works with it: 1,500 runs, reached from the front page, to one on Drive and a file on the disk."""
 
+import base64
 import csv
 import re
 from collections.abc import Iterator
@@ -15,6 +16,13 @@ from browser.user import User, open_page
 
 RUN_MS, RUNS = 240_000, 1500
 DONE = re.compile(r"^([\d\u202f]+) of ([\d\u202f]+) runs")
+DROP = """
+([content, name]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([Uint8Array.from(atob(content), (sign) => sign.charCodeAt(0))], name));
+  document.body.dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
+}
+"""
 # the name of a heading has plain spaces
 CHOSEN = re.compile(r"^Chosen: ([\d\s]+) runs")
 
@@ -142,6 +150,26 @@ def test_the_table_is_downloaded(user: User) -> None:
         rows = list(csv.DictReader(file))
     assert len(rows) == RUNS
     assert {"timetable.travel_time_s", "vehicle.load_factor", "energy_kwh"} <= set(rows[0])
+
+
+def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server, chromium: Browser) -> None:
+    with user.page.expect_download() as download:
+        button(user, "Save study").click()
+    assert download.value.suggested_filename == "study.nc"
+    saved = Path(download.value.path())
+    with User.at(chromium, server.url, on_drive=False) as other:
+        open_page(other, "Study")
+        expect(other.page.get_by_text("Open a study").first).to_be_visible()
+        file = {"name": "study.nc", "mimeType": "application/x-netcdf", "buffer": saved.read_bytes()}
+        other.page.locator("input[type=file][accept='.nc']").set_input_files(file)
+        expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
+        assert done(other) == RUNS
+        expect(chart(other, "runs")).to_be_visible()
+    with User.at(chromium, server.url, on_drive=False) as other:
+        other.page.evaluate(DROP, [base64.b64encode(saved.read_bytes()).decode(), "study.nc"])
+        expect(other.question("Study")).to_be_visible()
+        expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
+        assert done(other) == RUNS
 
 
 def test_a_run_opens_on_drive_and_one_step_takes_it_back(user: User) -> None:

@@ -27,7 +27,7 @@ SLIDER = "Travel time, s"
 MOVED_S = 150.0
 """Where the slider of the page stands that moves, which the first scenario can be driven in [s]."""
 MB = 1e6
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
+COMMAND = ("-m", "railjoule.dashboard", "serve")
 
 
 @dataclass(frozen=True)

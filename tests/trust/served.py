@@ -19,7 +19,7 @@ from railjoule.core.scenario import format_scenario
 from tests.trust.rows import Found, Row
 from tests.trust.texts import packed
 
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
+COMMAND = ("-m", "railjoule.dashboard", "serve")
 OPENED = 101
 CANARY = "CANARY-4711"
 MOVES = 8

@@ -107,15 +107,6 @@ class MeasuredRunsView(PageView):
             margin=(8, 8, 0, 0),
             on_click=lambda _: try_example(self.state),
         )
-        self.own = pmui.Select(
-            label="From My files",
-            options={"choose": ""},
-            value="",
-            size="small",
-            margin=(6, 8, 0, 0),
-            width=170,
-            visible=False,
-        )
         self.chosen = pmui.Select(label="Run", options=[], size="small", margin=(6, 8, 0, 8), width=220, visible=False)
         self.remove = pmui.Button(
             label="Remove this run",
@@ -128,11 +119,9 @@ class MeasuredRunsView(PageView):
         self.over = parts.stack(over_time_buttons(self.state, margin=(10, 0, 0, 8)), visible=False, sizing_mode=None)
         self.files.param.watch(self._bring, "value")
         self.chosen.param.watch(self._choose, "value")
-        self.own.param.watch(self._open_own, "value")
         tools = pn.FlexBox(
             self.files,
             self.example,
-            parts.stack(self.own, sizing_mode=None),
             parts.stack(self.chosen, sizing_mode=None),
             self.remove,
             self.over,
@@ -183,7 +172,6 @@ class MeasuredRunsView(PageView):
         model = self.model
         self.shows(self._show_files, (model, ["files", "shown", "reading", "refusal", "failure"]))
         self.shows(self._show, (model, ["measured"]), (self.state, ["over_time"]))
-        self.shows(self._show_own, (self.state.files, ["listing"]))
         self.shows(self._name_pin, (model, ["measured"]), (self.state, ["pins"]))
 
     @property
@@ -208,13 +196,6 @@ class MeasuredRunsView(PageView):
     def _choose(self, event: Any) -> None:
         if not self._quiet and event.new:
             self.model.shown = event.new
-
-    def _open_own(self, event: Any) -> None:
-        """Show a run of My files; the list is then as before, so that the same one can be chosen again."""
-        file = self.state.files.named("runs", event.new or "")
-        if file is not None:
-            self.own.value = ""
-            self.state.files.open_run(file, self.state.show_run)
 
     def _remove(self, *_: Any) -> None:
         if self.chosen.value:
@@ -241,12 +222,6 @@ class MeasuredRunsView(PageView):
         self._show()
 
     # ---- what is shown
-
-    def _show_own(self) -> None:
-        """Offer the runs of My files, where there are any."""
-        names = [file.name for file in self.state.files.listing.files if file.kind == "runs"]
-        self.own.options = {"choose": "", **{name: name for name in names}}
-        self.own.visible = bool(names)
 
     def _show_files(self) -> None:
         model = self.model

@@ -1,90 +1,68 @@
-"""My files on Start: the list of the workspace, and what is asked of each of its files."""
+"""The server's folder on Start: its scenario files with title and date, each opened by its name."""
 
-from collections.abc import Callable
-from typing import Any
+from datetime import datetime
 
-import param
-
-from railjoule.core.workspace import OwnFile
-from railjoule.dashboard.editor.forms import Form
-from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.scenario_folder import ListedFile
 from railjoule.dashboard.state.files import FilesModel
 
-LABELS = {"scenarios": "Scenario", "vehicles": "Vehicle", "lines": "Line", "runs": "Run"}
-OPENS = {
-    "scenarios": "Open",
-    "vehicles": "Use in the scenario:",
-    "lines": "Use in the scenario:",
-    "runs": "Open on Measured runs:",
+EMPTY = (
+    "Nothing saved yet. \u201cSave scenario\u201d beside the page saves here, and scenario files that are put into the "
+    "folder appear here."
+)
+FILES_CSS = """
+.my-files { padding: 4px 20px 4px; }
+.my-files table { width: 100%; table-layout: fixed; }
+.my-files td, .my-files th { text-align: left; padding: 3px 14px 3px 0; vertical-align: baseline; white-space: normal;
+  overflow-wrap: anywhere; }
+.my-files th:first-child { width: 34%; }
+.my-files .date { width: 126px; padding-right: 0; white-space: nowrap; }
+.my-files td.date { color: var(--rj-ink2); }
+.my-files button { min-height: 24px; padding: 0; border: 0; background: none; text-align: left; overflow-wrap: anywhere;
+  font: 600 13px/1.3 var(--rj-font); color: var(--rj-accent); cursor: pointer; }
+.my-files button:hover { text-decoration: underline; }
+.my-files button:active { color: var(--rj-ink); }
+.my-files button:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 2px; }
+.my-files .refused { color: var(--rj-warn); }
+@media (max-width: 899px) { .my-files { padding: 4px 14px; } }
+@media (max-width: 599px) {
+  .my-files table, .my-files tbody { display: block; }
+  .my-files thead { display: none; }
+  .my-files tr { display: flex; flex-wrap: wrap; gap: 0 8px; padding: 4px 0; border-bottom: 1px solid var(--rj-line); }
+  .my-files td { padding: 0; border: 0; min-width: 0; }
+  .my-files td:first-child { flex: 0 0 100%; }
 }
-"""What pressing a name does."""
+"""
 
 
-class FileList(Form):
-    """The files, drawn and changed in the browser.
-
-    Parameters
-    ----------
-    files : FilesModel
-    opened : callable
-        Called when the scenario has changed by one of them.
-    show_run : callable
-        Called with the name and the content of a measured run that is to be shown.
-    """
-
-    files = param.List(default=[], doc="What each row shows.")
-    deleted = param.String(default="", doc="Name of what was deleted last.")
-    folder = param.String(default="", doc="Where they are.")
-    refusal = param.String(default="", doc="Why something was not done.")
-    left_out = param.List(default=[], doc="What is not listed, with the reason.")
-
-    _esm = module("file_list")
-
-    def __init__(self, files: FilesModel, opened: Callable[[], None], show_run: Callable[[str, bytes], None]) -> None:
-        super().__init__(self._take)
-        self.model, self._opened, self._show_run = files, opened, show_run
-        self.show()
-
-    def show(self) -> None:
-        """Show the list as it is."""
-        files = self.model
-        self.param.update(
-            files=[self._row(file) for file in files.listing.files],
-            deleted="" if files.deleted is None else files.deleted.file.name,
-            folder="" if files.workspace is None else str(files.workspace.folder),
-            refusal=files.refusal,
-            left_out=[list(one) for one in files.listing.left_out],
+def files_html(files: FilesModel) -> Markup:
+    """Return the heading and the table of the folder's files."""
+    label = "" if files.folder is None else files.folder.label
+    note = "scenario files in the folder"
+    heading = markup('<h2 class="begin">My files <span class="muted">{} {}</span></h2>', note, label)
+    pieces: list[Markup] = []
+    listing = files.listing
+    if files.refusal:
+        pieces.append(markup('<p class="error" role="alert">{}</p>', files.refusal))
+    elif listing is not None and not listing.files:
+        pieces.append(markup('<p class="muted">{}</p>', EMPTY))
+    elif listing is not None:
+        head = Markup('<th scope="col">Name</th><th scope="col">Title</th><th scope="col" class="date">Changed</th>')
+        rows = joined([_row(file, file.name == files.current) for file in listing.files])
+        pieces.append(
+            markup('<table aria-label="My files"><thead><tr>{}</tr></thead><tbody>{}</tbody></table>', head, rows)
         )
+    if listing is not None and listing.more:
+        pieces.append(markup('<p class="muted">{} more files are not listed: open them as a file.</p>', listing.more))
+    return markup("{}<div class=my-files>{}</div>", heading, joined(pieces))
 
-    def _row(self, file: OwnFile) -> dict[str, Any]:
-        current = self.model.current
-        is_open = current is not None and (current.kind, current.name) == (file.kind, file.name)
-        return {
-            "kind": file.kind,
-            "name": file.name,
-            "label": LABELS[file.kind],
-            "opens": OPENS[file.kind],
-            "changed_s": file.changed_s,
-            "open": is_open,
-            "stale": is_open and self.model.is_changed,
-        }
 
-    def _take(self, message: dict[str, Any]) -> None:
-        what, files = message.get("what"), self.model
-        if what == "undo":
-            files.restore()
-        elif what == "add":
-            files.add(str(message.get("file"))[:200], str(message.get("text", "")))
-        file = files.named(str(message.get("kind")), str(message.get("name")))
-        if file is None:
-            return
-        if what == "rename":
-            files.rename(file, str(message.get("text", "")))
-        elif what == "open" and file.kind == "runs":
-            files.open_run(file, self._show_run)
-        elif what == "open":
-            files.open(file, self._opened)
-        elif what == "duplicate":
-            files.duplicate(file)
-        elif what == "delete":
-            files.delete(file)
+def _row(file: ListedFile, is_open: bool) -> Markup:
+    name = markup("<b>{}</b>", file.name)
+    if not file.refusal:
+        name = markup('<button type="button" data-file="{0}" aria-label="Open {0}">{0}</button>', file.name)
+    mark = Markup(' <span class="muted small">open</span>') if is_open else ""
+    about = markup('<span class="refused">Cannot be opened: {}</span>', file.refusal) if file.refusal else file.title
+    changed = datetime.fromtimestamp(file.changed_s)
+    date = f"{changed.day} {changed:%b %Y, %H:%M}"
+    return markup("<tr><td>{}{}</td><td>{}</td><td class=date>{}</td></tr>", name, mark, about, date)

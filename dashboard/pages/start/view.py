@@ -5,7 +5,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import Trajectory
+from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.surface import round_step
@@ -17,7 +17,7 @@ from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.start.compute import Card, outlines
-from railjoule.dashboard.pages.start.my_files import FileList
+from railjoule.dashboard.pages.start.my_files import FILES_CSS, files_html
 from railjoule.dashboard.pages.start.work import Start
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.runs import Runs
@@ -151,8 +151,9 @@ class StartView(PageView):
         self.cards = {card.name: self._card_pane(card) for card in outlines()}
         self._shown: dict[str, Card] = {}
         self.browser.on_open(self._open)
+        self.browser.on_file(self._open_file)
         files = self.state.files
-        self.own = [FileList(files, self._turn_to_drive, self.state.show_run)] if files.there else []
+        self.files = parts.html_pane(stylesheets=[parts_css(), START_CSS, FILES_CSS], visible=files.folder is not None)
         self.bring = pmui.Button(
             label="Bring your own line",
             icon="upload_file",
@@ -161,11 +162,11 @@ class StartView(PageView):
             margin=(10, 20, 2, 20),
             on_click=lambda _: setattr(self.state, "page", "Import"),
         )
-        self.shows(self._show_own, (files, ["listing", "deleted", "refusal", "current"]))
+        self.shows(self._show_files, (files, ["listing", "refusal", "current"]))
         self.shows(self._show_picture, (self.state, ["runs"]))
         self.shows(self._show_cards, (self.state.start, ["cards"]))
         cards = (piece for group in groups(tuple(self.cards)) for piece in self._laid_out(*group))
-        return parts.stack(self.hero, self.bring, *self.own, *cards)
+        return parts.stack(self.hero, self.bring, self.files, *cards)
 
     def _laid_out(self, title: str, shows: str, names: tuple[str, ...]) -> tuple[Viewable, Viewable]:
         """Return the heading of a group of cards, and its cards."""
@@ -187,12 +188,21 @@ class StartView(PageView):
                 self._shown[card.name] = card
                 self.cards[card.name].object = card_html(card)
 
-    def _show_own(self) -> None:
-        for shown in self.own:
-            shown.show()
+    def _show_files(self) -> None:
+        if self.state.files.folder is not None:
+            self.files.object = files_html(self.state.files)
 
-    def _turn_to_drive(self) -> None:
-        self.state.page = "Drive"
+    def _open_file(self, name: str) -> None:
+        """Open a file of the folder on Drive."""
+
+        def turn() -> None:
+            self.state.param.update(page="Drive", notice="")
+
+        def refuse(error: RailjouleError) -> None:
+            self.state.notice = str(error)
+            self.state.files.look()
+
+        self.state.files.open(name, turn, refuse)
 
     def _open(self, name: str) -> None:
         if name not in self.cards:

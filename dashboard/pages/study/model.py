@@ -42,6 +42,21 @@ class Saved:
     name: str
 
 
+@dataclass(frozen=True, eq=False)
+class Brought:
+    """The file of a study from the user's disk.
+
+    Parameters
+    ----------
+    name : str
+        The name of the file.
+    content : bytes
+    """
+
+    name: str
+    content: bytes
+
+
 @dataclass(frozen=True)
 class Progress:
     """How far a study is.
@@ -78,7 +93,7 @@ class StudyModel(TypedParameters, PageModel):
     """The settings of the page and its results; ranges are in the units of the scenario's file."""
 
     kept = ("over", "method", "strategy", "runs", "seed", "x", "y", "colour", "map_x", "map_y")
-    passing = ("choice", "shown", "refusal", "refused", "kept_names", "name_to_keep", "may_go_on", "saving")
+    passing = ("choice", "shown", "refusal", "refused", "may_go_on", "saving")
 
     over = param.Dict(default={}, doc="What varies, by its key in the file: from where to where.")
     method = param.Selector(default="sobol", objects=list(METHODS), doc="How the runs are drawn.")
@@ -101,11 +116,8 @@ class StudyModel(TypedParameters, PageModel):
     estimate = result(Estimate, "How long the study asked for takes.")
     choice = param.Dict(default={}, doc="What is chosen: from where to where, by column.")
     shown = param.Integer(default=ROWS_AT_ONCE, doc="How many of the chosen runs are listed.")
-    refusal = param.String(default="", doc="Why a study was not begun, kept or opened.")
+    refusal = param.String(default="", doc="Why a study was not begun or opened.")
     refused = param.Dict(default={}, doc="Why a range was not taken, by the field's key.")
-    kept_names = param.List(default=[], doc="Names of the kept studies.")
-    kept_as = result(str, "The name under which the study that is shown is kept.")
-    name_to_keep = param.String(default="", doc="Under which name the next study is kept from its start.")
     may_go_on = param.Boolean(default=True, doc="Whether a study that has stopped can go on.")
     saving = param.Boolean(default=False, doc="Whether a file is being written for the browser.")
     # what is asked of the work
@@ -114,7 +126,7 @@ class StudyModel(TypedParameters, PageModel):
     resume = param.Event(doc="Go on.")
     wanted_file = result(str, "The suffix of the file that is to be written for the browser.")
     wanted_run = result(int, "The number of the run that is to be opened on Drive.")
-    wanted_kept = result(tuple, "What is to be done with a kept study: a verb and its name.")
+    brought = result(Brought, "The file of a study that is to be opened.")
 
     def __init__(self, scenario: Scenario, **params: Any) -> None:
         super().__init__(**params)

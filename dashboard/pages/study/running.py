@@ -47,18 +47,11 @@ class Running:
         self._tell("waiting", told=WAITS)
         self._future = STUDY_THREADS.submit(self.do)
 
-    def stop(self, then: Callable[[], None] | None = None) -> None:
-        """Begin no further runs; those that are under way are still taken, and `then` is called after the last one."""
+    def stop(self) -> None:
+        """Begin no further runs; those that are under way are still taken."""
         self._stop.set()
         if self._future is not None and self._future.cancel():
             self._end("stopped")
-        if then is None:
-            return
-        if self._future is None:
-            then()
-        else:
-            # by the thread that does the runs, or at once where none is under way
-            self._future.add_done_callback(lambda _: then())
 
     def do(self, here: bool = False) -> None:
         """Do all runs; `here` without other processes."""

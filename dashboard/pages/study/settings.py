@@ -1,4 +1,4 @@
-"""The sidebar's part of Study: what varies, how the runs are drawn, the estimate, and the kept studies."""
+"""The sidebar's part of Study: what varies, how the runs are drawn, the estimate, and the file of a former study."""
 
 from typing import Any
 
@@ -8,12 +8,15 @@ import param
 
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.editor.forms import Form
+from railjoule.dashboard.insides import SmallFile
+from railjoule.dashboard.keep.keeping import shown_name
+from railjoule.dashboard.limits import LARGEST_STUDY_BYTES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import editor_css, study_css
 from railjoule.dashboard.pages.study.fields import MOST_VARIED, fields_that_vary
-from railjoule.dashboard.pages.study.model import StudyModel
+from railjoule.dashboard.pages.study.model import Brought
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import number_fields, tie
 from railjoule.dashboard.state.workbench import Workbench
@@ -25,8 +28,11 @@ METHOD_WORDS = {
     "grid": "grid",
 }
 START, AGAIN = "Run", "Change and start again"
-MOST_KEPT = 30
-"""So many kept studies are listed."""
+END = "A study ends with its page: a stopped one can go on, and a saved one can be opened again."
+TOO_LARGE = (
+    f"The file is larger than the {LARGEST_STUDY_BYTES / 1e6:g} MB that this page opens; Python's xarray reads it."
+)
+STUDY_SUFFIX = ".nc"
 SELECT: dict[str, Any] = {"size": "small", "margin": (8, 16, 4, 16), "sizing_mode": "stretch_width"}
 
 
@@ -93,7 +99,7 @@ class FieldRanges(Form):
 
 
 class StudyFields:
-    """Fields, method, estimate and kept studies; in sight on Study alone."""
+    """Fields, method, estimate and the button that opens a file; in sight only on Study."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.study
@@ -109,7 +115,18 @@ class StudyFields:
             margin=(8, 8, 8, 16),
             on_click=lambda _: model.param.trigger("start"),
         )
-        self.keep = KeptStudies(state)
+        self.file = SmallFile(
+            refuse=lambda: setattr(model, "refusal", TOO_LARGE),
+            label="Open a study",
+            uploaded_label="Open a study",
+            accept=STUDY_SUFFIX,
+            max_file_size=LARGEST_STUDY_BYTES,
+            icon="folder_open",
+            variant="text",
+            size="small",
+            margin=(0, 8, 8, 8),
+        )
+        self.file.param.watch(self._open, "value")
         self.view = stack(
             FieldRanges(state),
             html_pane('<div class="section">Method</div>'),
@@ -118,12 +135,18 @@ class StudyFields:
             *number_fields(model, "runs", "seed"),
             self.told,
             self.begin,
-            self.keep.view,
+            self.file,
         )
         tie(self.method, model, "method")
         tie(self.strategy, model, "strategy")
         model.param.watch(self._show, ["estimate", "current", "asked", "study", "progress", "refusal"])
         self._show()
+
+    def _open(self, event: Any) -> None:
+        if event.new:
+            self.model.brought = Brought(shown_name(str(self.file.filename)), event.new)
+            # so that the page does not keep the bytes
+            self.file.clear()
 
     def _show(self, *_: Any) -> None:
         model = self.model
@@ -138,15 +161,10 @@ class StudyFields:
         elif same and not model.progress.is_under_way:
             told = markup('<p class="muted">Change a field, the runs or the seed to start again.</p>')
         elif known and estimate is not None and estimate.seconds is not None:
-            told = markup('<p class="muted">{} {}</p>', estimate_words(estimate.seconds), self._end_words())
+            told = markup('<p class="muted">{} {}</p>', estimate_words(estimate.seconds), END)
         else:
-            told = markup('<p class="muted">{}</p>', self._end_words())
+            told = markup('<p class="muted">{}</p>', END)
         self.told.object = markup('<div style="padding:6px 16px 0;font-size:12px">{}</div>', told)
-
-    def _end_words(self) -> str:
-        if self.state.files.there:
-            return "A stopped study keeps its runs and can go on later."
-        return "A stopped study can go on; this server keeps no files, so that it ends with this page."
 
 
 def estimate_words(seconds: float) -> str:
@@ -159,48 +177,3 @@ def duration_words(seconds: float) -> str:
     if seconds < 90:
         return f"{words.number(max(seconds, 1), 0)} s"
     return f"{words.number(seconds / 60, 0)} min" if seconds < 5400 else f"{words.number(seconds / 3600, 1)} h"
-
-
-class KeptStudies:
-    """The studies of My files: the name under which the next one is kept, and those that are there."""
-
-    def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.study
-        self.name = pmui.TextInput(
-            label="Keep the study as",
-            placeholder="a name, if it is to be kept",
-            value=self.model.name_to_keep,
-            visible=state.files.there,
-            **SELECT,
-        )
-        self.list = KeptList(state.study)
-        self.view = stack(self.name, self.list)
-        tie(self.name, self.model, "name_to_keep")
-        self.list.visible = state.files.there
-
-
-class KeptList(Form):
-    """The kept studies, each to be opened or deleted."""
-
-    rows = param.List(default=[], doc="Name, what is told of it, and whether it is the one that is shown.")
-
-    _esm = module("study_kept")
-
-    def __init__(self, model: StudyModel) -> None:
-        super().__init__(self._take, stylesheets=[editor_css(), study_css()])
-        self.model = model
-        model.param.watch(self.show, ["kept_names", "kept_as", "progress"])
-        self.show()
-
-    def show(self, *_: Any) -> None:
-        """Show the list as it is."""
-        model, progress = self.model, self.model.progress
-        share = f"{words.number(100 * progress.done / progress.runs, 0)} %" if progress.runs else ""
-        rows = [[name, share if name == model.kept_as else "", name == model.kept_as] for name in model.kept_names]
-        if rows[:MOST_KEPT] != self.rows:
-            self.rows = rows[:MOST_KEPT]
-
-    def _take(self, message: dict[str, Any]) -> None:
-        verb, name = str(message.get("what")), str(message.get("name"))
-        if name in self.model.kept_names and verb in {"open", "delete"}:
-            self.model.wanted_kept = verb, name

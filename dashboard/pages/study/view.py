@@ -24,7 +24,7 @@ from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Listed, Loo
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Progress
 from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, MAP, RUNS, colours_for, shape_of
 from railjoule.dashboard.pages.study.rows import StudyFiles, StudyRows, lowest_words, ranked_fields
-from railjoule.dashboard.pages.study.settings import START, duration_words
+from railjoule.dashboard.pages.study.settings import START, STUDY_SUFFIX, duration_words
 from railjoule.dashboard.pages.study.work import PAGE, Studies
 from railjoule.dashboard.parts import html as parts
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 HEIGHTS = {RUNS: (400, 470, 300), ALONG_X: (44, 50, 30), ALONG_Y: (400, 470, 300), MAP: (260, 300, 240)}
 """Of each chart [px]: in usual, wide and narrow windows."""
-EMPTY = "Choose fields and a number of runs beside the page."
+EMPTY = "Choose fields and a number of runs beside the page, or open a saved study."
 SO_FAR = "figures show the runs done so far"
 FORMER = "Figures of the former settings."
 INDICES = "Sobol\u2019 indices"
@@ -119,9 +119,9 @@ class StudyView(PageView):
                 ("Resume", lambda _: model.param.trigger("resume")),
             )
         )
-        suffixes = {"CSV": ".csv", **({"Parquet": ".parquet"} if has_parquet() else {})}
-        self.saves = [
-            pmui.Button(
+        suffixes = {"Save study": STUDY_SUFFIX, "CSV": ".csv", **({"Parquet": ".parquet"} if has_parquet() else {})}
+        self.saves = {
+            suffix: pmui.Button(
                 label=label,
                 variant="text",
                 size="small",
@@ -130,7 +130,7 @@ class StudyView(PageView):
                 on_click=partial(self._want_file, suffix),
             )
             for label, suffix in suffixes.items()
-        ]
+        }
         self.files = StudyFiles()
         self.run = pmui.Button(
             label=START,
@@ -141,7 +141,7 @@ class StudyView(PageView):
             on_click=lambda _: model.param.trigger("start"),
         )
         self.empty = parts.stack(self._pane(_empty_html()), self.run)
-        buttons = pn.Row(*self.saves, self.stop, self.resume, self.files, margin=0)
+        buttons = pn.Row(*self.saves.values(), self.stop, self.resume, self.files, margin=0)
         self.head = parts.stack(self.status, buttons, css=HEAD_CSS)
         self.legend, self.indices = self._pane(), self._pane()
         self.selects = {
@@ -220,8 +220,9 @@ class StudyView(PageView):
         self.stop.visible = progress.is_under_way
         self.stop.disabled = progress.state == "stopping"
         self.resume.visible = progress.state in {"stopped", "failed"} and model.may_go_on
-        for button in self.saves:
-            button.visible = there and progress.done > 0
+        for suffix, button in self.saves.items():
+            # the file names the version of the solver, which is another one where the study may not go on
+            button.visible = there and progress.done > 0 and (model.may_go_on or suffix != STUDY_SUFFIX)
             button.disabled = model.saving
         former = model.asked is not None and model.current is not None and model.asked != model.current
         self.status.object = status_html(progress, former) if there else ""

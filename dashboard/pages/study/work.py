@@ -1,11 +1,8 @@
-"""The work behind the page Study: it estimates, runs, looks at, keeps and opens studies."""
+"""The work behind the page Study: it estimates, runs, looks at, saves and opens studies."""
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor
-from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -14,9 +11,11 @@ import panel as pn
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
-from railjoule.core.studies.sweep import MemoryResults, Results, Study, SweepFile, SweepTable, table_of
+from railjoule.core.studies.sweep import MemoryResults, Results, Study, SweepTable
+from railjoule.core.studies.sweep.reading import ReadStudy, read_study
 from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.pages.study.compute import (
+    ENERGY,
     Estimate,
     EstimateRequest,
     Look,
@@ -25,7 +24,7 @@ from railjoule.dashboard.pages.study.compute import (
     compute_look,
     write_table,
 )
-from railjoule.dashboard.pages.study.model import COLUMNS, ROWS_AT_ONCE, Progress, Saved, StudyModel
+from railjoule.dashboard.pages.study.model import COLUMNS, MOST_RUNS, ROWS_AT_ONCE, Brought, Progress, Saved, StudyModel
 from railjoule.dashboard.pages.study.places import shape_of
 from railjoule.dashboard.pages.study.running import Running
 from railjoule.dashboard.state.draft import FIELD_KEYS
@@ -113,10 +112,9 @@ def save(request: SaveRequest) -> Saved:
 
 @dataclass(frozen=True, eq=False)
 class BeginRequest:
-    """A study that is to begin, the file that keeps it, if any, and the page's scenario."""
+    """A study that is to begin, and the page's scenario."""
 
     settings: EstimateRequest
-    path: Path | None
     base: Mapping[str, Any]
 
 
@@ -129,27 +127,27 @@ class Begun:
 
 
 def make_results(request: BeginRequest) -> Begun:
-    """Return where the rows of a study go; errors as `study_of`."""
-    study = request.settings.study()
-    return Begun(request, MemoryResults(study) if request.path is None else SweepFile.create(request.path, study))
+    """Return the place for the rows of a study; errors as `study_of`."""
+    return Begun(request, MemoryResults(request.settings.study()))
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A kept study with its rows."""
+    """A study from a file, and its rows once more where further ones can be added."""
 
-    results: SweepFile
-    table: SweepTable
+    read: ReadStudy
+    results: MemoryResults
 
 
-def open_kept(path: Path) -> Opened:
-    """Return a kept study; errors as `SweepFile.open`."""
-    results = SweepFile.open(path)
-    try:
-        return Opened(results, table_of(results))
-    except RailjouleError:
-        results.close()
-        raise
+def open_study(brought: Brought) -> Opened:
+    """Return the study of a file; errors as `read_study`."""
+    read = read_study(brought.content, brought.name, MOST_RUNS)
+    if ENERGY not in read.table.columns:
+        raise RailjouleError(f"{brought.name}: the column {ENERGY} is missing, without which a study is not shown.")
+    results = MemoryResults(read.table.study)
+    for chunk in read.table.chunks():
+        results.append(chunk, 0.0)
+    return Opened(read, results)
 
 
 class Studies(PageWork[StudyModel]):
@@ -186,7 +184,7 @@ class Studies(PageWork[StudyModel]):
         self.saver: Worker[SaveRequest, Saved] = Worker(
             save, self._take_saved, self._refuse_file, about=of_study, threads=LOOK_THREADS
         )
-        self.opener: Worker[Path, Opened] = Worker(open_kept, self._take_kept, self._refuse, threads=LOOK_THREADS)
+        self.opener: Worker[Brought, Opened] = Worker(open_study, self._take_opened, self._refuse, threads=LOOK_THREADS)
         state.scenario.param.watch(self._settle, list(RUN_FIELDS))
         model.param.watch(self._settle, list(SETTINGS))
         model.param.watch(self._look, list(LOOKED_AT))
@@ -195,7 +193,7 @@ class Studies(PageWork[StudyModel]):
             model.param.watch(act, event)
         model.param.watch(self._save, "wanted_file")
         model.param.watch(self._open_run, "wanted_run")
-        model.param.watch(self._do_with_kept, "wanted_kept")
+        model.param.watch(self._open_study, "brought")
 
     # ---- what is asked for
 
@@ -214,7 +212,6 @@ class Studies(PageWork[StudyModel]):
 
     def _appear(self, *_: Any) -> None:
         if self.in_sight:
-            self._list_kept()
             self._settle()
             self._look()
 
@@ -230,15 +227,7 @@ class Studies(PageWork[StudyModel]):
         request = self.model.current
         if request is None or self.model.progress.is_under_way:
             return
-        path, name = None, self.model.name_to_keep.strip()
-        workspace = self.state.files.workspace
-        try:
-            if name and workspace is not None:
-                path = workspace.study_path(name)
-        except RailjouleError as refusal:
-            self._refuse(refusal)
-            return
-        begin = BeginRequest(request, path, self.state.scenario.keep())
+        begin = BeginRequest(request, self.state.scenario.keep())
         self._beginning = begin, self.model.progress
         # from now on: it must not be asked for twice
         self.model.param.update(refusal="", progress=Progress("waiting", 0, request.sample))
@@ -248,15 +237,11 @@ class Studies(PageWork[StudyModel]):
         request, results = begun.request, begun.results
         if self._beginning is None or self._beginning[0] is not request:
             # stopped before it began
-            _close(results)
             return
         self._beginning = None
-        self._show_results(results, results.path.stem if isinstance(results, SweepFile) else None)
+        self._show_results(results)
         self._base = request.base
         self.model.asked = request.settings
-        if isinstance(results, SweepFile):
-            self.model.name_to_keep = ""
-            self._list_kept()
         self._run()
 
     def _refuse_beginning(self, failure: RailjouleError) -> None:
@@ -269,7 +254,7 @@ class Studies(PageWork[StudyModel]):
             self.model.progress = self._beginning[1]
             self._beginning = None
 
-    def _show_results(self, results: Results, name: str | None) -> None:
+    def _show_results(self, results: Results) -> None:
         """Show another study, and let go of the one before."""
         self._let_go()
         self.results, self.table, self._shape, self._base = results, None, (), None
@@ -282,18 +267,14 @@ class Studies(PageWork[StudyModel]):
             shown=ROWS_AT_ONCE,
             failure=None,
             refusal="",
-            kept_as=name,
             may_go_on=True,
         )
 
     def _let_go(self) -> None:
-        """End what runs, and close its file after its last rows."""
-        running, results = self._running, self.results
-        self._running = self.results = None
+        """End what runs."""
+        running, self._running, self.results = self._running, None, None
         if running is not None:
-            running.stop(partial(_close, results))
-        else:
-            _close(results)
+            running.stop()
 
     def _run(self) -> None:
         assert self.results is not None
@@ -401,50 +382,28 @@ class Studies(PageWork[StudyModel]):
                 fields[FIELD_KEYS[path]] = number if path.endswith("_s") else 100 * number
         scenario.lay({"edits": edits, **fields})
 
-    # ---- kept studies
+    # ---- a study from a file
 
-    def _list_kept(self) -> None:
-        workspace = self.state.files.workspace
-        if workspace is not None:
-            with suppress(RailjouleError):
-                self.model.kept_names = list(workspace.studies())
+    def _open_study(self, *_: Any) -> None:
+        brought = self.model.brought
+        if brought is not None:
+            self.model.param.update(brought=None, refusal="")
+            self.opener.ask(brought)
 
-    def _do_with_kept(self, *_: Any) -> None:
-        wanted, workspace = self.model.wanted_kept, self.state.files.workspace
-        if wanted is None or workspace is None:
-            return
-        self.model.wanted_kept = None
-        verb, name = wanted
-        try:
-            path = workspace.study_path(name)
-            if verb == "open" and name != self.model.kept_as:
-                self.opener.ask(path)
-            elif verb == "delete" and name != self.model.kept_as:
-                workspace.delete_study(name)
-                self._list_kept()
-        except RailjouleError as refusal:
-            self._refuse(refusal)
-
-    def _take_kept(self, opened: Opened) -> None:
-        results = opened.results
-        self._show_results(results, results.path.stem)
-        self.table = opened.table
-        done, runs = opened.table.rows, results.study.sample
-        told = "" if results.same_solver else OTHER_SOLVER
+    def _take_opened(self, opened: Opened) -> None:
+        self._stay()
+        self._show_results(opened.results)
+        table = self.table = opened.read.table
+        done, runs = table.rows, table.study.sample
+        message = "" if opened.read.is_same_solver else OTHER_SOLVER
         self.model.param.update(
-            progress=Progress("done" if done == runs else "stopped", done, runs, None, told),
-            may_go_on=results.same_solver,
+            progress=Progress("done" if done == runs else "stopped", done, runs, None, message),
+            may_go_on=opened.read.is_same_solver,
         )
         self._look()
 
     def end(self, *_: Any) -> None:
-        """End the study, as the page has gone; what is kept in a file stays there."""
+        """End the study: it ends with its page."""
         super().end()
         self._stay()
         self._let_go()
-
-
-def _close(results: Results | None) -> None:
-    if isinstance(results, SweepFile):
-        with suppress(RailjouleError):
-            results.close()

@@ -16,7 +16,6 @@ from railjoule.core import Check, CheckResult, load_scenario, solve
 from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
-from railjoule.core.workspace import Workspace
 from railjoule.dashboard.command import cli, commands
 from railjoule.dashboard.command.cli import BAD_INPUT, BROKEN_PIPE, BROKEN_RULE, INTERRUPTED, OK, main
 from railjoule.dashboard.server.options import ServerOptions
@@ -373,7 +372,7 @@ def test_benchmark_prints_both(capsys, monkeypatch):
 def app(monkeypatch):
     fake = types.ModuleType("railjoule.dashboard.app")
     fake.calls = []
-    fake.serve = lambda options, workspace: fake.calls.append((options, workspace))
+    fake.serve = lambda options, folder: fake.calls.append((options, folder))
     monkeypatch.setitem(sys.modules, fake.__name__, fake)
     monkeypatch.setattr(fake.__name__, fake, raising=False)
     return fake
@@ -391,70 +390,28 @@ def test_serve_passes_address_and_port(capsys, app):
     ]
 
 
-# ---- a workspace
-
-OWN_SCENARIO = '[vehicle]\npreset = "my-metro"\n[line]\npreset = "liashenko-ii"\n[timetable]\ntravel_time_s = 100\n'
+# ---- the folder of scenario files
 
 
-@pytest.fixture
-def own(tmp_path):
-    workspace = Workspace(tmp_path / "own")
-    workspace.save("vehicles", "my-metro", 'preset = "metro-81-7036"\ntare_kg = 190_000\n')
-    workspace.save("scenarios", "my-run", OWN_SCENARIO)
-    return workspace
-
-
-def test_own_names_are_known_on_the_command_line(capsys, own):
-    place = ["--workspace", str(own.folder), "--json"]
-    heavy = json.loads(answer(capsys, "solve", "my-run", *place))
-    light = json.loads(answer(capsys, "solve", "my-run", "--set", "vehicle.preset=metro-81-7036", *place))
-    assert heavy["energy_kwh"] > light["energy_kwh"]
-    shipped = json.loads(answer(capsys, "solve", "liashenko-ii", *place))
-    changed = json.loads(answer(capsys, "solve", "liashenko-ii", "--set", "vehicle.preset=my-metro", *place))
-    assert changed["energy_kwh"] > shipped["energy_kwh"]
-
-
-def test_a_saved_run_is_checked_by_name(capsys, own):
-    run = solve(own.scenario("my-run"))
-    own.save("runs", "monday", run.to_dataframe().to_csv(index=False))
-    words = ("check", "monday", "--scenario", "my-run", "--workspace", str(own.folder), "--json")
-    assert json.loads(answer(capsys, *words))["ok"]
-
-
-def test_a_user_has_a_folder_without_saying_so(capsys, own, monkeypatch):
-    monkeypatch.setattr(commands, "default_folder", lambda: own.folder)
-    assert json.loads(answer(capsys, "solve", "my-run", "--json"))["energy_kwh"] > 0
-    assert complaint(capsys, "solve", "my-run", "--no-workspace").startswith(
-        "my-run: there is no such file or shipped scenario; choose one of ftorek-300s, "
-    )
-    assert "choose one of my-run, ftorek-300s" in complaint(capsys, "solve", "my-runs")
-
-
-def test_a_workspace_that_is_not_there_is_one_sentence(capsys, tmp_path):
-    assert complaint(capsys, "solve", "liashenko-ii", "--workspace", str(tmp_path / "none")) == (
-        f"--workspace {tmp_path / 'none'}: there is no such folder."
-    )
+def test_a_folder_that_is_not_there_is_one_sentence(capsys, tmp_path):
     (tmp_path / "file").write_text("")
-    assert "there is no such folder" in complaint(
-        capsys, "solve", "liashenko-ii", "--workspace", str(tmp_path / "file")
+    for name in ("none", "file"):
+        named = str(tmp_path / name)
+        assert complaint(capsys, "serve", "--folder", named) == (
+            f"--folder {commands.shortened(named)}: there is no such folder; make it first."
+        )
+    assert complaint(capsys, "serve", "--folder", "~nobody-of-this-name/x").startswith(
+        "--folder ~nobody-of-this-name/x: "
     )
-    assert "File exists" in complaint(capsys, "serve", "--workspace", str(tmp_path / "file"))
 
 
-def test_who_has_no_home_has_no_workspace(capsys, monkeypatch):
+def test_a_user_without_a_home_has_no_folder(app, monkeypatch):
     def homeless():
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.setattr(commands, "default_folder", homeless)
-    assert commands.workspace_at(None) is None
-    assert "there is no such user" in complaint(
-        capsys, "solve", "liashenko-ii", "--workspace", "~nobody-of-this-name/x"
-    )
-
-
-@pytest.mark.parametrize("name", ["../own/scenarios/my-run", "../scenarios/my-run", "\u202emy-run"])
-def test_no_name_leads_out_of_a_workspace(capsys, own, name):
-    assert "there is no such file" in complaint(capsys, "solve", name, "--workspace", str(own.folder))
+    assert main(["serve"]) == OK
+    assert app.calls[0][1] is None
 
 
 @pytest.mark.parametrize(
@@ -463,18 +420,20 @@ def test_no_name_leads_out_of_a_workspace(capsys, own, name):
         ((), True),
         (("--address", "localhost"), True),
         (("--address", "::1"), True),
-        (("--no-workspace",), False),
         (("--address", "0.0.0.0"), False),
         (("--address", "example.org"), False),
-        (("--address", "0.0.0.0", "--workspace", "{}"), True),
+        (("--origin", "railways.example"), False),
+        (("--address", "0.0.0.0", "--folder", "{}"), True),
     ],
 )
-def test_others_change_no_files_unless_it_was_said(capsys, app, tmp_path, words, served):
-    calls = []
-    app.serve = lambda _, workspace: calls.append(workspace)
-    assert main(["serve", *(word.format(tmp_path / "own") for word in words)]) == OK
-    assert (calls[0] is not None) == served
-    assert (tmp_path / "own").is_dir() == ("--workspace" in words)
+def test_others_save_in_no_folder_unless_one_is_named(app, tmp_path, words, served):
+    assert main(["serve", *(word.format(tmp_path) for word in words)]) == OK
+    assert (app.calls[0][1] is not None) == served
+
+
+@pytest.mark.parametrize("option", ["--workspace", "--no-workspace"])
+def test_options_of_former_releases_are_refused(capsys, option):
+    assert complaint(capsys, "solve", "tram-950m", option).startswith(f"unrecognized arguments: {option}")
 
 
 @pytest.mark.parametrize(

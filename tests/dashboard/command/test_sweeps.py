@@ -14,7 +14,7 @@ RANGES = ("vehicle.load_factor=0:1", "timetable.travel_time_s=105:130")
 
 
 def command(target, *words, over=RANGES, sample="9", file="liashenko-ii"):
-    asked = ["study", "sweep", file, "--over", *over, "--sample", sample, "-o", str(target), "--no-workspace"]
+    asked = ["study", "sweep", file, "--over", *over, "--sample", sample, "-o", str(target)]
     return main([*asked, "--set", "solver.mesh_m=25", *words])
 
 

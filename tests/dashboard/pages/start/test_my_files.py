@@ -1,83 +1,47 @@
-"""My files on Start: what the browser is told, and what it may ask."""
+"""The list of the folder on Start."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from railjoule.core.workspace import Workspace
-from railjoule.dashboard.pages.start.my_files import FileList
-from railjoule.dashboard.state.files import FilesModel, serve_files_of
+from railjoule.core import load_scenario, save_scenario
+from railjoule.dashboard.pages.start.my_files import EMPTY, files_html
+from railjoule.dashboard.scenario_folder import ScenarioFolder
+from railjoule.dashboard.state.files import FilesModel, serve_folder
 from railjoule.dashboard.state.scenario import ScenarioModel
-
-SCENARIO = '[vehicle]\npreset = "metro-81-7036"\n[line]\npreset = "liashenko-ii"\n[timetable]\ntravel_time_s = 100\n'
 
 
 @pytest.fixture
 def files(tmp_path: Path) -> Iterator[FilesModel]:
-    workspace = Workspace(tmp_path / "own")
-    workspace.save("scenarios", "my-run", SCENARIO)
-    workspace.save("runs", "monday", "time_s,speed_kmh\n0,0\n1,3.6\n")
-    serve_files_of(workspace)
-    files = FilesModel(ScenarioModel())
+    (tmp_path / "own").mkdir()
+    serve_folder(ScenarioFolder(tmp_path / "own"))
+    yield FilesModel(ScenarioModel())
+    serve_folder(None)
+
+
+def test_an_empty_folder_says_how_files_come_to_be_there(files: FilesModel) -> None:
+    assert EMPTY not in files_html(files)
     files.look()
-    yield files
-    serve_files_of(None)
+    assert EMPTY in files_html(files)
 
 
-def test_rows_say_what_a_press_does(files: FilesModel) -> None:
-    shown = FileList(files, lambda: None, lambda *_: None)
-    assert [(row["name"], row["label"], row["opens"]) for row in shown.files] == [
-        ("my-run", "Scenario", "Open"),
-        ("monday", "Run", "Open on Measured runs:"),
-    ]
-    assert shown.folder == str(files.workspace.folder)  # type: ignore[union-attr]
-
-
-def test_what_is_open_and_what_has_changed_are_marked(files: FilesModel) -> None:
-    opened: list[bool] = []
-    shown = FileList(files, lambda: opened.append(True), lambda *_: None)
-    shown._take({"what": "open", "kind": "scenarios", "name": "my-run"})
-    shown.show()
-    assert opened == [True]
-    assert (shown.files[0]["open"], shown.files[0]["stale"]) == (True, False)
-    assert files.workspace is not None
-    (files.workspace.folder / "scenarios/my-run.toml").write_text("title = 'by hand'\n")
+def test_files_are_listed_by_name_title_and_date_and_never_with_a_path(files: FilesModel, tmp_path: Path) -> None:
+    save_scenario(load_scenario("tram-950m"), tmp_path / "own" / "tram.toml")
+    (tmp_path / "own" / "<b>.toml").write_text("x", encoding="utf-8")
     files.look()
-    shown.show()
-    assert shown.files[0]["stale"]
+    files.open("tram", lambda: None, lambda _: None)
+    html = files_html(files)
+    assert html.count("data-file=") == 1
+    assert 'data-file="tram"' in html
+    assert "Tram, flat 950 m" in html
+    assert html.count(">open<") == 1
+    assert "&lt;b&gt;" in html
+    assert "Cannot be opened: not a valid TOML file" in html
+    assert "the folder own<" in html
+    assert str(tmp_path) not in html
 
 
-def test_a_run_is_handed_to_measured_runs(files: FilesModel) -> None:
-    shown: list[tuple[str, bytes]] = []
-    before = files.scenario.scenario()
-    FileList(files, lambda: None, lambda *run: shown.append(run))._take(
-        {"what": "open", "kind": "runs", "name": "monday"}
-    )
-    assert shown == [("monday.csv", b"time_s,speed_kmh\n0,0\n1,3.6\n")]
-    assert files.scenario.scenario() == before
-
-
-@pytest.mark.parametrize(
-    "message",
-    [
-        {},
-        {"what": "delete"},
-        {"what": "delete", "kind": "scenarios", "name": "../my-run"},
-        {"what": "delete", "kind": "../own/scenarios", "name": "my-run"},
-        {"what": "open", "kind": "runs", "name": "monday"},
-        {"what": "look", "kind": "scenarios", "name": "my-run"},
-        {"what": "restore", "kind": ["scenarios"], "name": {"my-run": 1}},
-        {"what": "rename", "kind": "scenarios", "name": "my-run"},
-        {"what": "rename", "kind": "scenarios", "name": "my-run", "text": "../../x"},
-        {"what": "add", "file": "../../x.toml", "text": 5},
-        {"what": "add"},
-        {"what": "undo"},
-    ],
-)
-def test_a_message_that_asks_for_nothing_there_changes_nothing(files: FilesModel, message: dict[str, object]) -> None:
-    before, scenario = files.listing, files.scenario.scenario()
-    FileList(files, lambda: None, lambda *_: None)._hear(message)
-    files.look()
-    assert files.listing == before
-    assert files.scenario.scenario() == scenario
+def test_an_unreadable_folder_is_one_sentence(files: FilesModel) -> None:
+    files.refusal = "The folder cannot be read: Permission denied."
+    assert '<p class="error" role="alert">The folder cannot be read: Permission denied.</p>' in files_html(files)

@@ -1,27 +1,22 @@
 """The work of the page without a page around it: all of it is done in the test's own turn."""
 
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from threading import Event
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 from panel.io.state import set_curdoc
-from turns import PATIENCE_S, Page
+from turns import Page
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.studies.sweep import SweepFile
-from railjoule.core.workspace import Workspace
+from railjoule.core.studies.sweep import SweepTable
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.snapshot import lay, snapshot_of
 from railjoule.dashboard.pages.study import work
-from railjoule.dashboard.pages.study.model import StudyModel
+from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.pages.study.work import Studies
-from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.offered import OFFERED
-from railjoule.dashboard.work.study_pool import STUDY_THREADS
 
 TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
 
@@ -102,8 +97,8 @@ class NoRun:
     def begin(self) -> None:
         pass
 
-    def stop(self, then: Callable[[], None]) -> None:
-        then()
+    def stop(self) -> None:
+        pass
 
 
 @pytest.fixture
@@ -217,51 +212,74 @@ def test_the_table_is_written_for_the_browser_once(desk: Desk) -> None:
     file.drop()
 
 
-@pytest.fixture
-def own(tmp_path: Path) -> Iterator[Path]:
-    serve_files_of(Workspace(tmp_path))
-    yield tmp_path
-    serve_files_of(None)
+def saved_study(desk: Desk) -> bytes:
+    """Return the file of a study as the browser fetches it."""
+    desk.model.wanted_file = ".nc"
+    assert desk.model.saved is not None
+    assert desk.model.saved.name == "study.nc"
+    file = OFFERED.take(desk.model.saved.place.removeprefix("file/"))
+    assert file is not None
+    content = file.path.read_bytes()
+    file.drop()
+    return content
 
 
-def test_a_study_is_kept_opened_again_and_goes_on(own: Path) -> None:
-    desk = Desk()
-    desk.model.name_to_keep = "my study"
+def test_a_saved_study_is_opened_again(desk: Desk) -> None:
     desk.run()
-    assert desk.model.kept_as == "my study"
-    assert (own / "studies" / "my study.study").is_file()
-    # a study of another page, which may take an hour, does not keep the file locked (dashboard.md, D2)
-    may_end = Event()
-    STUDY_THREADS.submit(may_end.wait, PATIENCE_S)
-    desk.work.end()
+    content, table = saved_study(desk), desk.work.table
+    assert table is not None
     other = Desk()
-    assert other.model.kept_names == ["my study"]
-    other.model.wanted_kept = ("open", "my study")
+    other.state.page = "Start"
+    other.state.show_study("study.nc", content)
+    assert other.state.page == "Study"
     assert other.model.refusal == ""
-    assert other.model.progress.state == "done"
-    assert other.model.kept_as == "my study"
+    assert (other.model.progress.state, other.model.progress.done) == ("done", 60)
     assert other.model.look is not None
     assert other.model.look.done == 60
-    assert isinstance(other.work.results, SweepFile)
-    assert np.array_equal(other.work.table.index, np.arange(60))  # type: ignore[union-attr]
-    # what is shown is not deleted under the hand
-    other.model.wanted_kept = ("delete", "my study")
-    assert other.model.kept_names == ["my study"]
-    other.work.end()
-    may_end.set()
-    third = Desk()
-    third.model.wanted_kept = ("delete", "my study")
-    assert third.model.kept_names == []
+    read = other.work.table
+    assert read is not None
+    assert np.array_equal(read.columns["energy_kwh"], table.columns["energy_kwh"], equal_nan=True)
+    # and a run of it opens on Drive
+    other.model.wanted_run = 7
+    assert other.state.page == "Drive"
+    assert other.state.scenario.travel_time_s == pytest.approx(float(table.samples[TIME][7]), abs=0.06)
 
 
-def test_a_name_that_is_taken_is_refused(own: Path) -> None:
-    desk = Desk()
-    desk.model.name_to_keep = "twice"
+def test_a_study_that_was_saved_before_its_end_goes_on(desk: Desk) -> None:
     desk.run()
-    desk.model.param.update(name_to_keep="twice", seed=5)
-    desk.model.param.trigger("start")
-    # without the folder of the server (dashboard.md, D3)
-    assert desk.model.refusal == "twice.study exists already."
-    assert desk.model.progress.state == "done"
-    assert desk.model.progress.done == 60
-    desk.work.end()
+    whole = desk.work.table
+    assert whole is not None
+    half = SweepTable(
+        whole.study,
+        whole.index[:40],
+        {name: values[:40] for name, values in whole.samples.items()},
+        {name: values[:40] for name, values in whole.columns.items()},
+        {row: reason for row, reason in whole.reasons.items() if row < 40},
+        1.0,
+    )
+    desk.work.table = half
+    other = Desk()
+    other.model.brought = Brought("study.nc", saved_study(desk))
+    assert (other.model.progress.state, other.model.progress.done, other.model.may_go_on) == ("stopped", 40, True)
+    other.model.param.trigger("resume")
+    assert other.model.progress.state == "done"
+    assert other.work.table is not None
+    assert np.array_equal(other.work.table.columns["energy_kwh"], whole.columns["energy_kwh"], equal_nan=True)
+
+
+def test_a_study_of_another_version_is_looked_at_only(desk: Desk) -> None:
+    desk.run()
+    content = saved_study(desk)
+    version = str(desk.model.study.identity["solver"]).encode()  # type: ignore[union-attr]
+    desk.model.brought = Brought("study.nc", content.replace(version, b"x" * len(version)))
+    assert desk.model.refusal == ""
+    assert not desk.model.may_go_on
+    assert desk.model.progress.told.startswith("Another version of railjoule made its runs")
+
+
+def test_a_file_without_a_study_leaves_the_one_that_is_shown(desk: Desk) -> None:
+    desk.run()
+    first = desk.model.study
+    desk.model.brought = Brought("other.nc", b"CDF")
+    assert desk.model.refusal == "other.nc does not contain a study of railjoule; a study is saved as a .nc file."
+    assert desk.model.study is first
