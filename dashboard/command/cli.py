@@ -212,7 +212,7 @@ def build_parser() -> argparse.ArgumentParser:
         nargs="+",
         action="extend",
         default=[],
-        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all but lessons",
+        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
     )
     report.add_argument("--author", metavar="NAME", default="", help="who has written it")
     report.add_argument(
