@@ -279,7 +279,7 @@ def test_a_line_and_a_vehicle_are_half_a_scenario(capsys, tmp_path):
     imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.toml")
     texts = [(tmp_path / name).read_text() for name in ("vehicle.toml", "line.toml")]
     scenario = parse_scenario("\n".join([*texts, "[timetable]\ntravel_time_s = 300\n"]))
-    assert scenario.line.length_m == 2500
+    assert scenario.line.length_m == 1500
 
 
 def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
