@@ -2,7 +2,7 @@
 
 They take the place of the libraries' own for the whole process, which stay at hand as `replaces`, and hang on their
 insides as those of insides.py do. Together they halve what opening a page takes of the processor
-(`python -m tests.trust.opening`); tests/dashboard/test_shortcuts.py holds them against what they replace.
+(`python -m tests.nightly.opening`); tests/dashboard/test_shortcuts.py holds them against what they replace.
 """
 
 from collections.abc import Callable

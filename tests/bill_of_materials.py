@@ -5,34 +5,28 @@ whom. It reads nothing but the metadata of the installed packages.
 """
 
 import json
-import re
 import sys
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from typing import Any
 
-from tests.trust.floors import canonical
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
 
 ROOT_PACKAGE, EXTRAS = "railjoule", ("page", "excel", "yaml")
-NEED = re.compile(r"^(?P<name>[A-Za-z0-9._-]+)\s*(?:\[(?P<extras>[^\]]*)\])?(?P<rest>.*)$")
-EXTRA = re.compile(r"""extra\s*==\s*['"](?P<extra>[^'"]+)['"]""")
 
 
 def needs(package: Distribution, extras: tuple[str, ...]) -> list[tuple[str, tuple[str, ...]]]:
     """Return the packages that one needs with some of its extras, each with the extras that it is needed with."""
-    found = []
-    for line in package.requires or ():
-        wanted = EXTRA.search(line)
-        match = NEED.match(line)
-        if match is not None and (wanted is None or wanted["extra"] in extras):
-            found.append(
-                (canonical(match["name"]), tuple(filter(None, (match["extras"] or "").replace(" ", "").split(","))))
-            )
-    return found
+    return [
+        (canonicalize_name(one.name), tuple(sorted(one.extras)))
+        for one in map(Requirement, package.requires or ())
+        if one.marker is None or any(one.marker.evaluate({"extra": extra}) for extra in ("", *extras))
+    ]
 
 
 def component(package: Distribution, kind: str) -> dict[str, Any]:
     """Return one package as CycloneDX names it."""
-    name, version = canonical(package.metadata["Name"]), package.version
+    name, version = canonicalize_name(package.metadata["Name"]), package.version
     told: dict[str, Any] = {"type": kind, "bom-ref": f"pkg:pypi/{name}@{version}", "name": name, "version": version}
     told["purl"] = told["bom-ref"]
     licence = package.metadata.get("License-Expression") or package.metadata.get("License") or ""

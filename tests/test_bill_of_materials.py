@@ -1,8 +1,7 @@
 from importlib.metadata import version
 
 from tests.bill_of_materials import bill
-from tests.trust.floors import tried
-from tests.try_floors import runtime_floors
+from tests.try_floors import allowed_floors, constrained_releases, known_advisories, runtime_floors
 
 
 def test_the_bill_names_what_is_installed_and_each_reference_once() -> None:
@@ -10,7 +9,7 @@ def test_the_bill_names_what_is_installed_and_each_reference_once() -> None:
     parts = {part["name"]: part for part in told["components"]}
     # needed directly, by the page, and only by another package
     for name in ("numpy", "tornado", "llvmlite", "markupsafe"):
-        assert parts[name]["version"] == version(name) == tried()[name]
+        assert parts[name]["version"] == version(name) == constrained_releases()[name]
     references = [part["bom-ref"] for part in told["components"]] + [told["metadata"]["component"]["bom-ref"]]
     assert len(set(references)) == len(references)
     assert {one["ref"] for one in told["dependencies"]} == set(references)
@@ -26,3 +25,8 @@ def test_the_floors_are_those_of_the_core_and_the_page() -> None:
     assert "tornado==6.6.1" in floors
     assert any(one.startswith("numba==") for one in floors)
     assert not any(one.startswith("pytest") for one in floors)
+
+
+def test_no_allowed_release_has_a_known_advisory() -> None:
+    assert known_advisories(allowed_floors()) == known_advisories(constrained_releases()) == []
+    assert known_advisories({"tornado": "6.6", "jinja2": "3.1.10"})[0].startswith("tornado 6.6 is below 6.6.1 (CVE-")

@@ -5,7 +5,7 @@ import {BRAKE, COAST, POWER, between_points, drive_drawn, force_between, net_ene
 import {
   KMH_PER_MS, clock_of, come_into_sight, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
 } from "./played.js";
-import {compared_with, figure_on} from "./speed_figure.js";
+import {figure_on} from "./speed_figure.js";
 
 // beyond the shortest time; with less, there is nothing to save with
 const LEAST_TIME_TO_SAVE_S = 0.5;
@@ -103,7 +103,7 @@ export function render({model}) {
   }, {signal});
 
   const text = () => points.join(",");
-  const reveal = button(`Show the best run${model.alone ? "" : " in this time"}`, () => {
+  const reveal = button("Show the best run in this time", () => {
     asked = true;
     reveal.disabled = true;
     told.textContent = "The best run in this time is being computed.";
@@ -124,14 +124,14 @@ export function render({model}) {
     const outcome = make("h2", {class: "outcome", tabindex: "-1"},
       `You use ${figures_of(verdict.kwh, 2)} kWh; in ${clock_of(verdict.time_s)} nobody can use less than ${figures_of(verdict.bound_kwh, 2)}.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (${with_sign((100 * more) / verdict.bound_kwh, 0)} %). Blue is ${verdict.best_name}, the thinner line is yours.`);
+      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (${with_sign((100 * more) / verdict.bound_kwh, 0)} %). Blue is the best run, the thinner line is yours.`);
     result.replaceChildren(outcome, words, make("div", {class: "stage"},
       make("div", {}, make("h3", {}, "What the best run does"), make("ul", {}, ...verdict.stretches.map((one) => make("li", {}, one)))),
-      make("div", {}, make("h3", {}, `Where it went, kWh against ${compared_with(verdict)}`),
+      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"),
         table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))),
     make("div", {class: "row"}, button("Change it", () => { verdict = null; result.hidden = true; picture(); canvas.focus(); }),
-      ...(model.alone ? [] : [...link_button(button, "Copy link", "learn.drawn"),
-        button("Open in the workbench", () => model.send_msg({what: "open", drawn: text()}), "main")])));
+      ...link_button(button, "Copy link", "learn.drawn"),
+      button("Open in the workbench", () => model.send_msg({what: "open", drawn: text()}), "main")));
     result.hidden = false;
     picture();
     outcome.focus();

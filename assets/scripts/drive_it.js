@@ -181,9 +181,9 @@ export function render({model}) {
     ]}));
     const left = TRIES - tries.length;
     const buttons = make("div", {class: "row"}, button("Watch your run", () => watch(verdict.commands)),
-      ...(model.alone ? [] : link_button(button, "Copy replay link", "learn.driven")));
+      ...link_button(button, "Copy replay link", "learn.driven"));
     if (left) { buttons.append(button(`Drive again (${left} left)`, () => { begin(); commands[0].focus(); })); }
-    if (!model.alone) { buttons.append(button("Open in the workbench", () => model.send_msg({what: "open"}), "main")); }
+    buttons.append(button("Open in the workbench", () => model.send_msg({what: "open"}), "main"));
     const parting = verdict.parting ? make("p", {}, make("b", {}, verdict.parting.here), " ", verdict.parting.there) : "";
     result.replaceChildren(outcome, words, parting, make("div", {class: "stage"},
       make("div", {}, make("h3", {}, "Your tries"), table_of(["Try", "kWh", "above the bound", "arrived"], rows)),

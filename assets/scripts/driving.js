@@ -83,18 +83,6 @@ export const with_cell = (course, sum, i, from2, to2, share = 1) => {
 
 export const net_energy = (sum) => sum.drawn - sum.returned + sum.auxiliary;
 
-// A whole run: squares of speed at the nodes and the account after each cell.
-const accounted = (course, speed2) => {
-  const sums = [nothing_yet()];
-  course.length.forEach((_, i) => { sums.push(with_cell(course, sums[i], i, speed2[i], speed2[i + 1])); });
-  return {speed2, sums};
-};
-export const drive = (course, commands) => {
-  const speed2 = [course.entering2];
-  course.length.forEach((_, i) => { speed2.push(next_speed2(course, i, speed2[i], commands[i])); });
-  return accounted(course, speed2);
-};
-
 // --- a run that is drawn: core/simulate/drawn, with the passes of core/motion/passes
 
 const HALVINGS = 60;
@@ -122,7 +110,7 @@ const greatest = (course, i, known, bound, braking) => {
   return low;
 };
 
-// The fastest run beneath a speed [m/s] that is drawn at each node.
+// The fastest run below a speed [m/s] that is drawn at each node: squares of speed, and the account after each cell.
 export const drive_drawn = (course, drawn) => {
   const {length, highest2, pace2, most_acceleration, most_deceleration} = course, cells = length.length;
   const speed2 = drawn.map((speed, i) => Math.min(Math.max(speed * speed, pace2), highest2[i]));
@@ -135,7 +123,9 @@ export const drive_drawn = (course, drawn) => {
     const most = speed2[i + 1] + 2 * (most_deceleration ?? Infinity) * length[i];
     speed2[i] = greatest(course, i, speed2[i + 1], Math.min(speed2[i], most), true);
   }
-  return accounted(course, speed2);
+  const sums = [nothing_yet()];
+  length.forEach((_, i) => { sums.push(with_cell(course, sums[i], i, speed2[i], speed2[i + 1])); });
+  return {speed2, sums};
 };
 
 // A speed between points that stand at even distances.

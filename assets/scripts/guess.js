@@ -47,7 +47,7 @@ export function render({model}) {
     const done = await copy_text(address_for_class(model.lesson));
     copied.textContent = done ? "Copied: this case, without guesses." : "The browser does not allow copying here.";
   }, "plain");
-  const buttons = make("div", {class: "row"}, again, ...(model.alone ? [] : [link, copied]));
+  const buttons = make("div", {class: "row"}, again, link, copied);
 
   const mark = (name, share) => make("i", {class: name, style: `left: ${(100 * share).toFixed(1)}%`});
   const show = () => {

@@ -2,7 +2,7 @@
 
 import {make, until} from "./dom.js";
 
-export const J_PER_KWH = 3.6e6;
+const J_PER_KWH = 3.6e6;
 export const KMH_PER_MS = 3.6;
 // Name, label and colour of what the account of a run consists of.
 export const PARTS = [

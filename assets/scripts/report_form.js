@@ -3,7 +3,7 @@
 import {make, redraw_on} from "./dom.js";
 
 export function render({model}) {
-  const boxes = model.sections.map(([value, , checked]) => make("input", {type: "checkbox", value, checked}));
+  const boxes = model.sections.map(([value]) => make("input", {type: "checkbox", value, checked: true}));
   const ticks = model.sections.map(([, title], k) => make("label", {}, boxes[k], title));
   const author = make("input", {type: "text", class: "wide", id: "report-author", autocomplete: "name"});
   const note = make("textarea", {id: "report-note", rows: "5", "aria-describedby": "report-count"});

@@ -127,8 +127,8 @@ export function render({model}) {
           lay(NEXT[name], equal_share(model.lines[NEXT[name]]));
           parts[0].border.focus();
         }),
-        ...(model.alone ? [] : [...link_button(button, "Copy link", "learn.shared"),
-          button("Open in the workbench", () => model.send_msg({what: "open", sharing: text()}), "main")])));
+        ...link_button(button, "Copy link", "learn.shared"),
+        button("Open in the workbench", () => model.send_msg({what: "open", sharing: text()}), "main")));
     result.hidden = false;
     outcome.focus();
   };

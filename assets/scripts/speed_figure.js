@@ -6,9 +6,6 @@ const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limi
 // as far as two lines of words reach
 const NEAR_LIMIT_MS = 4;
 
-// Where no server finds the best run in the time of a drawing, another one is drawn.
-export const compared_with = ({other_time}) => (other_time ? "the blue run" : "the best possible");
-
 // Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
 export const figure_on = (canvas, course) => {
   const {position, limit, gradient, length} = course, end = position.at(-1);
@@ -82,7 +79,7 @@ export const figure_on = (canvas, course) => {
     if (verdict) {
       const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
       const level = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
-      text(`You above ${compared_with(verdict)} so far, kWh`, left, track - 4, ink.ink2);
+      text("You above the best possible so far, kWh", left, track - 4, ink.ink2);
       pen.fillStyle = ink.over;
       pen.beginPath();
       pen.moveTo(left, level(0));

@@ -5,8 +5,8 @@
 optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
 on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
 covers its own nodes and time. `tightening` raises the bound of a drive that idles step by step; `tightened` is its
-last step. `strongest_bounds` lets bounds of several timetables strengthen one another, and `time_lines` has
-one for every time at once.
+last step. `strongest_bounds` lets bounds of several timetables strengthen one another, and `time_line` has one for
+every time.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
@@ -25,7 +25,7 @@ from railjoule.core.bounds.certified import (
     work_floor_j,
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
-from railjoule.core.bounds.over_time import TimeLine, TimeLines, time_line, time_lines
+from railjoule.core.bounds.over_time import TimeLine, time_line
 from railjoule.core.bounds.proof_steps import (
     FIRST_STAGE_BOXES,
     LONGEST_PROOF_S,
@@ -46,7 +46,6 @@ __all__ = [
     "ProofStep",
     "Solution",
     "TimeLine",
-    "TimeLines",
     "bound_of",
     "bounded",
     "can_tighten",
@@ -63,7 +62,6 @@ __all__ = [
     "tightened",
     "tightening",
     "time_line",
-    "time_lines",
     "windowed_bound_statement",
     "with_chains",
     "with_tighter_bound",

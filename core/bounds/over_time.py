@@ -1,4 +1,4 @@
-"""What optima of some travel times prove of all others: lines beneath the least energy over the time.
+"""The lower bound that the optimum of one travel time proves for all others: a line below the least energy.
 
 The multipliers of one optimum, with T its time and lambda its price of a second, prove for every run on the mesh
 
@@ -10,20 +10,17 @@ t' takes no more, and lambda >= 0, so that
 
     E >= B - lambda (t' - T)
 
-for each t', shorter or longer than T: a line that touches the least energy at T. The greatest of several lines is
-proven as well.
+for each t', shorter or longer than T: a line that touches the least energy at T.
 
 One step of the proof for T itself does look at the time: speeds are left out that only runs of more energy than the
 optimum's reach. Here they stay in, so that the runs are all that are nowhere faster than the fastest one.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds.certified import slowest_proven_ms, switched_bound_j
 from railjoule.core.bounds.minimum import minimise
 from railjoule.core.errors import SolverError, StrategyRefusedError
@@ -32,31 +29,6 @@ from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.task import Task
 from railjoule.core.trajectory import PROVEN_GAP
-
-
-@dataclass(frozen=True, eq=False)
-class TimeLines:
-    """A lower bound of the energy over the travel time, as the greatest of lines; arrays of shape (m,).
-
-    It covers the runs that a `Bound` of the same mesh covers, within whatever time.
-
-    Parameters
-    ----------
-    travel_time_s : array
-        Where each line touches the least energy, dwells included [s].
-    energy_j : array
-        Its height there [J].
-    price_of_time_w : array
-        By how much it falls with each second [J/s].
-    """
-
-    travel_time_s: FloatArray
-    energy_j: FloatArray
-    price_of_time_w: FloatArray
-
-    def energy_j_at(self, travel_time_s: float) -> float:
-        """Return the energy that no run within a travel time undercuts [J]."""
-        return float(np.max(self.energy_j - self.price_of_time_w * (travel_time_s - self.travel_time_s)))
 
 
 class TimeLine(NamedTuple):
@@ -95,37 +67,6 @@ def time_line(task: Task) -> TimeLine | None:
         proven, price = switched_bound_j(task, optimum)
         return TimeLine(proven + task.dwell_energy_j, price, slowest)
     return TimeLine(proven_of_all_times_j(task, optimum), usable_prices(task.course.data, optimum)[0], slowest)
-
-
-def time_lines(task: Task, travel_times_s: Sequence[float] | FloatArray) -> TimeLines:
-    """Return the lines that the optima of some travel times prove.
-
-    Parameters
-    ----------
-    task : Task
-        What is asked for, but for its time; windows of arrival do not count.
-    travel_times_s : array of shape (m,)
-        Times of the whole run, dwells included [s].
-
-    Raises
-    ------
-    TimetableError
-        If a time is no longer than the shortest possible one.
-    StrategyRefusedError
-        If the drive takes power without effort, whose bound has another proof.
-    SolverError
-        If an optimum is not found.
-    """
-    if task.course.drive.jumps_at_no_effort:
-        raise StrategyRefusedError("takes no power without effort: bounds over the time are proven of other drives")
-    rows = []
-    for time in np.asarray(travel_times_s, dtype=float).tolist():
-        timed = replace(task, running_time_s=time - task.dwell_s)
-        timed.require_timetable()
-        optimum = minimise(timed).optimum
-        rows.append((time, proven_of_all_times_j(timed, optimum), usable_prices(task.course.data, optimum)[0]))
-    times, energies, prices = np.reshape(rows, (-1, 3)).T
-    return TimeLines(frozen_array(times), frozen_array(energies), frozen_array(prices))
 
 
 def proven_of_all_times_j(task: Task, optimum: Optimum) -> float:

@@ -121,14 +121,12 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | N
     notes.findings.append(Finding("assumption", f"{source.name}: it tells no losses: a drive without losses."))
     vehicle = checked_vehicle(table, source.name)
     notes.findings += questions(vehicle, source.name)
-    terms = tuple(f"resistance.{term}" for term in table["resistance"]) if version >= PER_MASS_SINCE else ()
     return ImportedVehicle(
         source.name,
         {"vehicle": table},
         vehicle,
         findings=tuple(notes.findings),
         unused=tuple(notes.unused),
-        per_mass=("braking.friction_effort_kn", *terms),
     )
 
 

@@ -159,15 +159,12 @@ def read_train(document: Mapping[str, Any], source: str, wanted: str | None, not
     notes.findings.append(Finding("assumption", f"{source}: it tells no losses: a drive without losses."))
     checked_one = checked_vehicle(table, source)
     notes.findings += questions(checked_one, source)
-    # resistance is over weight, and so stays
-    per_mass = () if _friction_forces(formation) else ("braking.friction_effort_kn",)
     return ImportedVehicle(
         source,
         {"vehicle": table},
         checked_one,
         findings=tuple(notes.findings),
         unused=tuple(notes.unused),
-        per_mass=per_mass,
     )
 
 

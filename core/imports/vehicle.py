@@ -1,6 +1,6 @@
 """A vehicle from another program's file, and questions about numbers that no train has."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core.imports.findings import Finding, Imported, OtherUnit
@@ -19,12 +19,9 @@ class ImportedVehicle(Imported):
     ----------
     vehicle : Vehicle
         The vehicle.
-    per_mass : tuple of str
-        Keys that were computed from the mass, with dots: where `tare_kg` changes they change with it.
     """
 
     vehicle: Vehicle
-    per_mass: tuple[str, ...] = field(default=(), kw_only=True)
 
 
 @dataclass(frozen=True)

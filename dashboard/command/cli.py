@@ -118,10 +118,10 @@ def _call(options: argparse.Namespace) -> bool:
         )
         commands.serve(place, commands.scenario_folder(options.folder, place))
         return True
-    if options.command in {"import", "export"}:
+    if options.command == "import":
         from railjoule.dashboard.command import imports  # noqa: PLC0415
 
-        (imports.run if options.command == "import" else imports.export)(options)
+        imports.run(options)
         return True
     if options.command in {"measured", "fit"}:
         from railjoule.dashboard.command import measurements  # noqa: PLC0415
@@ -202,7 +202,7 @@ def build_parser() -> argparse.ArgumentParser:
         nargs="+",
         action="extend",
         default=[],
-        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all but lessons",
+        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
     )
     report.add_argument("--author", metavar="NAME", default="", help="who has written it")
     report.add_argument(
@@ -223,7 +223,6 @@ def build_parser() -> argparse.ArgumentParser:
     _add_json(validate)
     _add_check(commands)
     _add_import(commands)
-    _add_export(commands)
     _add_measured(commands)
     _add_fit(commands)
     return parser
@@ -331,10 +330,6 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
     stock.add_argument("--mode", metavar="M", help="the supply whose efforts are taken; default: the file's")
     _add_encoding(stock)
     _add_output(stock, "OUT.toml")
-    run = _add(formats, "osrd-run", "make a line with limits, or the table of a run, of a simulation of OSRD")
-    run.add_argument("file", metavar="FILE", help="FILE.csv")
-    _add_encoding(run)
-    _add_output(run, "OUT.toml for the line, OUT.csv or OUT.parquet for the run")
     toolkit = _add(formats, "railtoolkit", "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07")
     toolkit.add_argument("file", metavar="FILE", help="FILE.yaml")
     toolkit.add_argument(
@@ -351,17 +346,6 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
     measured.add_argument("file", metavar="FILE", help="FILE.csv or FILE.xlsx")
     _add_columns(measured, "--columns")
     _add_output(measured, "OUT.csv or OUT.parquet")
-
-
-def _add_export(commands: "argparse._SubParsersAction[_Parser]") -> None:
-    parser = _add(commands, "export", "write the line and the vehicle of a scenario for other programs")
-    parser.epilog = "What the scenario tells and the files cannot hold is told on standard error."
-    formats = parser.add_subparsers(dest="format", metavar="FORMAT", required=True)
-    ttobench = _add(formats, "ttobench", "write a track and a train of TTOBench, JSON 1.5")
-    ttobench.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
-    ttobench.add_argument("--track", metavar="OUT", help="OUT.json for the line")
-    ttobench.add_argument("--train", metavar="OUT", help="OUT.json for the vehicle with its load")
-    _add_changes(ttobench)
 
 
 def _add_ttobench(formats: "argparse._SubParsersAction[_Parser]") -> None:

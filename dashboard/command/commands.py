@@ -33,7 +33,7 @@ from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import limits as all_limits
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.section_names import USUAL_SECTIONS
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.scenario_folder import ScenarioFolder, default_folder
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def report(
 
 
 def report_contents(sections: Sequence[str], author: str, note: str | None) -> Contents:
-    """Return what a report shall tell, its sections by words or commas apart; the usual ones where none is named.
+    """Return what a report shall tell, its sections separated by spaces or commas; all where none is named.
 
     Raises
     ------
@@ -258,7 +258,7 @@ def report_contents(sections: Sequence[str], author: str, note: str | None) -> C
     """
     text = "" if note is None else read_text(Path(note)).strip()
     named = tuple(name for word in sections for name in word.split(",") if name)
-    return Contents(named or USUAL_SECTIONS, author.strip(), text)
+    return Contents(named or tuple(SECTION_TITLES), author.strip(), text)
 
 
 def benchmark(output: Output) -> None:

@@ -1,4 +1,4 @@
-"""What `railjoule import` and `railjoule export` do: they read and write files of other programs."""
+"""The command `railjoule import`: read files of other programs."""
 
 import argparse
 import math
@@ -32,8 +32,6 @@ from railjoule.dashboard.command.commands import (
     TABLE_SUFFIXES,
     CommandError,
     failures_named,
-    load,
-    parsed_changes,
     quantities,
     shortened,
     table_file,
@@ -42,7 +40,6 @@ from railjoule.dashboard.command.commands import (
 
 if TYPE_CHECKING:
     from railjoule.core.imports.ttobench import ImportedScenario
-    from railjoule.core.measured import RecorderFormat, RunTable
 
 ASSUMED_SLACK = 0.1
 """Slack over the shortest time where nothing tells a travel time; told, and easily changed in the file."""
@@ -183,22 +180,6 @@ def osrd_stock(options: argparse.Namespace) -> None:
     print(f"{target}: {_vehicle_words(vehicle.vehicle)}")
 
 
-def osrd_run(options: argparse.Namespace) -> None:
-    """Make a line, or a table of a run, of a simulation of OSRD."""
-    from railjoule.core.imports.osrd_run import read_osrd_line  # noqa: PLC0415
-    from railjoule.core.measured import RecorderFormat  # noqa: PLC0415
-
-    target = _target(options.output, (".toml", *TABLE_SUFFIXES))
-    source = SourceFile.read(options.file, options.encoding)
-    if target.suffix.lower() == ".toml":
-        line = read_osrd_line(source)
-        _write(target, line.to_toml())
-        _tell(line)
-        print(f"{target}: {_line_words(line.line)}")
-    else:
-        _write_run(target, source, RecorderFormat("osrd"))
-
-
 def railtoolkit(options: argparse.Namespace) -> None:
     """Make a vehicle or a line of a file of railtoolkit."""
     from railjoule.core.imports.railtoolkit import read_railtoolkit  # noqa: PLC0415
@@ -212,27 +193,22 @@ def railtoolkit(options: argparse.Namespace) -> None:
 
 
 def measured_run(options: argparse.Namespace) -> None:
-    """Make a table of a run, with the columns that ours have, of a table of a recorder."""
-    from railjoule.core.measured import RecorderFormat  # noqa: PLC0415
+    """Convert a table of a recorder to a table of a run with the columns of railjoule."""
+    import pandas  # noqa: PLC0415  (slow to import, and rarely needed)
+
+    from railjoule.core.measured import RecorderFormat, recorder_cells, run_table  # noqa: PLC0415
 
     target = _target(options.output, TABLE_SUFFIXES)
     columns, units = quantities("--column", options.column), quantities("--unit", options.unit)
     form = RecorderFormat(options.preset, columns, units, encoding=options.encoding)
-    _write_run(target, SourceFile.read(options.file, options.encoding), form, options.sheet)
-
-
-def _write_run(target: Path, source: SourceFile, form: "RecorderFormat", sheet: str | None = None) -> None:
-    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
-
-    from railjoule.core.measured import recorder_cells, run_table  # noqa: PLC0415
-
+    source = SourceFile.read(options.file, options.encoding)
     path = table_file(str(target), "-o")  # says what parquet needs
-    run: RunTable = run_table(recorder_cells(source, form, sheet), form)
+    run = run_table(recorder_cells(source, form, options.sheet), form)
     write_table(pandas.DataFrame(run.to_columns()), path, index=False)
     _print_on_stderr(f"{run.source}: {note}" for note in run.notes)
     length, time = run.position_m[-1] - run.position_m[0], run.time_s[-1] - run.time_s[0]
-    told = f"{terminal.distance(length)} km in {terminal.time(time)} s, {counted(len(run.time_s), 'row')}"
-    print(f"{target}: {told}")
+    rows = counted(len(run.time_s), "row")
+    print(f"{target}: {terminal.distance(length)} km in {terminal.time(time)} s, {rows}")
 
 
 def _vehicle_words(vehicle: Vehicle) -> str:
@@ -240,33 +216,10 @@ def _vehicle_words(vehicle: Vehicle) -> str:
     return f"{terminal.printable(vehicle.name)}, {mass} t, {speed} km/h"
 
 
-def export(options: argparse.Namespace) -> None:
-    """Write the line and the vehicle of a scenario as a track and a train of TTOBench.
-
-    Raises
-    ------
-    RailjouleError
-        If anything is wrong with the scenario or an option, or the format cannot hold its vehicle.
-    """
-    from railjoule.core.imports.ttobench import export_track, export_train  # noqa: PLC0415
-
-    if options.track is None and options.train is None:
-        raise CommandError("--track or --train is missing: which file to write.")
-    scenario = load(options.file, parsed_changes(options.set))
-    wanted = (("--track", options.track, export_track), ("--train", options.train, export_train))
-    # all of them are made before one is written
-    files = [(_target(name, (".json",), option), make(scenario)) for option, name, make in wanted if name is not None]
-    for target, file in files:
-        _write(target, file.to_json())
-        _print_on_stderr(f"not written to {target.name}: {sentence}" for sentence in file.lost)
-        print(f"{target}: {file.document['metadata']['id']}")
-
-
 READERS: Mapping[str, Callable[[argparse.Namespace], None]] = {
     "intervals": intervals,
     "ttobench": ttobench,
     "osrd-stock": osrd_stock,
-    "osrd-run": osrd_run,
     "railtoolkit": railtoolkit,
     "run": measured_run,
 }

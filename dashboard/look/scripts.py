@@ -35,21 +35,6 @@ def lent(name: str) -> str:
     return f'railjoule.components.{name} = (() => {{\n"use strict";\n{function(name, "render")}}})();\n'
 
 
-@cache
-def bundle(name: str, call: str, components: tuple[str, ...]) -> str:
-    """Return a plain script that calls one of a module's exports, with `components`, the functions that draw them.
-
-    Parameters
-    ----------
-    name, call
-        As for `function`.
-    components : tuple of str
-        Names of components.
-    """
-    drawn = "".join(f"components.{one} = (() => {{\n{function(one, 'render')}}})();\n" for one in components)
-    return f'(() => {{\n"use strict";\nconst components = {{}};\n{drawn}{function(name, call)}}})();\n'
-
-
 def borrowed(name: str) -> str:
     """Return a module that draws a component with what the page has ready."""
     return f"export const render = (given) => window.railjoule.components.{name}(given);\n"

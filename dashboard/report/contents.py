@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.limits import LONGEST_AUTHOR, LONGEST_NOTE
-from railjoule.dashboard.report.section_names import SECTION_TITLES, USUAL_SECTIONS
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 LONGEST_SHOWN = 40
 # beside them, control characters and halves of characters are no text of a page
@@ -35,7 +35,7 @@ class Contents:
         If a section is not known or none is chosen, or if a text is too long or has characters that are no text.
     """
 
-    sections: tuple[str, ...] = USUAL_SECTIONS
+    sections: tuple[str, ...] = tuple(SECTION_TITLES)
     author: str = ""
     note: str = ""
 

@@ -29,13 +29,12 @@ from railjoule.dashboard.charts.quantities import (
 from railjoule.dashboard.keep.embedded import embedded
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined
-from railjoule.dashboard.look.scripts import bundle, source
+from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
-from railjoule.dashboard.report.lessons import LESSON_COMPONENTS, lessons_data, lessons_section
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
@@ -46,7 +45,6 @@ SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
     "proof": sections.proof,
     "reality": sections.reality,
     "robustness": sections.robustness,
-    "lessons": lessons_section,
     "scenario": sections.scenario,
     "file": sections.about_file,
 }
@@ -70,8 +68,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     # without figures, the library's two megabytes would draw nothing
     draws = bool(figures.places)
     library = [bokeh_script()] if draws else []
-    lessons = [bundle("report_lessons", "begin(components)", LESSON_COMPONENTS)] if figures.lessons else []
-    scripts = [Markup(text) for text in (*library, source("report"), source("surface"), *lessons)]
+    scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
@@ -94,7 +91,6 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         scenario=Markup(embedded(format_scenario(scenario))),
         figures=figures.embedding(),
         data=data,
-        lessons=lessons_data(findings, figures),
         surfaces={name: surface.data for name, surface in figures.surfaces.items()},
         scripts=scripts,
         policy=Markup(policy(scripts, draws=draws)),

@@ -27,7 +27,6 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.report.findings import Findings
 from railjoule.dashboard.report.frontier import TimeChart
-from railjoule.dashboard.report.lesson_charts import LessonCharts
 from railjoule.dashboard.report.surfaces import surfaces_of
 
 WIDTH_PX = 640
@@ -59,10 +58,7 @@ class Figures:
             "frontier": self._frontier() if has("trade-off") else [],
             "reality": self._reality() if has("reality") else [],
         }
-        guessed = findings.lessons.guessed if findings.lessons is not None and has("lessons") else {}
-        self.lessons = {name: LessonCharts(result, self.palette) for name, result in guessed.items()}
         charts = [chart for group in self.groups.values() for chart in group]
-        of_lessons = [chart for lesson in self.lessons.values() for chart in lesson.charts]
         self.document = Document()
         # the library searches the document at each root; frozen, it does so once
         with self.document.models.freeze():
@@ -71,15 +67,12 @@ class Figures:
                     chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
-            for lesson in self.lessons.values():
-                for root in lesson.roots:
-                    self.document.add_root(root)
         # before the charts are drawn in other colours and over other times, which the file has as data
         self.docs, self.item = written_down(self.document)
         # the roots stand there in the order in which they were added
         # without figures there are no roots
         roots = self.item.to_json().get("roots", {}).values()
-        self.places: dict[Chart, str] = dict(zip([*charts, *of_lessons], roots, strict=True))
+        self.places: dict[Chart, str] = dict(zip(charts, roots, strict=True))
 
     # ---- drawing
 
@@ -202,8 +195,6 @@ class Figures:
             self._draw_frontier(chart)
         if self.groups["reality"]:
             self._draw_reality(*self.groups["reality"])
-        for lesson in self.lessons.values():
-            lesson.draw_more()
 
     def _colour_columns(self) -> dict[tuple[str, str], list[str]]:
         return {

@@ -20,7 +20,6 @@ from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.lesson_findings import LessonFindings, compute_lessons
 from railjoule.dashboard.work.refusals import named_refusals
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tightened_runs
 
@@ -28,7 +27,7 @@ OPTIMA_COUNT = 40
 MOST_CELLS = 500
 """Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
 Reality = DisturbedRun | Following | FieldOrientedRun
-RUNS_SHARE, LESSONS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.3, 0.7, 0.75
+RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 """How much of the work is done after each step, about."""
 
 
@@ -84,8 +83,6 @@ class Findings:
         Why there is no table.
     enoc_map : EnocMap or None
         ENOC's energy over travel time and acceleration time, where it takes the scenario.
-    lessons : LessonFindings or None
-        What the lessons need, where they are chosen.
     share : float
         How much of the work is done, 0 to 1.
     note, pinned, contents
@@ -100,7 +97,6 @@ class Findings:
     table: SensitivityTable | None = None
     table_refusal: str = ""
     enoc_map: EnocMap | None = None
-    lessons: LessonFindings | None = None
     share: float = RUNS_SHARE
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
@@ -129,15 +125,11 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
     findings = Findings(scenario, runs, enoc_map=enoc_map, note=request.note, pinned=request.pinned, contents=contents)
     yield findings
-    if contents.has("lessons"):
-        for lessons, share in compute_lessons():
-            findings = replace(findings, lessons=lessons, share=RUNS_SHARE + (LESSONS_SHARE - RUNS_SHARE) * share)
-            yield findings
     # the slider of the result goes over them, too
     if contents.has("result", "trade-off"):
         # one by one, as the work can be stopped between two steps alone
         for optima, share in _optima(findings):
-            findings = replace(findings, optima=optima, share=LESSONS_SHARE + (OPTIMA_SHARE - LESSONS_SHARE) * share)
+            findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
             yield findings
     if contents.has("reality"):
         try:

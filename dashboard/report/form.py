@@ -8,15 +8,15 @@ from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.limits import LONGEST_NOTE
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.section_names import SECTION_TITLES, USUAL_SECTIONS
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 
 class ReportForm(Form):
     """A dialog over the page; what is typed in it stays in the browser until a report is asked for."""
 
     sections = param.List(
-        default=[[name, title, name in USUAL_SECTIONS] for name, title in SECTION_TITLES.items()],
-        doc="Names, titles, and whether each is ticked at first.",
+        default=[[name, title] for name, title in SECTION_TITLES.items()],
+        doc="Names and titles.",
     )
     longest_note = param.Integer(default=LONGEST_NOTE, doc="Characters of the note at most.")
     refusal = param.String(default="", doc="Why there is no such report.")

@@ -12,11 +12,8 @@ SECTION_TITLES: Mapping[str, str] = MappingProxyType(
         "proof": "What is proven",
         "reality": "Actual run",
         "robustness": "What a wrong load and a position error cost",
-        "lessons": "Lessons",
         "scenario": "Scenario",
         "file": "About this file",
     }
 )
 """The titles of all sections by their names, in the order of the report."""
-USUAL_SECTIONS = tuple(name for name in SECTION_TITLES if name != "lessons")
-"""Those of a report of which nobody has chosen any: lessons tell nothing of a scenario."""

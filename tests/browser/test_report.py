@@ -198,8 +198,6 @@ def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
     expect(page.get_by_role("button", name="Report", exact=True)).to_be_focused()
     page.keyboard.press("Enter")
     expect(form).to_be_visible()
-    # all but the lessons, which tell nothing of a scenario
-    expect(form.get_by_role("checkbox", name="Lessons")).not_to_be_checked()
     for box in form.get_by_role("checkbox", checked=True).all()[::-1]:
         box.press("Space")
     form.get_by_role("button", name="Make the report").press("Enter")
@@ -211,13 +209,12 @@ def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
     form.get_by_role("textbox", name="Author").press("Enter")
     expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are allowed.")
     form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
-    form.get_by_role("checkbox", name="Lessons").press("Space")
     with page.expect_download() as saved:
         form.get_by_role("button", name="Make the report").press("Enter")
     expect(form).not_to_be_visible()
     saved.value.save_as(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof", "lessons"]
+    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
     assert "<p>One</p><p>Two</p>" in text
 
 

@@ -1,8 +1,11 @@
 """The page as others serve it: below a path of its own, with few places, and only within its own site."""
 
+import asyncio
+import http.client
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
@@ -10,10 +13,15 @@ from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User, open_page
+from browser.visitor import Visitor
+from railjoule.core import load_scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.keep.link import write_link
 from railjoule.dashboard.page_list import PAGES
 
 PREFIX = "tools/rail/"
 PLACES = 2
+CANARY, SETTLED_S = "CANARY-4711", 1.5
 COMMAND = ("-m", "railjoule.dashboard", "serve", "--prefix", f"/{PREFIX}", "--sessions", str(PLACES))
 
 
@@ -59,6 +67,54 @@ def test_the_pages_of_all_these_tests_are_under_the_policy(server: Server) -> No
         policy = answer.headers["Content-Security-Policy"]
     assert "frame-ancestors 'self'" in policy
     assert "object-src 'none'" in policy
+
+
+FOREIGN = ("http://evil.example", "http://127.0.0.1.evil.example:{port}", "http://127.0.0.1:{other}", "null", "file://")
+HANDSHAKE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+    "Sec-WebSocket-Protocol": "bokeh, token",
+}
+
+
+def test_pages_of_other_origins_open_no_websocket(server: Server) -> None:
+    def status(origin: str) -> int:
+        connection = http.client.HTTPConnection("127.0.0.1", server.port, timeout=30)
+        connection.request("GET", "/ws", headers={**HANDSHAKE, "Origin": origin})
+        try:
+            return connection.getresponse().status
+        finally:
+            connection.close()
+
+    assert status(f"http://127.0.0.1:{server.port}") == 101
+    for origin in FOREIGN:
+        assert status(origin.format(port=server.port, other=server.port + 1)) == 403, origin
+
+
+def test_a_page_is_sent_nothing_of_another(server: Server) -> None:
+    scenario = format_scenario(load_scenario("metro-with-limit", {"title": CANARY, "vehicle.name": CANARY}))
+    link = server.url + write_link({"page": "Drive", "toml": scenario}, {})
+
+    async def visit() -> None:
+        own, other = Visitor(link), Visitor(server.drive_url)
+        await own.open()
+        await other.open()
+        assert CANARY in own.text
+        assert CANARY not in other.text
+        await asyncio.sleep(SETTLED_S)
+        other.text = ""
+        slider = own.slider("Travel time, s")
+        for value in (151.0, 152.0, 151.0):
+            await own.move(slider, value, "figures")
+        assert other.text == ""
+        await own.close()
+        await other.close()
+
+    # Playwright keeps a loop running in the thread of the tests
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, visit()).result()
 
 
 def test_a_page_that_cannot_be_made_says_so(chromium: Browser, tmp_path: Path) -> None:

@@ -4,7 +4,6 @@ import base64
 import binascii
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import PurePath
 from typing import Literal
 
 from railjoule.core.errors import ScenarioError
@@ -12,12 +11,9 @@ from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalK
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
 from railjoule.core.imports.encoding import encoding_mentioned, found_code_page
-from railjoule.core.imports.osrd_run import NEEDED
-from railjoule.core.imports.osrd_stock import LISTS
-from railjoule.core.imports.railtoolkit import yaml_of
 from railjoule.core.imports.source_file import json_of
 
-OtherKind = Literal["track", "train", "journey", "stock", "osrd_run", "railtoolkit"]
+OtherKind = Literal["track", "train", "journey"]
 Kind = IntervalKind | OtherKind | Literal[""]
 TABLE_WORDS: dict[str, str] = {
     "gradients": "Gradients",
@@ -32,20 +28,16 @@ KIND_WORDS: dict[str, str] = {
     "track": "Track of TTOBench",
     "train": "Train of TTOBench",
     "journey": "Journey of TTOBench",
-    "stock": "Rolling stock of OSRD",
-    "osrd_run": "Run of OSRD",
-    "railtoolkit": "railtoolkit",
 }
 KEYS_OF_JSON: dict[OtherKind, str] = {
     "track": "stops",
     "journey": "timing points",
     "train": "rolling resistance r0",
-    "stock": "effort_curves",
 }
 """By which key of a JSON file its kind is known."""
-WORKBOOKS, YAMLS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"), (".yaml", ".yml")
-SHEET, CHOSEN, ENCODING = "sheet", "chosen", "encoding"
-"""What is said of a file that holds several things, which sheet, which train or path; and of its letters."""
+WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+SHEET, ENCODING = "sheet", "encoding"
+"""Keys of the choices of a sheet of a workbook and of the code page of a text."""
 GENERIC = ("value", "valeur")
 """Names of columns that say nothing of the kind."""
 WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
@@ -57,7 +49,7 @@ WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
 }
 UNKNOWN = (
     "it is none of the files that can be read: tables of gradients, speed limits, curves, tunnels or neutral "
-    "sections (CSV, XLSX), TTOBench or OSRD (JSON, CSV), railtoolkit (YAML)"
+    "sections (CSV, XLSX), TTOBench (JSON); files of OSRD and railtoolkit are read by the command railjoule import"
 )
 
 
@@ -78,8 +70,6 @@ class Brought:
         What the user says of its columns.
     factors : mapping of str to float
         What numbers of a vehicle are multiplied with, by their keys: answers to questions about units.
-    chosen : str or None
-        Of a file with several trains or paths the name of the one that is wanted.
     encoding : str
         The code page of a text that is not UTF-8, where the user says it.
     """
@@ -90,7 +80,6 @@ class Brought:
     said_kind: Kind = ""
     columns: ColumnMap = field(default_factory=ColumnMap)
     factors: dict[str, float] = field(default_factory=dict)
-    chosen: str | None = None
     encoding: str = ""
 
     @classmethod
@@ -107,14 +96,11 @@ class Brought:
         what, _, name = key.partition(" ")
         if what == "factor":
             return replace(self, factors={**self.factors, name: 1.0 if value == "1" else float(value)})
-        if what == CHOSEN:
-            # what was answered about another train says nothing of this one
-            return replace(self, chosen=value or None, factors={})
         if what == ENCODING:
-            # nor what was said of columns whose names were read in another
-            return replace(self, encoding=value, columns=ColumnMap(), chosen=None)
+            # the names of its columns may be others in this code page
+            return replace(self, encoding=value, columns=ColumnMap())
         if what == SHEET:
-            # nor do the columns of another sheet
+            # another sheet has other columns
             return replace(self, columns=ColumnMap(sheet=value or None))
         if what == "rows":
             rows = {column: text for column, text in self.columns.rows.items() if column != name}
@@ -184,16 +170,11 @@ class Brought:
         if not content:
             raise ScenarioError(f"{self.name}: it is empty.")
         if beginning in {b"{", b"["}:
-            document = json_of(self.source, lists=True)
-            if isinstance(document, list) or any(isinstance(document.get(key), list) for key in LISTS):
-                return "stock"
+            document = json_of(self.source)
             found = next((kind for kind, key in KEYS_OF_JSON.items() if key in document), None)
             if found is None:
                 raise ScenarioError(f"{self.name}: {UNKNOWN}.")
             return found
-        if not content.startswith(WORKBOOKS) and PurePath(self.name).suffix.lower() in YAMLS:
-            yaml_of(self.source)
-            return "railtoolkit"
         with encoding_mentioned(self.cells.findings):
             return kind_of_table(self.cells)
 
@@ -218,8 +199,6 @@ def kind_of_table(cells: CellTable) -> Kind:
     ScenarioError
         If neither says it.
     """
-    if set(NEEDED) <= set(cells.header):
-        return "osrd_run"
     if preset := preset_of(cells):
         return PRESETS[preset][0]
     name = cells.source.lower()

@@ -12,13 +12,10 @@ from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, Reso
 from railjoule.core.imports.encoding import encoding_mentioned
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
 from railjoule.core.imports.numbers import text_of_cell
-from railjoule.core.imports.osrd_run import read_osrd_line
-from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.parts import checked_vehicle
-from railjoule.core.imports.railtoolkit import read_railtoolkit
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
-from railjoule.dashboard.pages.imports.brought import CHOSEN, ENCODING, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.imports.brought import ENCODING, SHEET, Brought, selectors_of
 
 FIRST_ROWS = 4
 """Rows of each file that are shown."""
@@ -114,9 +111,11 @@ def card_of(file: Brought) -> Card:
         card = replace(card, kind=file.kind)
         is_table = file.kind in INTERVAL_KINDS
         card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
-        return _with_code_page(_with_several(card, file), file)
+        if file.columns.sheet is not None:
+            card = replace(card, choices=(_sheets(file.cells.sheets, file.columns.sheet), *card.choices))
+        return _with_code_page(card, file)
     except ChoiceError as error:
-        card = replace(card, failure=str(error), choices=(_one_of(error.what, error.names, ""),))
+        card = replace(card, failure=str(error), choices=(_sheets(error.names, ""),))
         return _with_code_page(card, file)
     except RailjouleError as error:
         return _with_code_page(_failed(card, file, str(error)), file)
@@ -136,28 +135,9 @@ def _with_code_page(card: Card, file: Brought) -> Card:
     return replace(card, choices=(Choice(ENCODING, "Text in", options, page), *card.choices))
 
 
-def _with_several(card: Card, file: Brought) -> Card:
-    """Return the card of a file that holds several sheets, trains or paths with the choice among them first."""
-    several = _others(file)
-    return card if several is None else replace(card, choices=(several, *card.choices))
-
-
-def _others(file: Brought) -> Choice | None:
-    """Return the choice among what a file holds several of; None where it holds one alone."""
-    if file.columns.sheet is not None:
-        return _one_of(SHEET, file.cells.sheets, file.columns.sheet)
-    if file.chosen is None:
-        return None
-    try:
-        _read_other(replace(file, chosen=None))
-    except ChoiceError as error:
-        return _one_of(error.what, error.names, file.chosen)
-    return None
-
-
-def _one_of(what: str, names: Sequence[str], value: str) -> Choice:
-    options = (("", "choose"), *((name, name) for name in names[:MOST_CHOICES]))
-    return Choice(SHEET if what == SHEET else CHOSEN, what.capitalize(), options, value)
+def _sheets(names: Sequence[str], value: str) -> Choice:
+    """Return the choice among the sheets of a workbook."""
+    return Choice(SHEET, "Sheet", (("", "choose"), *((name, name) for name in names[:MOST_CHOICES])), value)
 
 
 def _failed(card: Card, file: Brought, sentence: str) -> Card:
@@ -250,13 +230,6 @@ def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
         return read_track(source)
     if file.kind == "train":
         return with_factors(read_train(source), file.factors)
-    if file.kind == "stock":
-        return with_factors(read_osrd_stock(source, wanted=file.chosen), file.factors)
-    if file.kind == "osrd_run":
-        return read_osrd_line(source, sheet=file.columns.sheet)
-    if file.kind == "railtoolkit":
-        found = read_railtoolkit(source, file.chosen)
-        return with_factors(found, file.factors) if isinstance(found, ImportedVehicle) else found
     return None
 
 
@@ -265,8 +238,7 @@ def with_factors(imported: ImportedVehicle, factors: Mapping[str, float]) -> Imp
     if not factors:
         return imported
     vehicle = {**imported.document["vehicle"]}
-    with_mass = [(key, factors["tare_kg"]) for key in imported.per_mass] if "tare_kg" in factors else []
-    for key, factor in [*factors.items(), *with_mass]:
+    for key, factor in factors.items():
         *path, last = key.split(".")
         table = vehicle
         for name in path:

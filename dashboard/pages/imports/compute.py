@@ -22,8 +22,7 @@ SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
 LONGEST_TIME_S = 86_400.0
 EXAMPLES = ("limits", "gradients", "curves")
-KINDS_OF_TRAINS = ("train", "stock")
-KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey", "osrd_run")
+KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey")
 TABLES_AND_LINE = "the line of the tables is taken"
 
 
@@ -222,7 +221,7 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
         yield replace(_offer("both", {**train, "line": line}, reading, None), waits_for=refused_parts(reading, ()))
     if line is not None:
         offer = _offer("line", {**kept, "line": line}, reading, None)
-        yield replace(offer, waits_for=refused_parts(reading, KINDS_OF_TRAINS))
+        yield replace(offer, waits_for=refused_parts(reading, ("train",)))
     if train is not None:
         offer = _offer("train", {**train, "line": own["line"]}, reading, base.travel_time_s)
         yield replace(offer, waits_for=refused_parts(reading, KINDS_OF_LINES))

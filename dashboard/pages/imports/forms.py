@@ -12,19 +12,19 @@ from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.pages.imports.brought import CHOSEN, ENCODING, KIND_WORDS, SHEET, TABLE_WORDS
+from railjoule.dashboard.pages.imports.brought import ENCODING, KIND_WORDS, SHEET, TABLE_WORDS
 from railjoule.dashboard.pages.imports.cards import Card, Choice
 from railjoule.dashboard.pages.imports.compute import Offer, Stretch, examples, waiting_words
 from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, ImportModel, Wanted
 
-ACCEPTED = ".csv,.tsv,.txt,.xlsx,.json,.yaml,.yml"
+ACCEPTED = ".csv,.tsv,.txt,.xlsx,.json"
 FORMATS = (
     "Tables of gradients, speed limits, curves, tunnels or neutral sections (CSV, XLSX; also as SNCF and RINF publish "
-    f"them), TTOBench (JSON), OSRD (JSON, CSV), railtoolkit (YAML); at most {LARGEST_FILE_BYTES / 1e6:g} MB each. The "
-    "example is an invented line in SNCF\u2019s columns."
+    f"them), TTOBench (JSON); at most {LARGEST_FILE_BYTES / 1e6:g} MB each. The example is an invented line in the "
+    "columns of SNCF."
 )
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
-NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, CHOSEN, ENCODING)
+NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, ENCODING)
 OFFER_WORDS = {"both": "Take both", "line": "Take this line", "train": "Take this train"}
 ABOUT = {
     "both": "Line and train become the scenario.",

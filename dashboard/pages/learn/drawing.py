@@ -39,9 +39,6 @@ ALIKE_KMH, ALIKE_KWH = 1.0, 0.05
 STRETCH = "{start}\u2013{end} m, {phase}: {reason}."
 DID_ALIKE = "{stretch} You did much the same."
 DID = "{stretch} You were {pace} and used {energy} kWh {more} here."
-BEST_NAME = "the best run"
-OTHER_TIME = "the best run in {time}, {less} s less than yours"
-"""What the optimum is called that a drawing is compared with; the second where there is none in its own time."""
 PACE, SAME_PACE = "{speed} km/h {faster} on average", "as fast on average"
 
 
@@ -145,7 +142,6 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
         "bound_kwh": bound.energy_j / J_PER_KWH,
         "proven": best.is_proven,
         "best_kwh": best.energy_kwh,
-        "best_name": BEST_NAME,
         "best_ms": best.node_speed_ms.tolist(),
         "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
         "rows": beyond(run, best),
@@ -160,43 +156,26 @@ def in_time_of(run: Trajectory) -> Scenario:
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:
     """Return a sentence on each stretch of the best run: what it does, why, and what one did there."""
-    return [_on_stretch(run, stretch) for stretch in told_stretches(best)]
-
-
-def told_stretches(best: Trajectory) -> list[dict[str, Any]]:
-    """Return of each stretch of a best run its ends [m], its words, its mean speed [m/s] and what it took [kWh]."""
     joined: list[tuple[PhaseName, float, float]] = []
     for phase in best.phases:
         if joined and (phase.phase == joined[-1][0] or phase.end_m - phase.start_m < SHORT_SHARE * best.distance_m):
             joined[-1] = (*joined[-1][:2], phase.end_m)
         else:
             joined.append((phase.phase, phase.start_m, phase.end_m))
-    return [
-        {
-            "ends_m": [start, end],
-            "words": STRETCH.format(
-                start=words.number(start, 0),
-                end=words.number(end, 0),
-                phase=words.PHASE_WORDS[phase],
-                reason=REASONS[phase],
-            ),
-            "mean_ms": _mean_speed(best, start, end),
-            "kwh": _taken_kwh(best, start, end),
-        }
-        for phase, start, end in joined
-    ]
+    return [_on_stretch(run, best, *stretch) for stretch in joined]
 
 
-def _on_stretch(run: Trajectory, stretch: dict[str, Any]) -> str:
-    """Return what the best run does on a stretch, and what one did there."""
-    ends = stretch["ends_m"]
-    faster = (_mean_speed(run, *ends) - stretch["mean_ms"]) / MS_PER_KMH
-    more = _taken_kwh(run, *ends) - stretch["kwh"]
+def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: float, end_m: float) -> str:
+    """Return the sentence on one stretch of the best run."""
+    start, end = words.number(start_m, 0), words.number(end_m, 0)
+    stretch = STRETCH.format(start=start, end=end, phase=words.PHASE_WORDS[phase], reason=REASONS[phase])
+    mine, least = ((_mean_speed(one, start_m, end_m), _taken_kwh(one, start_m, end_m)) for one in (run, best))
+    faster, more = (mine[0] - least[0]) / MS_PER_KMH, mine[1] - least[1]
     if abs(faster) < ALIKE_KMH and abs(more) < ALIKE_KWH:
-        return DID_ALIKE.format(stretch=stretch["words"])
+        return DID_ALIKE.format(stretch=stretch)
     pace = PACE.format(speed=words.number(abs(faster), 0), faster=FASTER[faster < 0])
     return DID.format(
-        stretch=stretch["words"],
+        stretch=stretch,
         pace=SAME_PACE if abs(faster) < ALIKE_KMH else pace,
         energy=f"{abs(more):.2f}",
         more=MORE[more < 0],

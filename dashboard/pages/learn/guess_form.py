@@ -50,7 +50,6 @@ class GuessForm(Form):
     verdict = param.Dict(default={}, doc="Guess, answer, and a sentence on their difference; empty without a guess.")
     guessed = param.Boolean(default=False, doc="Whether there is a guess.")
     opened = param.Boolean(default=False, doc="Whether a link has opened the page for this lesson.")
-    alone = param.Boolean(default=False, doc="Whether no server answers, as in a report.")
 
     _esm = module("guess")
 

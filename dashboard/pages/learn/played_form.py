@@ -24,7 +24,6 @@ class PlayedForm(Form):
 
     verdict = param.Dict(default={}, doc="How what was done last compares with the best; empty before the first time.")
     refusals = param.Integer(default=0, doc="Counts what could not be judged.")
-    alone = param.Boolean(default=False, doc="Whether no server answers, as in a report.")
 
     result = ""
     """Which value of the page's model holds what the server has found."""

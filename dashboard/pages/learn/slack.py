@@ -149,29 +149,21 @@ def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
 
 def verdict_on(name: str, seconds: tuple[int, ...]) -> dict[str, Any]:
     """Return how a sharing compares with the best, in numbers and sentences."""
-    mine = driven_line(name, seconds)
-    return {
-        "line": name,
-        "seconds": list(seconds),
-        "kwh": mine.run.energy_kwh,
-        **best_of(name),
-        "sentences": [_on_leg(*legs) for legs in zip(mine.legs, best_line(name).legs, strict=True)],
-    }
-
-
-def best_of(name: str) -> dict[str, Any]:
-    """Return what is told of the best sharing of a line, whatever it is compared with."""
-    best, legs = best_line(name), len(LENGTHS_M[name])
+    mine, best, legs = driven_line(name, seconds), best_line(name), len(LENGTHS_M[name])
     bound = best.run.bound
     assert bound is not None
     equal = driven_line(name, (SLACK_S // legs,) * legs)
     return {
+        "line": name,
+        "seconds": list(seconds),
+        "kwh": mine.run.energy_kwh,
         "bound_kwh": bound.energy_j / J_PER_KWH,
         "proven": best.run.is_proven,
         "best_kwh": best.run.energy_kwh,
         "best_s": [leg.supplement_s for leg in best.legs],
         "price_wh_s": best.legs[0].price_of_time_w / J_PER_WH,
         "worth": _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
+        "sentences": [_on_leg(*pair) for pair in zip(mine.legs, best.legs, strict=True)],
     }
 
 

@@ -1,18 +1,18 @@
-"""Lines that optima of some times prove beneath the least energy of all others."""
+"""The line that the optimum of one time proves below the least energy of all others."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from railjoule.core import StrategyRefusedError, TimetableError, load_scenario
-from railjoule.core.bounds import certify, minimise, time_lines
+from railjoule.core import load_scenario
+from railjoule.core.bounds import certify, minimise, time_line
 from railjoule.core.bounds.over_time import with_all_speeds
 from railjoule.core.interior_point.certificate import fastest_of_better_runs
 from railjoule.core.simulate.drawn import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.task import Task
-from tests.every_drive import train
 
 
 def times_of(task: Task, shares: list[float]) -> list[float]:
@@ -29,23 +29,24 @@ def task(request: pytest.FixtureRequest) -> Task:
     return prepare_task(load_scenario("metro-with-limit", {**changes, "timetable.travel_time_s": 400.0}))
 
 
-def test_no_line_lies_above_the_least_energy_and_each_touches_it(task: Task) -> None:
-    lines = time_lines(task, times_of(task, [1.05, 1.2, 1.6]))
-    for time in times_of(task, [1.01, 1.05, 1.1, 1.2, 1.35, 1.6, 2.5]):
+def line_at(task: Task, share: float) -> Callable[[float], float]:
+    """Return the proven energy [J] over the travel time [s], from the optimum at a share of the shortest time."""
+    begun = task.shortest_time_s * share
+    line = time_line(replace(task, running_time_s=begun))
+    assert line is not None
+    return lambda time: line.energy_j - line.price_of_time_w * (time - task.dwell_s - begun)
+
+
+@pytest.mark.parametrize("share", [1.05, 1.3])
+def test_a_line_touches_the_least_energy_and_is_a_bound_on_both_sides(task: Task, share: float) -> None:
+    """Also far from its time, where runs need more than its optimum and are faster, or have more time."""
+    proven = line_at(task, share)
+    for time in times_of(task, [1.002, share - 0.01, share, share + 0.01, 1.8, 6.0]):
         timed = replace(task, running_time_s=time - task.dwell_s)
         solution = minimise(timed)
-        # far below a line that were none, as those of neighbouring times lie hundredths apart
-        assert lines.energy_j_at(time) <= certify(timed, solution.optimum).energy_j * (1 + 1e-6)
-        if time in lines.travel_time_s:
-            assert lines.energy_j_at(time) == pytest.approx(solution.energy_j, rel=1e-6)
-
-
-def test_each_line_alone_is_a_bound_on_both_sides_of_its_time(task: Task) -> None:
-    """Also far from it, where runs need more than its optimum and are faster, or have more time."""
-    line = time_lines(task, times_of(task, [1.3]))
-    for time in times_of(task, [1.002, 1.1, 1.29, 1.31, 1.8, 6.0]):
-        energy = minimise(replace(task, running_time_s=time - task.dwell_s)).energy_j
-        assert line.energy_j_at(time) <= energy * (1 + 1e-6)
+        assert proven(time) <= certify(timed, solution.optimum).energy_j * (1 + 1e-6)
+    own = minimise(replace(task, running_time_s=share * task.shortest_time_s))
+    assert proven(times_of(task, [share])[0]) == pytest.approx(own.energy_j, rel=1e-6)
 
 
 def test_no_speed_is_left_out(task: Task) -> None:
@@ -58,23 +59,10 @@ def test_no_speed_is_left_out(task: Task) -> None:
     assert kept == pytest.approx(np.sqrt(task.greatest_speed2), rel=1e-12)
 
 
-def test_runs_of_any_time_lie_above_many_lines_which_are_close_to_the_least_energy() -> None:
+def test_runs_of_any_time_lie_above_a_line() -> None:
     scenario = load_scenario("liashenko-iii")
     task = prepare_task(scenario)
-    lines = time_lines(task, task.shortest_time_s + np.geomspace(0.4, 400, 80))
+    proven = line_at(task, 1.2)
     for speed in (20.0, 45.0, 60.0, 70.0):
         run = drive_drawn(scenario, task.course, np.full(task.course.cell_count + 1, speed / 3.6))
-        least = minimise(replace(task, running_time_s=run.travel_time_s)).energy_j
-        proven = lines.energy_j_at(run.travel_time_s)
-        assert proven <= least * (1 + 1e-6)
-        # between times that lie a tenth of the slack apart; see the module: the lines lie beneath a convex curve
-        assert proven >= least * (1 - 1e-3)
-        assert run.energy.net_j > proven
-
-
-def test_what_has_no_such_lines_is_refused() -> None:
-    task = prepare_task(load_scenario("liashenko-0"))
-    with pytest.raises(TimetableError):
-        time_lines(task, [0.9 * task.shortest_time_s])
-    with pytest.raises(StrategyRefusedError, match="takes no power without effort"):
-        time_lines(prepare_task(train("loss polynomial", 15.0)), [1000.0])
+        assert run.energy.net_j > proven(run.travel_time_s)

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from railjoule.core import RailjouleError
 from railjoule.core.imports import INTERVAL_KINDS, SourceFile, line_of, read_intervals
-from railjoule.core.imports.osrd_run import read_osrd_line
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.railtoolkit import read_railtoolkit
 from railjoule.core.imports.ttobench import read_track, read_train
@@ -38,7 +37,7 @@ def read_run(source, form=GENERIC):
 READERS: dict[str, list[Callable[[SourceFile], object]]] = {
     "gradients.csv": [partial(read_line, kind) for kind in INTERVAL_KINDS],
     "sncf-curves.csv": [partial(read_line, "curves"), partial(read_line, "gradients")],
-    "osrd-run.csv": [read_osrd_line, read_run],
+    "osrd-run.csv": [read_run],
     "run.csv": [read_run],
     "osrd-stock.json": [read_osrd_stock],
     "ttobench-train.json": [read_train],

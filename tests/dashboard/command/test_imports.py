@@ -10,7 +10,7 @@ from commands import complaint
 
 from railjoule.core.scenario import load_scenario, parse_scenario
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
+from railjoule.dashboard.command.cli import OK, main
 
 FILES = Path(__file__).parents[2] / "core" / "imports" / "files"
 
@@ -273,24 +273,13 @@ def test_a_rolling_stock_becomes_a_vehicle(capsys, tmp_path):
     assert tomllib.loads(target.read_text())["vehicle"]["length_m"] == 100
 
 
-def test_a_simulation_becomes_a_line_or_a_run(capsys, tmp_path):
-    line, run = tmp_path / "line.toml", tmp_path / "run.csv"
-    out, told = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", line)
-    assert out == f"{line}: 2.50 km, 2 sections\n"
-    assert "neutral" not in told
-    assert tomllib.loads(line.read_text())["line"]["neutral_sections"] == [{"from_m": 500, "to_m": 600}]
-    out, _ = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", run)
-    assert out == f"{run}: 2.50 km in 240.5 s, 8 rows\n"
-    assert run.read_text().splitlines()[0] == "position_m,time_s,speed_kmh"
-
-
 def test_a_line_and_a_vehicle_are_half_a_scenario(capsys, tmp_path):
     """Tables in files of their own: put one after the other they are those of one file."""
     imported(capsys, "osrd-stock", FILES / "osrd-stock.json", "-o", tmp_path / "vehicle.toml")
-    imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", tmp_path / "line.toml")
+    imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.toml")
     texts = [(tmp_path / name).read_text() for name in ("vehicle.toml", "line.toml")]
     scenario = parse_scenario("\n".join([*texts, "[timetable]\ntravel_time_s = 300\n"]))
-    assert scenario.line.length_m == 2500
+    assert scenario.line.length_m == 1500
 
 
 def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
@@ -354,29 +343,3 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
     assert "not used: railtoolkit-path.yaml: paths: example." in told
-
-
-# ---- export
-
-
-def test_a_scenario_becomes_a_track_and_a_train(capsys, tmp_path):
-    track, train = tmp_path / "track.json", tmp_path / "train.json"
-    assert main(("export", "ttobench", "liashenko-ii", "--track", str(track), "--train", str(train))) == OK
-    captured = capsys.readouterr()
-    assert captured.out == f"{track}: Profile_II_medium\n{train}: Metro_81_7036_5_cars\n"
-    assert captured.err.startswith("not written to train.json: ")
-    out, _ = imported(capsys, "ttobench", track, "--train", train, "--travel-time-s", "150", "-o", tmp_path / "s.toml")
-    assert out.endswith(": 1.30 km, 6 sections, 150.0 s\n")
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["liashenko-ii"], "--track or --train is missing: which file to write."),
-        (["liashenko-ii", "--train", "t.toml"], "--train t.toml: must end in .json."),
-        (["nothing", "--train", "t.json"], "nothing: there is no such file or shipped scenario; choose one of "),
-    ],
-)
-def test_bad_words_for_export_are_answered_in_one_sentence(capsys, words, sentence):
-    assert main(("export", "ttobench", *words)) == BAD_INPUT
-    assert capsys.readouterr().err.startswith(f"railjoule: {sentence}")

@@ -6,8 +6,7 @@ from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 
 def test_everything_is_told_unless_it_is_chosen() -> None:
-    # lessons tell nothing of a scenario
-    assert Contents().sections == tuple(name for name in SECTION_TITLES if name != "lessons")
+    assert Contents().sections == tuple(SECTION_TITLES)
     chosen = Contents(("proof",))
     assert chosen.has("result", "proof")
     assert not chosen.has("result", "file")

@@ -161,14 +161,14 @@ def test_the_sections_that_are_chosen_stand_in_the_report_s_order(page: str, fin
     assert headings(chosen(findings, "scenario", "proof")) == ["What is proven", "Scenario"]
     # this scenario is disturbed and has no pinned runs
     titles = {**SECTION_TITLES, "reality": "Under the disturbance"}
-    assert headings(page) == [title for name, title in titles.items() if name not in {"pinned", "lessons"}]
+    assert headings(page) == [title for name, title in titles.items() if name != "pinned"]
 
 
 @pytest.mark.parametrize("section", SECTION_TITLES)
 def test_each_section_stands_alone(findings: Findings, section: str) -> None:
     made = chosen(findings, section)
-    # without pinned runs and without lessons, which were not asked for
-    assert len(headings(made)) == (section not in {"pinned", "lessons"})
+    # without pinned runs
+    assert len(headings(made)) == (section != "pinned")
     has_figures = section in {"result", "trade-off", "reality"}
     assert bool(data(made)["charts"]) == has_figures
     assert (len(made.encode()) > FIGURES_BYTES) == has_figures

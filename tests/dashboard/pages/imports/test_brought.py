@@ -20,18 +20,14 @@ KINDS = {
     "ttobench-track.json": "track",
     "ttobench-train.json": "train",
     "ttobench-journey.json": "journey",
-    "osrd-stock.json": "stock",
-    "osrd-run.csv": "osrd_run",
-    "railtoolkit-path.yaml": "railtoolkit",
-    "railtoolkit-train.yaml": "railtoolkit",
 }
 
 
 @pytest.mark.parametrize(("name", "kind"), KINDS.items())
 def test_a_file_is_known_by_its_content(name: str, kind: str) -> None:
     source = SourceFile.read(FILES / name)
-    # but for tables and YAML, which have nothing else, the name says nothing
-    called = name if name.endswith((".csv", ".yaml")) else "download.bin"
+    # but for tables, the name says nothing
+    called = name if name.endswith(".csv") else "download.bin"
     assert Brought.of(1, SourceFile(called, source.content)).kind == kind
 
 
@@ -52,6 +48,12 @@ HOSTILE = {
     "wide": b",".join(b"c%d" % k for k in range(10_000)) + b"\n" + b",".join(b"1" for _ in range(10_000)),
     "prose": b"Dear Sir, or Madam\nI write to you\n",
 }
+
+
+@pytest.mark.parametrize("name", ["osrd-stock.json", "railtoolkit-train.yaml"])
+def test_a_file_that_only_the_command_line_reads_names_the_command(name: str) -> None:
+    failure = card_of(Brought.of(1, SourceFile.read(FILES / name))).failure
+    assert failure.endswith("files of OSRD and railtoolkit are read by the command railjoule import.")
 
 
 @pytest.mark.parametrize("content", HOSTILE.values(), ids=list(HOSTILE))

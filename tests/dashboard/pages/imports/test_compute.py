@@ -153,29 +153,6 @@ def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -
     assert [table.source for table in reading.tables] == ["sncf-limits.csv"]
 
 
-def test_one_of_several_trains_is_chosen_on_the_card() -> None:
-    stock = json.loads((FILES / "osrd-stock.json").read_text())
-    content = json.dumps([stock, {**stock, "name": "heavy", "mass": 300_000}]).encode()
-    file = Brought.of(1, SourceFile("stock.json", content))
-    card = card_of(file)
-    assert card.failure == "stock.json: holds 2 trains, example, heavy; choose one train by its name."
-    (choice,) = card.choices
-    assert (choice.label, choice.options) == ("Train", (("", "choose"), ("example", "example"), ("heavy", "heavy")))
-    card = card_of(file.told(choice.key, "heavy"))
-    assert card.failure == ""
-    assert card.result.vehicle.tare_kg == 300_000
-    # the choice stays, so that another one can be taken
-    assert card.choices == (replace(choice, value="heavy"),)
-    assert card_of(file.told(choice.key, "heavy").told(choice.key, "")).failure != ""
-
-
-def test_one_of_several_paths_is_chosen_on_the_card() -> None:
-    (file,) = brought("railtoolkit-path.yaml")
-    (choice,) = card_of(file).choices
-    assert (choice.label, [value for value, _ in choice.options]) == ("Path", ["", "example", "other"])
-    assert card_of(file.told(choice.key, "other")).result.line.length_m == 500
-
-
 def test_one_of_several_sheets_is_chosen_on_the_card() -> None:
     book = openpyxl.Workbook()
     book.active.title = "Gradients"
@@ -270,14 +247,3 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
     )
     assert [choice.key for choice in card.choices] == ["encoding"]
     assert card_of(file.told("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"
-
-
-def test_a_mass_in_another_unit_takes_with_it_what_was_computed_from_it() -> None:
-    """Resistance for each kilogram, and the brake that gives a deceleration: both were those of 200 kg."""
-    stock = json.loads((FILES / "osrd-stock.json").read_text())
-    right = card_of(Brought.of(1, SourceFile("a.json", json.dumps(stock).encode()))).result.document["vehicle"]
-    stock["mass"] /= 1000
-    file = Brought.of(1, SourceFile("a.json", json.dumps(stock).encode()))
-    (question,) = card_of(file).questions
-    answered = card_of(file.told(question.key, question.value)).result.document["vehicle"]
-    assert answered == right
