@@ -68,7 +68,7 @@ class Figures:
         with self.document.models.freeze():
             for chart in charts:
                 if chart.figure is not None:
-                    chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
+                    chart.figure.html_attributes = {"role": "figure", "aria-label": self.alternative(chart)}
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
             for lesson in self.lessons.values():

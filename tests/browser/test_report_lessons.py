@@ -160,7 +160,7 @@ def test_they_are_played_by_touch_and_left_out_on_paper(reader: Reader) -> None:
             expect(asked.get_by_text(told(name, question.choices[0]))).to_be_visible()
         else:
             asked.get_by_role("button", name="This is my guess").tap()
-        expect(asked.get_by_role("img").first).to_be_visible()
+        expect(asked.get_by_role("figure").first).to_be_visible()
     assert grave_findings(page) == {}
     page.emulate_media(media="print")
     expect(page.get_by_text("they are played on the screen")).to_be_visible()
