@@ -16,7 +16,6 @@ def session() -> Session:
 
 def test_a_page_opens_with_a_proven_optimum(session: Session) -> None:
     run = session.state.run
-    assert run is not None
     assert run.strategy == "optimal"
     assert run.gap is not None
     assert run.gap < 1e-6
@@ -24,7 +23,6 @@ def test_a_page_opens_with_a_proven_optimum(session: Session) -> None:
 
 def test_a_slider_brings_new_runs(session: Session) -> None:
     session.state.scenario.travel_time_s = 140.0
-    assert session.state.run is not None
     assert session.state.run.travel_time_s == pytest.approx(140.0, abs=1e-3)
 
 
@@ -44,7 +42,6 @@ def test_a_move_reads_no_file_and_makes_its_scenario_once(session: Session, monk
     monkeypatch.setattr("railjoule.core.scenario.files.parse_scenario", refuse)
     for time_s in (140.0, 141.0):
         session.shell.sidebar.travel_time.value = time_s
-        assert session.state.runs is not None
         assert session.state.runs.scenario.travel_time_s == time_s
     assert [changes["timetable.travel_time_s"] for changes in made] == [140.0, 141.0]
 

@@ -20,7 +20,6 @@ def plans() -> Plans:
 
 def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
     state = plans.state
-    assert state.run is not None
     assert state.run.travel_time_s == pytest.approx(150.0, abs=1e-3)
     state.scenario.choose("ftorek-300s")
     state.ticked = ["optimal", "enoc"]

@@ -36,7 +36,6 @@ def test_the_example_is_taken_as_one_step_and_drive_opens(state: Workbench) -> N
     history.note(snapshot_of(state))
     assert history.can_undo
     step = history.undo()
-    assert step is not None
     assert step["toml"] == before["toml"] is None
     assert not history.can_undo
 

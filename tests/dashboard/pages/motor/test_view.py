@@ -42,7 +42,6 @@ def view(opened: MotorView) -> Iterator[MotorView]:
 
 def test_charts_draw_the_run(view: MotorView) -> None:
     run = view.model.run
-    assert run is not None
     charts = view.loops
     assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
     assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
@@ -56,7 +55,6 @@ def test_charts_draw_the_run(view: MotorView) -> None:
 
 def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
     lines = view.loops["tracking"]
-    assert view.model.run is not None
     # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
     lag = 0.3 * view.model.run.planned.speed_ms.max()
     assert np.abs(sent(lines, "without pre-compensator")[1]).max() == pytest.approx(lag, rel=0.01)

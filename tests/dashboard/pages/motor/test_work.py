@@ -36,7 +36,6 @@ def state(opened: Workbench) -> Iterator[Workbench]:
 def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
     model = state.motor
     assert model.run is not None
-    assert model.rivals is not None
     assert model.rivals.run is model.run
     assert model.machine_map is not None
     assert model.ripple is not None
@@ -52,17 +51,14 @@ def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Wo
     state.chosen = chosen
     assert state.motor.run is None
     state.page = "Motor"
-    assert state.motor.run is not None
     assert state.motor.run.scenario.title == state.scenario.base.title
 
 
 def test_without_the_precompensator_the_train_lags(state: Workbench) -> None:
     model = state.motor
     model.precompensator = False
-    assert model.run is not None
     # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
     assert model.run.max_tracking_error_m == pytest.approx(0.3 * model.run.planned.speed_ms.max(), rel=0.01)
-    assert model.rivals is not None
     assert model.rivals.without_precompensator is model.run
 
 
@@ -93,7 +89,6 @@ def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(st
     assert model.bandwidth_rads == 8.0
     state.scenario.edit({"drive.machine.max_phase_voltage_v": 1500.0})
     assert model.max_phase_voltage_v == 1500.0
-    assert model.run is not None
     assert model.run.voltage_limit_v == pytest.approx(1500.0)
 
 

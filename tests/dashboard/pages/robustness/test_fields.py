@@ -28,6 +28,5 @@ def test_the_first_run_stops_at_the_platform() -> None:
     Robustness(state)
     state.page = "Robustness"
     reality = state.robustness.reality
-    assert reality is not None
     assert abs(reality.following.stop_error_m) < 0.05
     assert reality.following.actual.energy_kwh > (reality.replanned_kwh or 0.0)

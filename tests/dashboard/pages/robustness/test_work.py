@@ -43,9 +43,7 @@ def test_a_run_of_a_scenario_that_has_gone_is_not_shown() -> None:
 def test_the_page_brings_the_run_the_table_and_chance(state: Workbench) -> None:
     model = state.robustness
     assert model.reality is not None
-    assert model.table is not None
     assert model.table.done == model.table.energy_kwh.size
-    assert model.chance is not None
     assert model.chance.done == PREVIEW_RUNS
     assert not model.drawing
 
@@ -53,8 +51,6 @@ def test_the_page_brings_the_run_the_table_and_chance(state: Workbench) -> None:
 def test_the_run_is_the_framed_cell(state: Workbench) -> None:
     model = state.robustness
     model.param.update(actual_load_percent=100.0, coordinate_error_m=10.0)
-    assert model.reality is not None
-    assert model.table is not None
     cell = model.table.energy_kwh[-1, list(model.table.coordinate_errors_m).index(10.0)]
     assert model.reality.following.actual.energy_kwh == pytest.approx(cell, rel=1e-12)
 
@@ -72,7 +68,6 @@ def test_what_the_train_knows_changes_the_table_alone(state: Workbench) -> None:
     model = state.robustness
     chance, reality = model.chance, model.reality
     model.knows = "both"
-    assert model.table is not None
     assert model.table.over_replanned == pytest.approx(np.zeros(model.table.energy_kwh.shape), abs=1e-9)
     assert model.chance is chance
     assert model.reality is reality
@@ -87,14 +82,11 @@ def test_a_setting_out_of_order_is_told_and_the_last_run_stays(state: Workbench)
     assert model.reality is reality
     model.stop_sensor_m = 15.0
     assert model.failure is None
-    assert model.table is not None
     assert model.table.done == model.table.energy_kwh.size
 
 
 def test_another_seed_draws_anew(state: Workbench) -> None:
     model = state.robustness
-    assert model.chance is not None
     before = model.chance.energy_kwh
     model.seed = 5
-    assert model.chance is not None
     assert not np.array_equal(model.chance.energy_kwh, before)

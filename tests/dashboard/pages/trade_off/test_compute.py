@@ -8,8 +8,6 @@ from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute
 def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
     trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
-    assert trade_off.enoc is not None
-    assert trade_off.enoc_map is not None
     time = trade_off.frontier.travel_time_s[30]
     single = scenario.with_(**{"timetable.travel_time_s": float(time)})
     assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)

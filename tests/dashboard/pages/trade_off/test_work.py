@@ -28,10 +28,7 @@ def test_the_frontier_follows_the_scenario_while_its_page_is_in_sight(state: Wor
 
 def test_another_map_is_asked_for(state: Workbench) -> None:
     state.page = "Trade-off"
-    assert state.trade_off is not None
     near = state.trade_off.enoc_map
     state.wide_map = True
     wide = state.trade_off.enoc_map
-    assert near is not None
-    assert wide is not None
     assert wide.travel_time_s[-1] > near.travel_time_s[-1]
