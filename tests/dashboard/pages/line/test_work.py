@@ -137,12 +137,3 @@ def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:
     state.scenario.choose("liashenko-ii")
     assert state.line.runs is None
     assert state.line.failure is None
-
-
-def test_nothing_is_computed_out_of_sight() -> None:
-    state = Workbench(page="Drive")
-    WholeLines(state)
-    state.scenario.choose("metro-10-stations")
-    assert state.line.runs is None
-    state.page = "Line"
-    assert state.line.runs is not None

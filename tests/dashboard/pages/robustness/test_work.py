@@ -1,9 +1,7 @@
 import numpy as np
 import pytest
-from panel.io.state import set_curdoc
-from turns import Page
 
-from railjoule.core import ScenarioError, load_scenario
+from railjoule.core import ScenarioError
 from railjoule.dashboard.pages.robustness.model import PREVIEW_RUNS
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
@@ -17,27 +15,6 @@ def state() -> Workbench:
     Robustness(state)
     state.page = "Robustness"
     return state
-
-
-def test_nothing_is_asked_before_the_page_is_in_sight() -> None:
-    state = Workbench()
-    Robustness(state)
-    state.scenario.travel_time_s += 5
-    assert state.robustness.reality is None
-
-
-def test_a_run_of_a_scenario_that_has_gone_is_not_shown() -> None:
-    state, page = Workbench(), Page()
-    state.scenario.choose("liashenko-0")
-    Robustness(state)
-    shown: list[str] = []
-    state.robustness.param.watch(lambda event: shown.append(event.new.following.planned.scenario.title), "reality")
-    with set_curdoc(page.document):
-        state.page = "Robustness"
-        state.scenario.choose("liashenko-i")
-    while not shown:
-        page.take_turn()
-    assert shown == [load_scenario("liashenko-i").title]
 
 
 def test_the_page_brings_the_run_the_table_and_chance(state: Workbench) -> None:
