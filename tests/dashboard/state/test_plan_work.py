@@ -4,7 +4,7 @@ from panel.io.state import set_curdoc
 
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.runs import FirstRuns
+from railjoule.dashboard.work.runs import FirstRuns, RunsRequest, compute_runs
 
 
 @pytest.fixture
@@ -54,3 +54,15 @@ def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch
         second = Plans(Workbench())
         second.take_first()
         assert second.state.runs is not None
+
+
+def test_the_chosen_strategy_is_drawn_even_if_not_ticked() -> None:
+    state = Workbench(ticked=["fastest"], chosen="enoc")
+    assert state.drawn == ("enoc", "fastest")
+
+
+def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
+    state = Workbench(chosen="eoc")
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
+    assert "eoc" in state.runs.refused
+    assert state.run is state.runs.runs["optimal"]

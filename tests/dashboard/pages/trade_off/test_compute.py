@@ -3,6 +3,8 @@ import pytest
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.work import Frontiers
+from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_the_trade_off_agrees_with_single_solutions() -> None:
@@ -29,3 +31,33 @@ def test_without_enoc_there_is_a_frontier_but_no_map() -> None:
     assert trade_off.enoc_map is None
     assert "copper loss" in trade_off.refusal
     assert np.all(np.diff(trade_off.frontier.energy_kwh) < 0)
+
+
+@pytest.fixture
+def state() -> Workbench:
+    """A workbench with the work of Trade-off; all work is done in the test's own turn."""
+    state = Workbench()
+    Frontiers(state)
+    state.scenario.choose("ftorek-300s")
+    return state
+
+
+def test_the_frontier_follows_the_scenario_while_its_page_is_in_sight(state: Workbench) -> None:
+    assert state.trade_off is None
+    state.page = "Trade-off"
+    first = state.trade_off
+    assert first is not None
+    assert state.trade_off_duration_s > 0
+    state.scenario.recuperation_percent = 90.0
+    assert state.trade_off is not first
+    state.page, second = "Drive", state.trade_off
+    state.scenario.recuperation_percent = 10.0
+    assert state.trade_off is second
+
+
+def test_another_map_is_asked_for(state: Workbench) -> None:
+    state.page = "Trade-off"
+    near = state.trade_off.enoc_map
+    state.wide_map = True
+    wide = state.trade_off.enoc_map
+    assert wide.travel_time_s[-1] > near.travel_time_s[-1]
