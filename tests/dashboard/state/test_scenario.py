@@ -51,13 +51,6 @@ def test_a_bad_file_changes_nothing(model: ScenarioModel) -> None:
     assert model.scenario() == before
 
 
-@pytest.mark.parametrize(
-    ("text", "number"), [("300", 300.0), ("300,5", 300.5), ("1\u202f200", 1200.0), (" 7.25 ", 7.25)]
-)
-def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: float) -> None:
-    assert model.parse("travel_time_s", text) == number
-
-
 NO_TIME = "is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03."
 
 

@@ -54,14 +54,6 @@ def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Wo
     assert state.motor.run.scenario.title == state.scenario.base.title
 
 
-def test_without_the_precompensator_the_train_lags(state: Workbench) -> None:
-    model = state.motor
-    model.precompensator = False
-    # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
-    assert model.run.max_tracking_error_m == pytest.approx(0.3 * model.run.planned.speed_ms.max(), rel=0.01)
-    assert model.rivals.without_precompensator is model.run
-
-
 def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
     model = state.motor
     before = model.run
@@ -70,16 +62,6 @@ def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
     assert model.run is before
     model.max_current_a = 810.0
     assert model.failure is None
-
-
-def test_a_scenario_without_machine_says_so_and_shows_no_run(state: Workbench) -> None:
-    model = state.motor
-    state.scenario.choose("liashenko-ii")
-    assert "simulates induction motors" in model.no_machine
-    assert model.run is None
-    state.scenario.choose("ftorek-300s")
-    assert model.no_machine == ""
-    assert model.run is not None
 
 
 def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(state: Workbench) -> None:
