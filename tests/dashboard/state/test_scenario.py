@@ -58,9 +58,6 @@ NO_TIME = "is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 
     ("field", "text", "sentence"),
     [
         ("travel_time_s", "soon", f"Travel time: 'soon' {NO_TIME}"),
-        ("travel_time_s", "nan", f"Travel time: 'nan' {NO_TIME}"),
-        ("travel_time_s", "inf", f"Travel time: 'inf' {NO_TIME}"),
-        ("travel_time_s", "0", "At least 1."),
         ("travel_time_s", "86401", "At most 86400."),
         ("load_percent", "\u22121", "At least 0."),
         ("recuperation_percent", "101", "At most 100."),

@@ -28,13 +28,6 @@ def test_each_lesson_has_a_slider_and_a_figure() -> None:
             model.parse(lesson.name, str(lesson.ends[1] + 1))
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
-def test_both_ends_of_a_slider_can_be_driven(lesson: Lesson) -> None:
-    for end in lesson.ends:
-        result = compute_lesson(LessonRequest(lesson.name, end))
-        assert len(result.runs) == 2
-
-
 def saved(lesson: str, value: float) -> float:
     """Return what the first run saves [%]."""
     return 100 * compute_lesson(LessonRequest(lesson, value)).saved_share

@@ -37,15 +37,6 @@ def test_what_chance_draws_are_keys_of_the_file(late: float) -> None:
     assert drawn.resistance_factor.distribution == "log_normal"
 
 
-def test_numbers_have_bounds() -> None:
-    model = RobustnessModel()
-    assert model.parse("seed", "12") == 12
-    with pytest.raises(ValueError, match=r"A whole number\."):
-        model.parse("seed", "1.5")
-    with pytest.raises(ValueError, match=r"^At most 100, the vehicle's crush load\.$"):
-        model.parse("actual_load_percent", "120")
-
-
 def test_sensors_are_keys_of_target_braking_only() -> None:
     """Those of a file are taken away with it, as the scenario would refuse them."""
     of_a_file = load_scenario("liashenko-ii").with_(**{"simulation.stop_sensor_m": 20.0})

@@ -42,19 +42,6 @@ def state() -> Workbench:
     return state
 
 
-def test_the_frontier_follows_the_scenario_while_its_page_is_in_sight(state: Workbench) -> None:
-    assert state.trade_off is None
-    state.page = "Trade-off"
-    first = state.trade_off
-    assert first is not None
-    assert state.trade_off_duration_s > 0
-    state.scenario.recuperation_percent = 90.0
-    assert state.trade_off is not first
-    state.page, second = "Drive", state.trade_off
-    state.scenario.recuperation_percent = 10.0
-    assert state.trade_off is second
-
-
 def test_another_map_is_asked_for(state: Workbench) -> None:
     state.page = "Trade-off"
     near = state.trade_off.enoc_map
