@@ -11,17 +11,12 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
 from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture
-def view() -> SpeedLimitsView:
+def view(state: Workbench) -> SpeedLimitsView:
     """The page with all its charts in sight."""
-    state = Workbench()
-    SpeedLimits(state)
-    state.scenario.choose("kharkiv-like-40kmh")
-    state.page = "Speed limits"
     return SpeedLimitsView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
 
 

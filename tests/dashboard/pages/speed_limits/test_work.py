@@ -2,18 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
-
-
-@pytest.fixture
-def state() -> Workbench:
-    """A workbench whose page Speed limits is in sight; all work is done in the test's own turn."""
-    state = Workbench()
-    SpeedLimits(state)
-    state.scenario.choose("kharkiv-like-40kmh")
-    state.page = "Speed limits"
-    return state
 
 
 def test_the_search_sets_the_limits(state: Workbench) -> None:
