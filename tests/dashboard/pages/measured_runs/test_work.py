@@ -6,7 +6,7 @@ from railjoule.core import solve
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.pages.measured_runs import texts
-from railjoule.dashboard.pages.measured_runs.compute import energy_so_far, power_error
+from railjoule.dashboard.pages.measured_runs.compute import compute_measured, energy_so_far, power_error
 from railjoule.dashboard.pages.measured_runs.fit_parts import fit_block
 from railjoule.dashboard.pages.measured_runs.work import MeasuredRuns, open_on_drive, try_example, use_fit
 from railjoule.dashboard.state.workbench import Workbench
@@ -14,9 +14,20 @@ from railjoule.dashboard.state.workbench import Workbench
 EXAMPLE = (FOLDER / DRIVERS[0].file).read_bytes()
 
 
+MEASURED = {}
+"""What was computed, by what was asked for: most tests begin with the same example."""
+
+
 @pytest.fixture
-def state() -> Workbench:
+def state(monkeypatch: pytest.MonkeyPatch) -> Workbench:
     """A workbench whose page Measured runs is in sight; all work is done in the test's own turn."""
+
+    def computed_once(request):
+        key = repr(request)
+        MEASURED[key] = MEASURED.get(key) or list(compute_measured(request))
+        return iter(MEASURED[key])
+
+    monkeypatch.setattr("railjoule.dashboard.pages.measured_runs.work.compute_measured", computed_once)
     state = Workbench(page="Measured runs")
     MeasuredRuns(state)
     return state

@@ -1,6 +1,5 @@
 """The page Motor without a browser: what its charts, numbers and sentences show."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,30 +13,19 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.motor.charts import length
 from railjoule.dashboard.pages.motor.compute import LoopRequest, compute_detuning
 from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView, run_figures
-from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.state.workbench import Workbench
-
-SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
-"""A run that takes little time to compute."""
 
 
 @pytest.fixture(scope="module")
-def opened() -> MotorView:
+def shown(opened: Workbench) -> MotorView:
     """The page with all its charts in sight."""
-    state = Workbench()
-    Motor(state)
-    state.scenario.choose("ftorek-300s")
-    state.chosen = "enoc"
-    state.scenario.edit(SHORT)
-    state.page = "Motor"
-    return MotorView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+    return MotorView(opened, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
 
 
 @pytest.fixture
-def view(opened: MotorView) -> Iterator[MotorView]:
+def view(shown: MotorView, state: Workbench) -> MotorView:
     """The same page; what a test changes is put back."""
-    yield opened
-    opened.model.param.update(precompensator=True, max_phase_voltage_v=1732.0)
+    return shown
 
 
 def test_charts_draw_the_run(view: MotorView) -> None:

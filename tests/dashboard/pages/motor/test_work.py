@@ -1,36 +1,9 @@
-from collections.abc import Iterator
-
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.state.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
-"""A run that takes little time to compute."""
-
-
-@pytest.fixture(scope="module")
-def opened() -> Workbench:
-    """A workbench whose page Motor is in sight; all work is done in the test's own turn."""
-    state = Workbench()
-    Motor(state)
-    state.scenario.choose("ftorek-300s")
-    state.chosen = "enoc"
-    state.scenario.edit(SHORT)
-    state.page = "Motor"
-    return state
-
-
-@pytest.fixture
-def state(opened: Workbench) -> Iterator[Workbench]:
-    """The same; what a test changes is put back."""
-    yield opened
-    opened.page = "Drive"
-    opened.scenario.choose("ftorek-300s")
-    opened.motor.take(opened.scenario.base)
-    opened.scenario.edit(SHORT)
-    opened.page = "Motor"
 
 
 def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
