@@ -14,6 +14,7 @@ from turns import PATIENCE_S, Page
 from railjoule.dashboard.app import VIEWS
 from railjoule.dashboard.pages.imports.compute import examples
 from railjoule.dashboard.pages.measured_runs.work import try_example
+from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import worker
@@ -96,7 +97,7 @@ class Desk:
 @pytest.fixture(params=WORKS)
 def desk(request, monkeypatch):
     # the papers as with other code than that which computed those that are shipped: then they are computed again
-    monkeypatch.setattr("railjoule.dashboard.pages.papers.compute.input_hash", lambda: "other")
+    monkeypatch.setattr("railjoule.dashboard.pages.papers.work.shipped_tables", lambda: ShippedTables({}, False))
     desk = Desk(WORKS[request.param])
     yield desk
     for job in desk.jobs.values():
