@@ -477,7 +477,6 @@ class DistanceChart(Chart):
             above.text = caption
         if self.figure is not None:
             self.figure.html_attributes = {"role": "figure", "aria-label": caption}
-            self.figure.title.text = caption
 
     @property
     def frame_now(self) -> Frame:

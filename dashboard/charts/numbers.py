@@ -22,7 +22,7 @@ ENDS = {"left": "x", "right": "x", "low": "y", "high": "y", "bottom": "y", "top"
 X_WORDS = {"s": "Time, s", "m": "Distance, m"}
 """Names of shared axes by their unit, which is the second tag of their range: `Axis.settle`."""
 
-Series = Mapping[str, Sequence[Any]]
+Series = Mapping[str, Any]
 """Columns of one line or set of points."""
 
 
@@ -65,7 +65,7 @@ def _bokeh_series(f: figure) -> Iterator[tuple[str, Series]]:
         source, glyph = renderer.data_source, renderer.glyph
         if source.name in NOT_DATA or isinstance(glyph, Text):
             continue
-        columns = dict(source.data)
+        columns: Series = source.data
         if isinstance(glyph, Line | Step) and glyph.y not in ("y", None):
             # a line that draws two of the columns of its run
             columns = {"x": columns[glyph.x], "y": columns[glyph.y]}

@@ -4,10 +4,16 @@ from bokeh.models import FullscreenTool, SaveTool
 from bokeh.plotting import figure
 
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.tokens import FONT
 from railjoule.dashboard.look.words import slug
 
-FIGURE_CSS = ":host(:fullscreen) { background: var(--rj-surface); }"
+FIGURE_CSS = """
+:host(:fullscreen) { background: var(--rj-surface); }
+:host(:fullscreen)::before { content: attr(aria-label); position: absolute; z-index: 1; top: 6px; right: 40px;
+  max-width: calc(100% - 110px); padding: 2px 8px; border-radius: 6px; text-align: right; pointer-events: none;
+  font: 600 14px/1.3 var(--rj-font); color: var(--rj-ink2);
+  background: color-mix(in srgb, var(--rj-surface) 80%, transparent); }
+"""
+"""On the full screen, the name of the figure is its title."""
 TOOLBAR_CSS = """
 :host { --icon-color: var(--rj-ink3); --highlight-color: var(--rj-accent); }
 :host(.bk-hidden) { visibility: visible; opacity: 1; }
@@ -24,7 +30,7 @@ def add_tools(f: figure, caption: str, palette: Palette) -> None:
     ----------
     f : figure
     caption : str
-        The title of the figure on the full screen, and the name of the saved picture.
+        The name of the saved picture.
     palette : Palette
     """
     for tool in f.tools:
@@ -32,9 +38,6 @@ def add_tools(f: figure, caption: str, palette: Palette) -> None:
     f.add_tools(FullscreenTool(), SaveTool(filename=slug(caption)))
     f.toolbar.update(logo=None, autohide=True, stylesheets=[TOOLBAR_CSS])
     f.update(toolbar_location="right", stylesheets=[*f.stylesheets, FIGURE_CSS])
-    # assets/scripts/full_screen.js shows the title
-    f.title.update(text=caption, visible=False, text_font=FONT, text_font_size="14px")
-    palette.paint(f.title, text_color="ink2")
     # a saved picture needs the background of the page; fills leave pixels at the edges half painted, lines do not
     places = ("background_fill", "border_fill", "outline_line", "border_line")
     palette.paint(f, **{f"{place}_color": "surface" for place in places})

@@ -12,6 +12,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import unfrozen
 from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.download import SavedNumbers
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.key_names import without_keys
@@ -20,7 +21,6 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page_list import room_of
-from railjoule.dashboard.pages.numbers import SavedNumbers
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.page_work import PageWork

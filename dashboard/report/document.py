@@ -69,7 +69,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     charts = figures.handles()
     # without figures, the library's two megabytes would draw nothing
     draws = bool(figures.places)
-    library = [bokeh_script(), source("full_screen")] if draws else []
+    library = [bokeh_script()] if draws else []
     lessons = [bundle("report_lessons", "begin(components)", LESSON_COMPONENTS)] if figures.lessons else []
     scripts = [Markup(text) for text in (*library, source("report"), source("surface"), *lessons)]
     # assets/scripts/report.js reads these by their names

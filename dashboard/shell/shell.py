@@ -59,7 +59,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": "".join(map(source, ("wire", "follow", "mends", "full_screen", "glossary"))) + lent("number_field"),
+        "mends": "".join(map(source, ("wire", "follow", "mends", "glossary"))) + lent("number_field"),
         "opening": source("opening"),
         # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),

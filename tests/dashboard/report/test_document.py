@@ -93,8 +93,8 @@ def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
 
 
 def test_the_scripts_end_where_they_should(page: str) -> None:
-    # figures, data, surfaces, scenario, Bokeh's, our three
-    assert len(re.findall(r"<script\b[^>]*>", re.sub(r"(<script>).*?(</script>)", r"\1\2", page, flags=re.DOTALL))) == 8
+    # figures, data, surfaces, scenario, Bokeh's, our two
+    assert len(re.findall(r"<script\b[^>]*>", re.sub(r"(<script>).*?(</script>)", r"\1\2", page, flags=re.DOTALL))) == 7
     assert page.rstrip().endswith("</html>")
 
 

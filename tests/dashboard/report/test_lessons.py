@@ -80,8 +80,8 @@ def test_it_asks_for_nothing_and_its_script_is_its_own(page: str) -> None:
     policy = re.search(r'Content-Security-Policy" content="([^"]+)"', page)
     assert policy is not None
     scripts = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
-    # Bokeh's, the full screen's, the figures', the surfaces', the lessons'
-    assert len(scripts) == policy[1].count("'sha256-") == 5
+    # Bokeh's, the figures', the surfaces', the lessons'
+    assert len(scripts) == policy[1].count("'sha256-") == 4
     assert "components.drive_it" in scripts[-1]
     assert not re.search(r"\b(import|export) ", scripts[-1])
 

@@ -1,4 +1,4 @@
-"""Every figure of every page, drawn for shipped scenarios in both themes: no error, data within axes, named axes, tools."""
+"""Every figure of every page, drawn for shipped scenarios in both themes: no error, data within named axes, tools."""
 
 import logging
 import re

@@ -52,10 +52,11 @@ class SavedNumbers:
             filename="numbers.zip",
             label="Save numbers of figures and tables as CSV",
             icon="download",
-            variant="text",
             size="small",
             margin=(4, 14, 12, 14),
         )
+        # as an argument it makes Panel warn
+        self.button.variant = "text"
 
     async def _file(self) -> io.BytesIO:
         await self._draw()
