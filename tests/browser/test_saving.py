@@ -41,17 +41,19 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> None:
     page = user.page
     user.prefer(colours)
-    box = page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
+    canvas = page.locator(".rj-chart-speed:visible canvas").first
+    box = canvas.bounding_box()
     user.press("speed", "Fullscreen")
-    page.wait_for_function(f"({FULL})()")
+    # the button moves until Bokeh has laid out the figure
+    user.wait_until(lambda: canvas.bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 900})
     full = page.evaluate(FULL)
     surface = ", ".join(map(str, SURFACES[colours][:3]))
     assert full == {"size": [1280, 900], "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
     page.locator(".rj-chart-speed:visible").get_by_title("Fullscreen", exact=True).click()
     page.wait_for_function("!document.fullscreenElement")
     page.mouse.move(5, 5)
-    user.wait_until(lambda: page.locator(".rj-chart-speed:visible canvas").first.bounding_box() == box)
-    assert page.locator(".rj-chart-speed:visible canvas").first.bounding_box() == box
+    user.wait_until(lambda: canvas.bounding_box() == box)
+    assert canvas.bounding_box() == box
 
 
 @pytest.mark.parametrize("colours", GROUNDS)
