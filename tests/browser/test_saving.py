@@ -50,7 +50,7 @@ def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> N
     surface = ", ".join(map(str, SURFACES[colours][:3]))
     assert full == {"size": [1280, 900], "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
     page.locator(".rj-chart-speed:visible").get_by_title("Fullscreen", exact=True).click()
-    page.wait_for_function("!document.fullscreenElement")
+    user.wait_until(lambda: page.evaluate("!document.fullscreenElement"))
     page.mouse.move(5, 5)
     user.wait_until(lambda: canvas.bounding_box() == box)
     assert canvas.bounding_box() == box
