@@ -145,6 +145,8 @@ def test_a_figure_fills_the_screen_and_is_saved(reader: Reader) -> None:
     assert download.value.suggested_filename == "speed-km-h.png"
     place.get_by_title("Fullscreen", exact=True).click()
     reader.page.wait_for_function("document.fullscreenElement")
+    # as in test_saving.py
+    reader.page.wait_for_timeout(1000)
     place.get_by_title("Fullscreen", exact=True).click()
     reader.page.wait_for_function("!document.fullscreenElement")
     reader.page.mouse.move(5, 5)

@@ -49,6 +49,8 @@ def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> N
     full = page.evaluate(FULL)
     surface = ", ".join(map(str, SURFACES[colours][:3]))
     assert full == {"size": [1280, 900], "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
+    # Chromium ignores a request to leave the full screen while it is still entering it
+    user.rest(1000)
     page.locator(".rj-chart-speed:visible").get_by_title("Fullscreen", exact=True).click()
     user.wait_until(lambda: page.evaluate("!document.fullscreenElement"))
     page.mouse.move(5, 5)
