@@ -1,5 +1,6 @@
 // What only the browser knows, and what it can do without waiting for the server.
 
+import {act_on} from "./actions.js";
 import {filled, life_of, make, until, within} from "./dom.js";
 import {chart_of, deep, listen} from "./page.js";
 
@@ -250,6 +251,7 @@ export function render({model}) {
   });
   window.addEventListener("resize", resize, {signal});
   window.addEventListener("click", press, {capture: true, signal});
+  document.addEventListener("click", act_on, {signal});
   window.addEventListener("rj-turn", (event) => turn(event.detail.page), {signal});
   system.addEventListener("change", follow, {signal});
   measure();

@@ -133,7 +133,6 @@ export function render({model}) {
     const page = model.keyed[Number(event.key) - 1];
     if (page) { turn(page); } else if (event.key === "?") { turn("Help"); }
     else if (event.key.toLowerCase() === "p" && !event.shiftKey) { model.send_msg({kind: "pin"}); }
-    else if (event.key.toLowerCase() === "f" && !event.shiftKey) { ask("present"); }
     else { return; }
     event.preventDefault();
   };

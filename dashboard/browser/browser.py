@@ -24,9 +24,6 @@ class Browser(JSComponent):
     """
 
     window_width = param.Integer(default=1280, doc="Width of the window [px].")
-    figure_px = param.Integer(
-        default=0, doc="How wide figures are laid out while one is presented [px]; 0 while none is."
-    )
     wants_dark = param.Boolean(default=False, doc="Whether the system asks for dark colours.")
     follows_system = param.Boolean(default=True, doc="Whether the page takes the colours that the system asks for.")
     dark = param.Boolean(default=False, doc="Whether the page is dark.")

@@ -34,6 +34,7 @@ from railjoule.dashboard.charts.label_places import Box
 from railjoule.dashboard.charts.line_names import COLUMNS, Frame, Name, placed_names
 from railjoule.dashboard.charts.run_columns import SHORT_COLUMN, RunColumns
 from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch
+from railjoule.dashboard.charts.tools import add_tools, name_picture
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.look.theme import parts_css
@@ -42,18 +43,18 @@ from railjoule.dashboard.parts import html as parts
 
 TICKS = function("ticks", "tick_words(tick, digits)")
 CAPTION_PX = 21
-# places of this class have nothing yet to be watched or saved: browser.js and saving.js in assets/scripts
+# assets/scripts/browser.js does not watch places of this class, which have nothing yet
 UNDRAWN = "rj-undrawn"
 PLACE_CSS = """
-:host { overflow: hidden; filter: var(--rj-chart-filter, none); }
+:host { overflow: clip; overflow-clip-margin: 16px; filter: var(--rj-chart-filter, none); }
 @media (max-width: 899px) { :host { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""
 HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
 """What the library says over a figure, it would write on white in dark colours too."""
 USUAL_WIDTH_PX = 640.0
-RIGHT_BORDER_PX = 20
-"""Half of the last number of an axis stands in it."""
+RIGHT_BORDER_PX = 30
+"""The toolbar stands in it, and below it half of the last number of an axis."""
 RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
 """What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
 # Bokeh paints nothing beyond the frame of a figure, so that the room must be within it
@@ -186,6 +187,8 @@ class Chart:
         self.visible = False
         self.width_px = USUAL_WIDTH_PX
         """How wide its place is at least [px]: where more room turns up, names stay as free as they are."""
+        self.scenario_title = ""
+        """The title of the scenario, for the names of saved pictures."""
         self.figure: figure | None = None
         self.content: Viewable | None = None
         self.queue: Queue = AT_ONCE
@@ -235,6 +238,8 @@ class Chart:
                 check_complete(self.figure)
         else:
             draw()
+        if isinstance(self.figure, figure):
+            name_picture(self.figure, self.scenario_title, self.caption or self.title or self.name)
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
             self.host.css_classes = [name for name in self.host.css_classes if name != UNDRAWN]
@@ -413,7 +418,6 @@ class DistanceChart(Chart):
             sizing_mode="stretch_width",
             x_range=self.axis.range,
             y_range=self.y_range,
-            toolbar_location=None,
             tools="",
             outline_line_color=None,
             # the same for all charts of an axis, however long their numbers are: places stand above each other
@@ -422,10 +426,8 @@ class DistanceChart(Chart):
             min_border_top=2,
             min_border_bottom=7,
             # Bokeh itself gives a canvas neither a role nor a name
-            html_attributes={"role": "img", "aria-label": self.caption or self.name},
+            html_attributes={"role": "figure", "aria-label": self.caption or self.name},
         )
-        # logo and tools would each be a stop of the tab key, in every figure
-        f.toolbar.logo = None
         dress(f, self.palette, ticks, digits)
         f.xaxis.visible = with_axis
         if zoom:
@@ -437,6 +439,7 @@ class DistanceChart(Chart):
             f.toolbar.active_drag = box
             f.toolbar.active_scroll = wheel
         f.add_tools(CrosshairTool(overlay=self.axis.cursor))
+        add_tools(f, self.caption or self.name, self.palette)
         f.js_on_event("mousemove", self.axis.follow)
         f.js_on_event("mouseleave", self.axis.follow)
         self.figure = f
@@ -473,7 +476,7 @@ class DistanceChart(Chart):
         if isinstance(above, Div) and above.text != caption:
             above.text = caption
         if self.figure is not None:
-            self.figure.html_attributes = {"role": "img", "aria-label": caption}
+            self.figure.html_attributes = {"role": "figure", "aria-label": caption}
 
     @property
     def frame_now(self) -> Frame:
@@ -492,8 +495,7 @@ class DistanceChart(Chart):
 
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
     """Give a figure the look of all charts: y grid only, no lines on the axes, numbers as people write them."""
-    # the page shows through: what a canvas once painted shines on at its edges after a change of theme
-    f.update(background_fill_color=None, border_fill_color=None, stylesheets=[HINT_CSS])
+    f.stylesheets = [HINT_CSS]
     for axis in (f.xaxis[0], f.yaxis[0]):
         axis.update(
             axis_line_color=None,

@@ -5,6 +5,7 @@ browser by itself, and what the user does meanwhile comes between. One that is t
 anew when it comes into sight: while a slider moves that may be never.
 """
 
+import asyncio
 from collections.abc import Callable
 from contextlib import nullcontext
 
@@ -89,6 +90,14 @@ class DrawingQueue:
         elif self._next_out_of_sight() is not None:
             self._called = True
             self.browser.when_idle(self._draw_next)
+
+    async def draw_waiting(self) -> None:
+        """Draw all charts that wait, and let the event loop run between them."""
+        document = pn.state.curdoc or self._document
+        for chart in self._waiting:
+            with set_curdoc(document) if document is not None else nullcontext():
+                self._draw(chart, alone=True)
+            await asyncio.sleep(0)
 
     @property
     def _waiting(self) -> list[Chart]:

@@ -3,11 +3,12 @@
 from functools import cache
 
 import panel as pn
-from bokeh.models import Range1d
+from bokeh.models import HoverTool, Range1d
 from bokeh.plotting import figure
 
 from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX, Chart, check_complete, dress, lighten
 from railjoule.dashboard.charts.line_names import Frame
+from railjoule.dashboard.charts.tools import add_tools
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import LIGHT
 from railjoule.dashboard.parts import html as parts
@@ -50,27 +51,34 @@ def empty_figure(
     x_title: str = "",
     y_title: str = "",
 ) -> figure:
-    """Return a figure with both axes and without tools; where the y axis has no title, the caption names it."""
+    """Return a figure with both axes; where the y axis has no title, the caption names it."""
     f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
     f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
     dress_alone(f, name, palette, ticks, digits)
     return f
 
 
-def dress_alone(f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0) -> None:
-    """Give a figure, whoever made it, the look of those that stand alone; those who listen hear its name."""
+def dress_alone(
+    f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0, keeps_hover: bool = False
+) -> None:
+    """Give a figure its name, the look of a figure with axes of its own, and its toolbar.
+
+    Of the tools that the figure has, only hover tools can be kept.
+    """
     f.update(
         sizing_mode="stretch_width",
-        toolbar_location=None,
+        tools=[tool for tool in f.tools if keeps_hover and isinstance(tool, HoverTool)],
+        # many figures share one WebGL surface, which a page does not need for so few marks
+        output_backend="canvas",
         outline_line_color=None,
         min_border_left=50,
         min_border_right=RIGHT_BORDER_PX,
         min_border_top=2,
         min_border_bottom=24,
-        html_attributes={"role": "img", "aria-label": name},
+        html_attributes={"role": "figure", "aria-label": name},
     )
-    f.toolbar.logo = None
     dress(f, palette, ticks, digits)
+    add_tools(f, name, palette)
     palette.paint(f.xaxis[0], axis_line_color="line2")
 
 

@@ -211,7 +211,7 @@ def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
 # ---- what else charts draw
 
 
-# under this name, as under "borders", assets/scripts/saving.js leaves a source out of saved tables
+# under this name, as under "borders", charts/numbers.py leaves a source out of saved tables
 def add_tint(chart: Chart, name: str = "forbidden") -> None:
     """Let a chart tint what lies above limits."""
     sides = ("left", "right", "bottom", FAR_ABOVE)

@@ -7,6 +7,7 @@ import panel as pn
 
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
+from railjoule.dashboard.look.words import slug
 
 CIVIDIS = (
     "#00224E",
@@ -25,6 +26,7 @@ TALLEST = 3.2
 """The surface is cut off at this many times its least energy: where ramps nearly fill the time it rises without end."""
 CAMERA = {"eye": {"x": 1.52, "y": -1.36, "z": 0.72}, "center": {"x": 0.03, "y": 0.02, "z": -0.23}}
 NARROW_PX, NARROW_DISTANCE = 420, 1.35
+BUTTONS = [["toImage", "resetCameraDefault3d"]]
 LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9}
 
 
@@ -35,11 +37,11 @@ def round_step(least: float) -> float:
     return float(next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= least * (1 - 1e-9)))
 
 
-def surface_pane(height: int) -> pn.pane.Plotly:
-    """Return a pane for a surface, without the library's bar of tools."""
-    return pn.pane.Plotly(
-        config={"displayModeBar": False, "responsive": True}, sizing_mode="stretch_width", height=height, margin=0
-    )
+def surface_pane(height: int, name: str) -> pn.pane.Plotly:
+    """Return a pane for a surface of this name, with Plotly's buttons to turn it back and to save a picture."""
+    picture = {"filename": slug(name), "scale": 2}
+    config = {"responsive": True, "displaylogo": False, "modeBarButtons": BUTTONS, "toImageButtonOptions": picture}
+    return pn.pane.Plotly(config=config, sizing_mode="stretch_width", height=height, margin=0)
 
 
 def scene_layout(
@@ -66,6 +68,7 @@ def scene_layout(
         "autosize": True,
         "margin": {"l": 0, "r": 0, "t": 0, "b": 2},
         "paper_bgcolor": tokens["surface"],
+        "modebar": {"bgcolor": "rgba(0, 0, 0, 0)", "color": tokens["ink3"], "activecolor": tokens["ink2"]},
         "showlegend": False,
         "font": {"family": FONT},
         # what the reader has turned stays so when the data change

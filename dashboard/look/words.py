@@ -5,6 +5,7 @@ terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
 """
 
 import math
+import re
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec
@@ -279,3 +280,9 @@ def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:
     share = told.power_share or 1.0
     power = "full power" if share == 1 else f"{100 * share:.0f} % power"
     return f" by turns: {power} to {high} km/h, coast to {low} km/h"
+
+
+def slug(text: str) -> str:
+    """Return the letters and digits of a text for the name of a file, in lower case, joined by hyphens."""
+    # cut before it is stripped, as the cut may end with a hyphen
+    return "-".join(re.findall(r"[a-z0-9]+", text.lower()))[:60].strip("-")

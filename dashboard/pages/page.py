@@ -12,6 +12,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import unfrozen
 from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.download import SavedNumbers
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.key_names import without_keys
@@ -27,8 +28,6 @@ from railjoule.dashboard.state.workbench import Workbench
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
 """What stands beside the charts, the sidebar open, and how wide they are at least."""
-BORDERS_PX = 74
-"""What a figure has beside its frame: 50 px for the numbers of its y axis, and RIGHT_PX."""
 STALE = "rj-stale"
 # by colours and not by opacity, which would leave text with too little contrast
 PAGE_CSS = """
@@ -69,7 +68,17 @@ class PageView:
         self._parts: list[_Part] = []
         self._failed = self._busy = False
         self.queue = DrawingQueue(browser, state.faults, lambda: self.in_sight, self.settle)
-        self.view = parts.stack(self._error, self.make(), css=PAGE_CSS)
+        content = self.make()
+        self.numbers = SavedNumbers(
+            self.page,
+            lambda: self.charts,
+            content,
+            lambda: state.scenario.edited.title,
+            self.queue.draw_waiting,
+        )
+        # after `make`, in which the page names its charts
+        buttons = [self.numbers.button] if self.charts else []
+        self.view = parts.stack(self._error, content, *buttons, css=PAGE_CSS)
         # after `make`, in which the page names its parts
         self._watch_sources()
         self.queue.take(self.charts)
@@ -78,7 +87,7 @@ class PageView:
         self.redraw()
         state.param.watch(self._appear, "page")
         state.param.watch(self._mark, "late")
-        browser.follow(["window_width", "figure_px"], self._refit)
+        browser.follow(["window_width"], self._refit)
         browser.follow(["charts_in_sight"], self._sight)
         browser.follow(["started"], self.queue.go_on)
 
@@ -163,6 +172,8 @@ class PageView:
         self.queue.go_on()
 
     def _run_all(self) -> None:
+        for chart in self.charts:
+            chart.scenario_title = self.state.scenario.edited.title
         # a part may change what another one shows
         while due := [part for part in self._parts if part.due]:
             for part in due:
@@ -203,12 +214,7 @@ class PageView:
             room -= self.rail_px
         if self.halves_from_px is not None and width >= self.halves_from_px:
             room = (room - COLUMN_GAP_PX) // 2
-        return float(max(min(room, self.browser.figure_px or room), LEAST_WIDTH_PX))
-
-    def names_px(self, room: float) -> float:
-        """Return how much of a figure's usual room for names it has, which is less while it is presented [px]."""
-        presented = self.browser.figure_px
-        return min(room, max(presented - BORDERS_PX, LEAST_WIDTH_PX)) if presented else room
+        return float(max(room, LEAST_WIDTH_PX))
 
     def _refit(self) -> None:
         with pn.io.hold():

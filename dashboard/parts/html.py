@@ -367,8 +367,8 @@ def flow_bar(word: str, amount: str, left: float, width: float, kind: str, stron
     )
 
 
-def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
-    """Return a table; a row may be the chosen one."""
+def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
+    """Return a table; a row may be the chosen one. A table that has a name is saved under it."""
     # the widest tables have thousands of cells, so each is not a template of its own; nor is text added to a piece of
     # HTML, which would escape it
     head = "<th scope=col>".join(map(safe, ("", *header)))
@@ -376,19 +376,15 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
     body = "".join(
         "<td>".join(map(safe, (Markup("<tr class=chosen>" if chosen else "<tr>"), *cells))) for cells, chosen in rows
     )
-    return Markup("<table><thead><tr>" + head + "<tbody>" + body + "</table>")
+    opening = markup("<table data-name='{}'>", name) if name else Markup("<table>")
+    return Markup(opening + Markup("<thead><tr>" + head + "<tbody>" + body + "</table>"))
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
-    """Return a table under its title, with a button that saves it; without a title it is saved under its name."""
-    return markup(
-        "<div class=block><div class=titled>{heading}<button type=button class=save data-act=csv data-name='{name}' "
-        "aria-label='Save {name} as CSV'>CSV</button></div>{table}</div>",
-        heading=markup("<h2>{}</h2>", title) if title else "",
-        # of a title that is HTML the text alone: it becomes the name of the file
-        name=name or escaped(title).striptags(),
-        table=plain_table(header, rows),
-    )
+    """Return a table under its title; without a title it is saved under its name."""
+    heading = markup("<div class=titled><h2>{}</h2></div>", title) if title else ""
+    # of a title that is HTML the text alone: it becomes the name of the file
+    return markup("<div class=block>{}{}</div>", heading, plain_table(header, rows, name or escaped(title).striptags()))
 
 
 def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> Markup:

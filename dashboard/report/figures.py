@@ -64,7 +64,7 @@ class Figures:
         with self.document.models.freeze():
             for chart in charts:
                 if chart.figure is not None:
-                    chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
+                    chart.figure.html_attributes = {"role": "figure", "aria-label": self.alternative(chart)}
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
         # before the charts are drawn in other colours and over other times, which the file has as data

@@ -1,6 +1,5 @@
 """Undo and redo, and what leaves the page: its link, its program, its command line, its file."""
 
-import re
 from typing import Any
 
 import panel as pn
@@ -11,6 +10,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
 from railjoule.dashboard.state.recipes import Recipe, as_command, as_python, as_toml, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
@@ -129,9 +129,7 @@ def download(state: Workbench, keeping: Keeping) -> None:
 
 def file_name(title: str) -> str:
     """Return what the file of a scenario is called: letters and digits of its title."""
-    words = re.findall(r"[a-z0-9]+", title.lower())
-    # cut before it is stripped, as the cut may end with a hyphen
-    return ("-".join(words)[:60].strip("-") or "scenario") + ".toml"
+    return (slug(title) or "scenario") + ".toml"
 
 
 def _icon(icon: str, description: str, on_click: Any, **params: Any) -> pmui.IconButton:

@@ -14,8 +14,6 @@ from bokeh.model import Model
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to, one_message, unfrozen
 from railjoule.dashboard.browser.navigation import BRAND, Navigation
-from railjoule.dashboard.browser.presenting import Presenting
-from railjoule.dashboard.browser.saving import Saving
 from railjoule.dashboard.insides import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
 from railjoule.dashboard.look.markup import markup
@@ -61,7 +59,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")) + lent("number_field"),
+        "mends": "".join(map(source, ("follow", "mends", "glossary"))) + lent("number_field"),
         "opening": source("opening"),
         # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
@@ -155,11 +153,8 @@ class Shell:
             description="Pin run",
             visible=False,
         )
-        slider = state.scenario.param["travel_time_s"].label
-        self.presenting = Presenting(page=state.page, slider=slider, margin=0)
-        self.compiling, self.saving = CompilingNote(), Saving()
+        self.compiling = CompilingNote()
         self.page = self._page()
-        self.presenting.param.watch(lambda event: setattr(browser, "figure_px", event.new), "figure_px")
         self.pin.on_click(lambda _: self._pin())
         self.pin_small.on_click(lambda _: self._pin())
         state.param.watch(self._show_page, "page")
@@ -174,13 +169,13 @@ class Shell:
 
     def _page(self) -> Page:
         return Page(
-            main=[self.share.view, self.compiling.view, self.main, self.browser, self.saving, self.editor],
+            main=[self.share.view, self.compiling.view, self.main, self.browser, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=self._beside,
             # the handle to resize it has a name that its role forbids: aria-prohibited-attr of axe-core
             sidebar_resizable=False,
-            header=[self.navigation, self.presenting, *self.share.buttons, self.pin, self.pin_small],
+            header=[self.navigation, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
             **of_the_document(),
             sx={
@@ -218,7 +213,7 @@ class Shell:
         """Show the page that the state names; those that were open before stay where they are, out of sight."""
         name = self.state.page
         with pn.io.hold():
-            self.navigation.page = self.presenting.page = name
+            self.navigation.page = name
             self._show_sidebar()
             # a page that could not be made is made again, as NOT_OPENED promises
             if name in self._failed:

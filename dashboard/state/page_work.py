@@ -126,6 +126,12 @@ class PageWork(Generic[Model]):
         """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
         self._asked.clear()
 
+    def rest(self) -> None:
+        """Stop studies that nobody sees, which take turns from the page in sight; they begin again with theirs."""
+        if any(study.busy for study in self._studies):
+            self.end()
+            self.forget()
+
     def take_failure(self, failure: RailjouleError) -> None:
         """Tell the page why a request failed."""
         self.model.param.update(failure=failure, **self.at_rest)

@@ -31,7 +31,7 @@ LOOK = """
     const canvases = within(place.shadowRoot, "canvas").filter((canvas) => canvas.width && canvas.height);
     // what WebGL has painted cannot be read afterwards
     const solid = within(place.shadowRoot, ".gl-container").length > 0;
-    const vector = within(place.shadowRoot, "svg").some((svg) => !svg.closest(".sketch, .rj-save"));
+    const vector = within(place.shadowRoot, "svg").some((svg) => !svg.closest(".sketch"));
     return {
       name: railjoule.chart_of(place),
       in_sight: box.height > 0 && box.bottom > main.top + 1 && box.top < main.bottom - 1,

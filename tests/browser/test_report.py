@@ -137,8 +137,23 @@ def test_nothing_grave_is_found(reader: Reader) -> None:
     assert grave_findings(reader.page) == {}
 
 
+def test_a_figure_fills_the_screen_and_is_saved(reader: Reader) -> None:
+    place = reader.page.locator("[data-plot=speed]")
+    place.locator("canvas").first.hover()
+    with reader.page.expect_download() as download:
+        place.get_by_title("Save", exact=True).click()
+    assert download.value.suggested_filename == "speed-km-h.png"
+    place.get_by_title("Fullscreen", exact=True).click()
+    reader.page.wait_for_function("document.fullscreenElement")
+    # as in test_saving.py
+    reader.page.wait_for_timeout(1000)
+    place.get_by_title("Fullscreen", exact=True).click()
+    reader.page.wait_for_function("!document.fullscreenElement")
+    reader.page.mouse.move(5, 5)
+
+
 def test_every_figure_has_its_words(reader: Reader) -> None:
-    figures = reader.page.get_by_role("img")
+    figures = reader.page.locator("[role=figure][aria-label], [role=img][aria-label]")
     expect(figures.first).to_be_visible()
     plots = reader.page.locator(".plot, .surface").count()
     assert plots >= 9

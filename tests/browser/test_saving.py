@@ -1,19 +1,33 @@
-"""Saving figures and tables, and handing on the advice, as a user does it; nothing is asked of the server."""
+"""The toolbar of a figure, the numbers of a page, and the advice, as a user takes them away."""
 
 import csv
-import io
 from collections.abc import Iterator
 from pathlib import Path
-from xml.etree import ElementTree
 
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
 from browser.server import Server
-from browser.user import User
+from browser.user import GROUNDS, User
 
 PNG = b"\x89PNG\r\n\x1a\n"
-SVG = "{http://www.w3.org/2000/svg}"
+# the colours of the corners and of the middle of a picture
+COLOURS = """(bytes) => createImageBitmap(new Blob([new Uint8Array(bytes)])).then((image) => {
+  const canvas = Object.assign(document.createElement("canvas"), {width: image.width, height: image.height});
+  const context = canvas.getContext("2d");
+  context.drawImage(image, 0, 0);
+  const places = [[2, 2], [image.width - 3, image.height - 3], [image.width - 60, image.height / 2]];
+  return places.map(([x, y]) => [...context.getImageData(x, y, 1, 1).data]);
+})"""
+# the size, title and background of the figure that fills the screen
+FULL = """() => {
+  let element = document.fullscreenElement;
+  while (element?.shadowRoot?.fullscreenElement) { element = element.shadowRoot.fullscreenElement; }
+  if (!element) { return null; }
+  const {width, height} = element.getBoundingClientRect(), title = getComputedStyle(element, "::before").content;
+  return {size: [width, height], title, ground: getComputedStyle(element).backgroundColor};
+}"""
+SURFACES = {"light": (255, 255, 255, 255), "dark": (20, 24, 30, 255)}
 
 
 @pytest.fixture(scope="module")
@@ -23,66 +37,69 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
         yield someone
 
 
-def rows_of(content: bytes) -> list[list[str]]:
-    return list(csv.reader(io.StringIO(content.decode())))
+@pytest.mark.parametrize("colours", GROUNDS)
+def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> None:
+    page = user.page
+    user.prefer(colours)
+    canvas = page.locator(".rj-chart-speed:visible canvas").first
+    box = canvas.bounding_box()
+    user.press("speed", "Fullscreen")
+    # the button moves until Bokeh has laid out the figure
+    user.wait_until(lambda: canvas.bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 900})
+    full = page.evaluate(FULL)
+    surface = ", ".join(map(str, SURFACES[colours][:3]))
+    assert full == {"size": [1280, 900], "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
+    # Chromium ignores a request to leave the full screen while it is still entering it
+    user.rest(1000)
+    page.locator(".rj-chart-speed:visible").get_by_title("Fullscreen", exact=True).click()
+    user.wait_until(lambda: page.evaluate("!document.fullscreenElement"))
+    page.mouse.move(5, 5)
+    user.wait_until(lambda: canvas.bounding_box() == box)
+    assert canvas.bounding_box() == box
 
 
-def test_a_figure_as_png(user: User) -> None:
-    name, content = user.save("Speed, km/h", "PNG")
-    assert name == "metro-profile-ii-i-speed-km-h.png"
+@pytest.mark.parametrize("colours", GROUNDS)
+def test_a_figure_is_saved_on_the_ground_of_the_page(user: User, colours: str) -> None:
+    user.prefer(colours)
+    with user.page.expect_download() as download:
+        user.press("speed", "Save")
+    content = Path(download.value.path()).read_bytes()
+    assert download.value.suggested_filename == "metro-profile-ii-i-speed-km-h.png"
     assert content.startswith(PNG)
-    # two pixels for each of the page's: width and height stand in the first chunk
-    box = user.page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
-    assert box is not None
-    assert int.from_bytes(content[16:20], "big") == pytest.approx(2 * box["width"], abs=4)
-    assert int.from_bytes(content[20:24], "big") > 2 * box["height"]
+    assert [tuple(colour) for colour in user.page.evaluate(COLOURS, list(content))] == [SURFACES[colours]] * 3
 
 
-def test_a_figure_as_svg_with_an_axis_of_its_own(user: User) -> None:
-    _, content = user.save("Speed, km/h", "SVG")
-    svg = ElementTree.fromstring(content)
-    assert svg.tag == f"{SVG}svg"
-    assert len(list(svg.iter(f"{SVG}path"))) > 10
-    texts = {"".join(text.itertext()) for text in svg.iter(f"{SVG}text")}
-    assert {"Speed, km/h", "Distance, m", "limit 50"} <= texts
-    # the page's own chart has no axis again
-    visible = "[...Bokeh.index.query((v) => v.model.type === 'Figure')].map((v) => v.model.below[0].visible)"
-    assert user.page.evaluate(visible)[0] is False
+def test_the_toolbar_is_reached_by_the_tab_key(user: User) -> None:
+    tool = user.page.locator(".rj-chart-speed:visible").get_by_title("Save", exact=True)
+    user.page.mouse.move(5, 5)
+    user.page.get_by_role("button", name="Time", exact=True).focus()
+    for _ in range(8):
+        user.page.keyboard.press("Tab")
+        if tool.evaluate("button => button.matches(':focus')"):
+            break
+    assert tool.evaluate("button => getComputedStyle(button).opacity") == "1"
+    with user.page.expect_download():
+        user.page.keyboard.press("Enter")
 
 
-def test_a_figure_as_csv(user: User) -> None:
-    _, content = user.save("Speed, km/h", "CSV")
-    header, *rows = rows_of(content)
-    assert header[0] == "series"
-    series, x, y = header.index("series"), header.index("Distance, m"), header.index("Speed, km/h")
-    optimal = [(float(row[x]), float(row[y])) for row in rows if row[series] == "optimal"]
+def test_the_numbers_of_figures_and_tables(user: User) -> None:
+    name, texts = user.save_numbers()
+    assert name == "metro-profile-ii-i-drive.zip"
+    rows = list(csv.DictReader(texts["speed-km-h.csv"].splitlines()))
+    optimal = [(float(row["Distance, m"]), float(row["Speed, km/h"])) for row in rows if row["series"] == "optimal"]
     # the line of the scenario is 2300 m long; the highest speed stands above the charts
     assert (optimal[0], optimal[-1]) == ((0.0, 0.0), (2300.0, pytest.approx(0.0, abs=1e-6)))
-    highest = user.number("Highest speed").removesuffix("km/h")
-    assert max(speed for _, speed in optimal) == pytest.approx(float(highest), abs=0.06)
-
-
-def test_the_flow_of_energy(user: User) -> None:
-    user.page.locator(".rj-chart-sankey:visible").scroll_into_view_if_needed()
-    figure = "Energy from the supply to losses and back, kWh"
-    expect(user.page.get_by_role("img", name=figure)).to_be_visible()
-    svg = ElementTree.fromstring(user.save(figure, "SVG")[1])
-    assert any("Recuperated" in "".join(text.itertext()) for text in svg.iter(f"{SVG}text"))
-    assert user.save(figure, "PNG")[1].startswith(PNG)
-    header, *rows = rows_of(user.save(figure, "CSV")[1])
-    assert header == ["From", "To", "kWh"]
-    flows = {(row[0], row[1]): float(row[2]) for row in rows}
+    highest = float(user.number("Highest speed").removesuffix("km/h"))
+    assert max(speed for _, speed in optimal) == pytest.approx(highest, abs=0.06)
+    header, *phases = csv.reader(texts["phases.csv"].splitlines())
+    assert header == ["Phase", "from, m", "s", "to, km/h", "kWh"]
+    assert phases[0][0].startswith("1 ")
+    assert sum(float(row[2]) for row in phases) == pytest.approx(170.0, abs=0.5)
+    flow = "energy-from-the-supply-to-losses-and-back-kwh"
+    assert "Recuperated" in texts[f"{flow}.svg"]
+    flows = {(row["From"], row["To"]): float(row["kWh"]) for row in csv.DictReader(texts[f"{flow}.csv"].splitlines())}
     net = flows["Supply", "Powertrain"] - flows["Brake", "Recuperated"]
     assert net == pytest.approx(float(user.number("Energy from the supply").removesuffix("kWh")), abs=0.011)
-
-
-def test_a_table_as_csv(user: User) -> None:
-    with user.page.expect_download() as download:
-        user.page.get_by_role("button", name="Save Phases as CSV").click()
-    header, *rows = rows_of(Path(download.value.path()).read_bytes())
-    assert header == ["Phase", "from, m", "s", "to, km/h", "kWh"]
-    assert rows[0][0].startswith("1 ")
-    assert sum(float(row[2]) for row in rows) == pytest.approx(170.0, abs=0.5)
 
 
 def test_the_advice_is_copied_and_printed(user: User) -> None:

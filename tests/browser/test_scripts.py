@@ -94,8 +94,8 @@ def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
 
 def test_each_module_stands_once_and_after_what_it_needs() -> None:
     assert imported("drag_heights") == ["drag", "numbers"]
-    assert imported("saving") == ["dom", "figures", "files", "page"]
-    assert module("saving").count("const make = ") == 1
+    assert imported("guess") == ["dom", "files"]
+    assert module("lifeline").count("const make = ") == 1
     assert function("ticks", "tick_words(tick, digits)").endswith("\nreturn tick_words(tick, digits);\n")
     assert "export" not in function("cursor", "follow({charts, range}, cb_obj)")
 
@@ -217,10 +217,8 @@ VALUES: dict[str, dict[str, Any]] = {
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
-    "present": {"page": "Drive", "slider": "Travel time, s", "figure_px": 0},
     "report_form": {"sections": [["result", "Result"]], "longest_note": 2000, "refusal": "", "open": False},
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
-    "saving": {},
     "share_out": {
         "lines": {
             "uneven": {
@@ -539,85 +537,7 @@ def test_the_bar_opens_a_page_for_whoever_asks(page: Page) -> None:
     assert run(page, "navigation", code, VALUES["navigation"]) == ["Drive", "Drive", "Drive"]
 
 
-def test_a_key_asks_for_a_presentation_unless_something_is_typed(page: Page) -> None:
-    code = f"""
-      {MODEL}
-      const host = shown(m.render({{model}})), field = document.createElement("input");
-      document.body.append(field);
-      let asked = 0;
-      const count = () => asked++;
-      window.addEventListener("rj-present", count);
-      const press = (target, key, more) =>
-        target.dispatchEvent(new KeyboardEvent("keydown", {{key, bubbles: true, composed: true, ...more}}));
-      press(field, "f");
-      press(document.body, "f", {{ctrlKey: true}});
-      const before = asked;
-      press(document.body, "f");
-      window.removeEventListener("rj-present", count);
-      remove();
-      return [before, asked];
-    """
-    assert run(page, "navigation", code, VALUES["navigation"]) == [0, 1]
-
-
 # --- what they compute
-
-
-def test_figures_are_presented_in_the_order_of_the_page(page: Page) -> None:
-    code = """
-      const place = (id) => Object.assign(document.createElement("p"), {id});
-      const [one, two, three, four] = ["1", "2", "3", "4"].map(place);
-      const host = document.createElement("div"), inner = document.createElement("div");
-      host.attachShadow({mode: "open"}).append(two, inner);
-      inner.attachShadow({mode: "open"}).append(three);
-      document.body.replaceChildren(one, host, four);
-      return m.in_order([four, three, one, two]).map(({id}) => id);
-    """
-    assert run(page, "present", code) == ["1", "2", "3", "4"]
-
-
-def test_the_numbers_of_a_figure_are_those_beside_it_else_the_first_of_the_page(page: Page) -> None:
-    code = """
-      document.body.innerHTML = `<p id="page"></p><section><div><p id="other"></p></div></section>
-        <section id="lesson"><i></i><p id="own"></p></section><b></b>`;
-      const rows = [...document.querySelectorAll("p")].reverse();
-      const near = (name) => m.nearest_to(document.querySelector(name), rows);
-      return [near("i").id, near("b").id, m.nearest_to(rows[0], [])];
-    """
-    assert run(page, "present", code) == ["own", "page", None]
-
-
-def test_a_place_fills_its_part_of_the_screen_and_comes_back_as_it_was(page: Page) -> None:
-    """Where a release of Bokeh is built otherwise, too: then words are as large as on the page."""
-    code = """
-      const {Bokeh} = window;
-      window.Bokeh = {index: {query: () => []}, require: () => ({})};
-      const place = document.createElement("div");
-      place.style.cssText = "margin: 3px; height: 200px; left: 5px";
-      document.body.replaceChildren(place);
-      const before = place.style.cssText, shown = m.enlarge(place), part = {left: 10, top: 20, width: 640, height: 150};
-      shown.fit(part, 2);
-      const {left, top, width, height} = place.getBoundingClientRect();
-      shown.fit({...part, top: 40}, 2);
-      const again = place.getBoundingClientRect().top;
-      shown.back();
-      window.Bokeh = Bokeh;
-      return [left, top, width, height, again, place.style.cssText === before];
-    """
-    assert run(page, "enlarge", code) == [10, 20, 640, 150, 40, True]
-
-
-def test_a_figure_alone_has_the_axis_that_it_shares_on_the_page(page: Page) -> None:
-    code = """
-      const figure = (tags, below) => ({x_range: {tags}, below});
-      return [m.own_axis(figure([3, "s", 170], [{axis_label: null}])), m.own_axis(figure([3, "m", 2300], [])),
-        m.own_axis(figure(undefined, [{axis_label: "Load, %"}]))];
-    """
-    assert run(page, "figures", code) == [
-        {"visible": True, "axis_label": "Time, s", "bounds": [0, 170]},
-        {"visible": True, "axis_label": "Distance, m", "bounds": [0, 2300]},
-        {"visible": True, "axis_label": "Load, %"},
-    ]
 
 
 @pytest.mark.parametrize(
@@ -631,7 +551,7 @@ def test_a_figure_alone_has_the_axis_that_it_shares_on_the_page(page: Page) -> N
 )
 def test_numbers_as_people_read_them(page: Page, value: float, digits: tuple[int, ...], text: str) -> None:
     assert run(page, "numbers", "return m.written(a.value, ...a.digits)", {"value": value, "digits": digits}) == text
-    assert run(page, "saving", "return Number(m.plain(a))", text) == pytest.approx(value, abs=0.05)
+    assert run(page, "actions", "return Number(m.plain(a))", text) == pytest.approx(value, abs=0.05)
 
 
 def test_a_tick_has_its_digits_and_more_where_it_needs_them(page: Page) -> None:
@@ -645,20 +565,6 @@ def test_the_value_of_a_line_beneath_the_mouse(page: Page) -> None:
     # straight between the nodes; a cell has the value of its end
     assert run(page, "cursor", code, line)[:4] == [0, 2.5, 8, 9]
     assert all(math.isnan(value) for value in run(page, "cursor", code, line)[4:])
-
-
-def test_a_saved_line_has_its_own_columns_and_no_digits_that_it_never_had(page: Page) -> None:
-    code = """
-      const half = (values) => Float32Array.from(values);
-      const source = {data: {position: half([0, 2300]), speed: half([0.1, 53.846153846]), energy: half([7, 8])}};
-      const [x, y] = [{field: "position"}, {field: "speed"}];
-      const others = [{type: "Scatter", x, y}, {type: "Line", x: {field: "x"}, y: {field: "y"}}];
-      return [m.line_points(source, {type: "Line", x, y}), others.map((glyph) => m.line_points(source, glyph))];
-    """
-    points, others = run(page, "saving", code)
-    # seven digits are what a number of four bytes holds: 53.846153846 is one of those that are nearest to 53.84615
-    assert points == [{"x": 0, "y": 0.1}, {"x": 2300, "y": 53.846153}]
-    assert others == [None, None]
 
 
 def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
@@ -756,11 +662,8 @@ def test_what_lies_within_all_brushes_is_held_and_counted(page: Page) -> None:
     assert run(page, "brush", f"{held} return m.counted(a.data.load, held, 0, 10, 4)", told) == [0, 1, 0, 0]
 
 
-def test_a_saved_cell_is_no_formula_and_no_spelling(page: Page) -> None:
-    code = "return a.map(m.cell)"
-    told = run(page, "saving", code, ["\u22121\u202f500.5", "=1+1", "a,b", 'say "x"', None, "+3"])
-    assert told == ["-1500.5", "'=1+1", '"a,b"', '"say ""x"""', "", "3"]
-    order = run(page, "saving", "return a.sort(m.compared)", ["\u2013", "10", "\u22122", "9", "b", "a"])
+def test_a_table_is_sorted_by_its_numbers(page: Page) -> None:
+    order = run(page, "actions", "return a.sort(m.compared)", ["\u2013", "10", "\u22122", "9", "b", "a"])
     assert order[:3] == ["\u22122", "9", "10"]
 
 

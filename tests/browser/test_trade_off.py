@@ -33,11 +33,14 @@ def test_frontier_surface_and_contours(user: User) -> None:
 
 
 def test_the_surface_is_saved(user: User) -> None:
-    user.page.locator(".rj-chart-surface:visible").scroll_into_view_if_needed()
-    figure = "ENOC: energy, kWh, as a surface (drag to turn)"
-    assert user.save(figure, "PNG")[1].startswith(b"\x89PNG")
-    header, *rows = user.save(figure, "CSV")[1].decode().splitlines()
-    assert header == "series,x,y,z"
+    place = user.page.locator(".rj-chart-surface:visible")
+    place.scroll_into_view_if_needed()
+    place.hover()
+    with user.page.expect_download() as download:
+        place.locator("[data-title='Download plot as a PNG']").click()
+    assert download.value.suggested_filename == "enoc-energy-kwh-as-a-surface-drag-to-turn.png"
+    header, *rows = user.save_numbers()[1]["enoc-energy-kwh-as-a-surface-drag-to-turn.csv"].splitlines()
+    assert header.startswith('series,"Travel time, s","Acceleration time, s"')
     assert sum(row.startswith("surface,") for row in rows) > 500
 
 

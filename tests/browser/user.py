@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
+from zipfile import ZipFile
 
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
@@ -201,15 +202,20 @@ class User:
         self.page.locator("input[type=file]").set_input_files(path)
         self.rest(1000)
 
-    def save(self, figure: str, kind: str) -> tuple[str, bytes]:
-        """Save a figure by the keyboard alone; return the file's name and content."""
-        button = self.page.get_by_role("button", name=f"Save {figure}", exact=True)
-        button.press("Enter")
-        item = self.page.get_by_role("menuitem", name=kind, exact=True)
+    def press(self, chart: str, tool: str) -> None:
+        """Press a tool of a chart with the mouse, which makes its toolbar visible."""
+        place = self.page.locator(f".rj-chart-{chart}:visible")
+        place.hover()
+        place.get_by_title(tool, exact=True).click()
+
+    def save_numbers(self) -> tuple[str, dict[str, str]]:
+        """Save the numbers of the page in sight; return the name of the file, and the texts in it by their names."""
+        button = self.page.get_by_role("button", name="Save numbers of figures and tables as CSV")
         with self.page.expect_download() as download:
-            item.press("Enter")
-        expect(button).to_be_focused()
-        return download.value.suggested_filename, Path(download.value.path()).read_bytes()
+            button.locator("visible=true").click()
+        with ZipFile(download.value.path()) as packed:
+            texts = {name: packed.read(name).decode() for name in packed.namelist()}
+        return download.value.suggested_filename, texts
 
     def see_change(self, chart: str, before: bytes) -> None:
         """Wait until a chart looks otherwise than before."""

@@ -7,11 +7,13 @@ import shutil
 import tomllib
 
 import pytest
-from documents import ROOT, blocks, run_python, text_of
+from commands import answer, complaint
+from documents import ROOT, blocks, text_of
 
 from railjoule.core import solve
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.command.imports import READERS
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.help.view import PROOF
@@ -34,8 +36,9 @@ def test_notebook_example_draws_what_is_told():
 
 
 @pytest.fixture
-def folder(tmp_path):
-    """A folder with the scenario file that is shown, and the assets that commands name."""
+def folder(tmp_path, monkeypatch):
+    """The folder in which commands run, with the scenario file that is shown and the assets that they name."""
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "assets").symlink_to(ROOT / "assets")
     (tmp_path / "metro.toml").write_text(SCENARIO, encoding="utf-8")
     return tmp_path
@@ -56,42 +59,41 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_command_runs(command, folder):
+def test_command_runs(command, folder, capsys):
     _, *arguments = shlex.split(command)
     if arguments[0] == "check":  # what the command before it has written
         (before,) = (line for line in COMMANDS if f"--trajectory {arguments[1]}" in line)
-        run_python(["-m", "railjoule.dashboard", *shlex.split(before)[1:]], folder)
-    run = run_python(["-m", "railjoule.dashboard", *arguments], folder)
-    assert (run.returncode, run.stderr) == (0, "")
-    assert run.stdout
+        answer(capsys, *shlex.split(before)[1:])
+    printed = answer(capsys, *arguments)
+    assert printed
     if "--json" in arguments:
-        assert json.loads(run.stdout)["gap"] < 1e-6
+        assert json.loads(printed)["gap"] < 1e-6
     if "--trajectory" in arguments:
         assert (folder / "run.csv").stat().st_size > 1000
 
 
-def test_the_table_of_a_line_is_imported_as_told(tmp_path):
+def test_the_table_of_a_line_is_imported_as_told(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     page = text_of("howto/imports")
     (table,), (command,) = blocks(page, "csv"), blocks(page, "console")
     (tmp_path / "gradients.csv").write_text(table, encoding="utf-8")
-    run = run_python(["-m", "railjoule.dashboard", *shlex.split(command)[1:]], tmp_path)
-    assert run.returncode == 0
-    assert "nothing from 800 to 900 m" in run.stderr
+    assert main(shlex.split(command)[1:]) == OK
+    assert "nothing from 800 to 900 m" in capsys.readouterr().err
     document = {"vehicle": {"preset": "metro-81-7036"}, "timetable": {"travel_time_s": 180}}
     line = scenario_from_document({**document, "line": {"file": "line.csv"}}, folder=tmp_path).line
     assert [section.gradient_permille for section in line.sections] == [2.5, -4, 0]
 
 
-def test_the_tables_of_ones_own_line_lead_to_a_solved_scenario(tmp_path):
+def test_the_tables_of_ones_own_line_lead_to_a_solved_scenario(tmp_path, monkeypatch, capsys):
     """The commands of the walk in a terminal, in the order of the page, beside copies of the files that it names."""
     page = text_of("own_line")
     for name in re.findall(r"`(example-\w+\.csv)`", page):
         shutil.copy(ROOT / "assets" / "imports" / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
     printed = []
     for command in "".join(blocks(page, "sh")).splitlines():
-        run = run_python(["-m", "railjoule.dashboard", *shlex.split(command)[1:]], tmp_path)
-        assert run.returncode == 0, run.stderr
-        printed.append(run.stdout)
+        assert main(shlex.split(command)[1:]) == OK
+        printed.append(capsys.readouterr().out)
     made, solved, measured, line, solved_by_options = printed
     assert "12.00 km, 24 sections, 761.0 s" in made
     assert "proven optimal" in solved
@@ -105,17 +107,14 @@ def test_imports_are_those_that_exist():
     assert sorted(named) == sorted(READERS)
 
 
-def test_bad_input_ends_as_told(folder):
-    arguments = ["solve", "metro.toml", "--set", "timetable.travel_time_s=30"]
-    run = run_python(["-m", "railjoule.dashboard", *arguments], folder)
-    assert run.returncode == 2
-    assert run.stderr.count("\n") == 1
+def test_bad_input_ends_as_told(folder, capsys):
+    assert complaint(capsys, "solve", "metro.toml", "--set", "timetable.travel_time_s=30")
 
 
-def test_commands_without_an_example_exist(folder):
+def test_commands_without_an_example_exist(capsys):
     for command in ("serve", "benchmark"):
         assert f"`railjoule {command}`" in COMMANDS_PAGE
-        assert run_python(["-m", "railjoule.dashboard", command, "--help"], folder).returncode == 0
+        assert answer(capsys, command, "--help")
 
 
 def test_strategies_are_those_that_exist():

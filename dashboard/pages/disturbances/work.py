@@ -70,6 +70,7 @@ class Disturbances(PageWork[DisturbancesModel]):
 
     def _ask(self, *_: Any) -> None:
         if not self.in_sight:
+            self.rest()
             return
         changes = {"strategy": self.state.chosen, **event_changes(self.state)}
         if self.model.as_driver:

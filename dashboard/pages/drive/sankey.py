@@ -103,7 +103,7 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Mar
     links = links_of(flow)
     svg = Drawing(links, tokens, width_px).svg(title)
     rows = [((link.source, link.target, kwh(link.joules)), False) for link in links]
-    table = parts.plain_table(("From", "To", "kWh"), rows)
+    table = parts.plain_table(("From", "To", "kWh"), rows, title)
     template = '<div class="caption">{}</div><div class="sankey">{}</div><div class="hidden">{}</div>'
     return markup(template, title, svg, table)
 

@@ -192,8 +192,8 @@ class DriveView(PageView):
         shown = {name: r for name, r in runs.runs.items() if name in state.ticked}
         shown[state.chosen_now] = run
         width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
-        room, fastest = self.names_px(width), runs.runs.get("fastest")
-        scene = RunScene(state.chosen_now, shown, state.pinned, state.over_time, narrow, room, actual, fastest)
+        fastest = runs.runs.get("fastest")
+        scene = RunScene(state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual, fastest)
         # narrow windows have no names at the ends of lines, for which the room would be
         self.axis.fit(scene.end, roomy=not narrow)
         self.scenes["difference"].host.visible = state.pinned is not None

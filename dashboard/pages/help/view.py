@@ -15,11 +15,9 @@ KEYS = (
     ("?", "open this page"),
     ("1 to 9", "open a page, in the order of the bar"),
     ("P", "pin the run, or unpin it"),
-    ("F", "present the page\u2019s figures, one by one on the whole screen"),
-    ("Right, left", "while presenting: the next figure or the one before; the space and page keys do so too"),
     ("Ctrl + Z", "undo"),
     ("Ctrl + Shift + Z", "redo"),
-    ("Escape", "close an explanation or a list of pages, end a presentation"),
+    ("Escape", "close an explanation, a list of pages or the full screen of a figure"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
     ("Down", "open the list of a group of pages"),
 )

@@ -7,6 +7,7 @@ from railjoule.dashboard.pages.imports.compute import Offer, Reading, Request, r
 from railjoule.dashboard.pages.imports.model import ImportModel, Wanted
 from railjoule.dashboard.state.opened import Opened, open_scenario
 from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 
 SOURCE = "the import"
@@ -23,11 +24,19 @@ class Imports(PageWork[ImportModel]):
         self.taking = self.worker(_opened, self._open, self._refuse)
         self.model.param.watch(self.ask, ["files", "stretch"])
         self.model.param.watch(self._take_wanted, "wanted")
+        # a vehicle is offered with the line beside the page, and a line with its vehicle
+        state.scenario.param.watch(self.ask, list(PLAN_FIELDS))
         state.param.watch(self.ask, "page")
+
+    def forget(self, *_: Any) -> None:
+        """Forget what was asked for and end it, as the scenario has gone."""
+        super().forget()
+        self.reading.stop()
 
     def ask(self, *_: Any) -> None:
         """Read all files, unless nothing has changed since."""
         if not self.in_sight:
+            self.rest()
             return
         scenario = self.state.scenario.scenario()
         if self.is_new((self.model.files, self.model.stretch, scenario)):

@@ -220,7 +220,7 @@ class LineView(PageView):
 
     def _room(self) -> float:
         width = self.browser.window_width
-        return self.names_px(float(width - (90 if width < NARROW_PX else 370)))
+        return float(width - (90 if width < NARROW_PX else 370))
 
     def _show_empty(self) -> None:
         scenario = self.state.scenario.edited

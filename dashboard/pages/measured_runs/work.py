@@ -94,6 +94,7 @@ class MeasuredRuns(PageWork[MeasuredRunsModel]):
     def _ask(self, *_: Any) -> None:
         model = self.model
         if not self.in_sight:
+            self.rest()
             return
         if not model.files:
             self.end()

@@ -5,7 +5,7 @@ from typing import Any
 
 import holoviews as hv
 import numpy as np
-from bokeh.models import FixedTicker, HoverTool
+from bokeh.models import FixedTicker
 from bokeh.plotting import figure
 
 from railjoule.core.validation import Row
@@ -121,8 +121,7 @@ def _dots(rows: hv.Dataset, name: str) -> hv.Scatter:
 
 
 def _dress(f: figure, names: Sequence[str], palette: Palette) -> None:
-    dress_alone(f, NAME, palette)
-    f.update(tools=[tool for tool in f.tools if isinstance(tool, HoverTool)], output_backend="canvas")
+    dress_alone(f, NAME, palette, keeps_hover=True)
     f.yaxis.axis_label = None
     f.yaxis.formatter.args = {"digits": 0}
     f.yaxis.ticker = f.ygrid.ticker = FixedTicker(ticks=[scaled(tick) for tick in TICKS_PERCENT])

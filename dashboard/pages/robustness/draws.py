@@ -143,8 +143,6 @@ def _in_two(element: hv.Element, word: str, **style: Any) -> hv.Overlay:
 
 def _dress(f: figure, name: str, palette: Palette) -> None:
     dress_alone(f, name, palette, ticks=4)
-    # many figures share one WebGL surface: a page has no need of it for so few marks
-    f.update(tools=[], output_backend="canvas")
     if not f.yaxis.visible or f.yaxis[0].axis_label is None:
         f.ygrid.visible = False
     f.xaxis.axis_label = f.xaxis.axis_label or None

@@ -208,10 +208,9 @@ class CostSurface(Chart):
 
     def build(self) -> None:
         """Make the pane."""
-        self.pane = surface_pane(self.height)
-        name = pn.pane.HTML('<span data-figure="Table of loads and position errors, as a surface"></span>', margin=0)
+        self.pane = surface_pane(self.height, self.title)
         self._drawn = ()
-        self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
+        self.content, self.figure = pn.Column(self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
     def draw(self, table: SensitivityTable, measure: Measure) -> None:
         """Draw a complete table."""

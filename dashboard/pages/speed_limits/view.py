@@ -159,7 +159,7 @@ class SpeedLimitsView(PageView):
 
     def _scene(self, run: LimitRun) -> RunScene:
         width = self.browser.window_width
-        room = self.names_px(width - (80 if width < NARROW_PX else 360))
+        room = width - (80 if width < NARROW_PX else 360)
         return RunScene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
 
     def _show_trip(self) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import holoviews as hv
 import numpy as np
-from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, HoverTool, Range1d
+from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, Range1d
 from bokeh.plotting import figure
 
 from railjoule.core.arrays import FloatArray
@@ -331,10 +331,7 @@ def _colour(number: float, low: float, high: float, palette: Palette) -> str:
 
 
 def _dress(f: figure, name: str, palette: Palette, keeps_hover: bool = False) -> None:
-    dress_alone(f, name, palette, ticks=5)
-    hover = [tool for tool in f.tools if isinstance(tool, HoverTool)] if keeps_hover else []
-    # many figures share one WebGL surface: a page has no need of it for so few marks
-    f.update(tools=hover, output_backend="canvas")
+    dress_alone(f, name, palette, ticks=5, keeps_hover=keeps_hover)
 
 
 def _set_range(ends: Range1d, wanted: tuple[float, float]) -> None:

@@ -39,10 +39,9 @@ class SurfacePane(Chart):
 
     def build(self) -> None:
         """Make the pane."""
-        self.pane = surface_pane(self.height)
+        self.pane = surface_pane(self.height, self.caption)
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
-        # saved pictures have their names from data-figure
-        title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
+        title = parts.markup('<div style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
         self.content = parts.stack(pn.pane.HTML(str(title), margin=0, css_classes=["rj-caption"]), self.pane)
         self.figure = self.pane

@@ -7,25 +7,10 @@ from railjoule.dashboard.command import terminal
 from railjoule.dashboard.command.terminal import (
     bound_words,
     driver_words,
-    energy,
-    number,
     printable,
     table_lines,
     verdict,
 )
-
-
-@pytest.mark.parametrize(
-    ("value", "digits", "text"),
-    [(1180.4, 0, "1,180"), (-1234567.8, 1, "-1,234,567.8"), (-0.04, 1, "0.0"), (-0.0, 3, "0.000"), (-0.06, 1, "-0.1")],
-)
-def test_numbers(value, digits, text):
-    assert number(value, digits) == text
-
-
-@pytest.mark.parametrize(("kwh", "text"), [(2.2239, "2.224"), (24.9126, "24.91"), (-0.3118, "-0.312")])
-def test_energies_have_three_digits_below_five(kwh, text):
-    assert energy(kwh) == text
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,24 @@
+import re
+from pathlib import Path
+
 import pytest
+from bokeh.models import Span
 
 from railjoule.core.phases import NAMES
 from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.look.tokens import DARK, LIGHT, THEMES, ThemeName
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import padded, parts_css, strategies_css
+from railjoule.dashboard.look.tokens import (
+    DARK,
+    DASHES,
+    LIGHT,
+    NARROW_PX,
+    PIN_DASHES,
+    THEMES,
+    WIDE_PX,
+    ThemeName,
+    variable,
+)
 
 READABLE, VISIBLE = 4.5, 3.0
 """Least contrasts of text and of lines: WCAG 2.2, success criteria 1.4.3 and 1.4.11."""
@@ -37,3 +53,30 @@ def test_text_can_be_read(theme: ThemeName) -> None:
 def test_lines_of_strategies_stand_out(theme: ThemeName) -> None:
     for name in (*StrategyName.__args__, "pinned"):  # type: ignore[attr-defined]
         assert contrast(THEMES[theme][name], THEMES[theme]["surface"]) >= VISIBLE, name
+
+
+def test_painted_models_follow_the_theme() -> None:
+    palette, line = Palette(dark=False), Span()
+    palette.paint(line, line_color="accent")
+    assert line.line_color == LIGHT["accent"]
+    palette.switch(dark=True)
+    assert line.line_color == DARK["accent"]
+    assert palette.tokens == DARK
+
+
+ROOT = Path(__file__).parents[3]
+
+
+def test_all_style_sheets_have_the_same_borders() -> None:
+    paths = [*(ROOT / "dashboard").rglob("*.py"), *(ROOT / "assets" / "css").glob("*.css")]
+    texts = [*(path.read_text(encoding="utf-8") for path in paths), padded("1px", "2px")]
+    ends = {int(end) for text in texts for end in re.findall(r"max-width: (\d+)px\)", text)}
+    assert {end for end in ends if abs(end - NARROW_PX) < 50 or abs(end - WIDE_PX) < 50} == {
+        NARROW_PX - 1,
+        WIDE_PX - 1,
+    }
+
+
+def test_each_line_has_a_sample() -> None:
+    for sheet in (parts_css(), strategies_css()):
+        assert all(f".stroke.{variable(name)} {{ stroke: var(--rj-" in sheet for name in (*DASHES, *PIN_DASHES))

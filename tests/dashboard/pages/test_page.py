@@ -56,20 +56,6 @@ def test_a_page_that_is_made_late_draws_what_is_there(session: Session) -> None:
     assert "7.8" in shown(session)
 
 
-def test_names_have_the_room_of_the_figure_that_is_presented(session: Session) -> None:
-    session.state.page = "Drive"
-    session.browser.start()
-    view = drive(session)
-    usual, names = view.scenes["speed"].width_px, view.scenes["phases"].sources["phases"].data["text"]
-    session.browser.figure_px = 500
-    # 74 px of a figure are beside its frame
-    assert (view.scenes["speed"].width_px, view.names_px(900.0)) == (500, 426)
-    assert view.scenes["phases"].sources["phases"].data["text"] != names
-    session.browser.figure_px = 0
-    assert (view.scenes["speed"].width_px, view.names_px(900.0)) == (usual, 900)
-    assert view.scenes["phases"].sources["phases"].data["text"] == names
-
-
 def test_a_chart_that_fails_costs_no_other(
     session: Session, monkeypatch: pytest.MonkeyPatch, traced: pytest.LogCaptureFixture
 ) -> None:

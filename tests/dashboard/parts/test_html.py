@@ -225,10 +225,10 @@ def test_the_table_of_phases_tells_what_the_advice_does() -> None:
     assert rows[-1] == "Auxiliaries | | | | 2.361"
 
 
-def test_tables_can_be_saved_under_their_titles() -> None:
+def test_tables_have_names_under_which_they_are_saved() -> None:
     markup = parts.table(parts.markup("Runs <b>here</b>"), ("Run",), [(("one",), False)])
-    assert "aria-label='Save Runs here as CSV'" in markup
-    assert parts.plain_table(("Run",), [(("one",), False)]) in markup
+    assert parts.plain_table(("Run",), [(("one",), False)], "Runs here") in markup
+    assert "<table data-name='Runs here'>" in markup
 
 
 def test_a_new_page_has_no_run_yet() -> None:

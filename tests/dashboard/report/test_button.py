@@ -1,6 +1,9 @@
+import pytest
+
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.report.button import ReportButton
-from railjoule.dashboard.report.contents import Contents
+from railjoule.dashboard.report.contents import Contents, ContentsError
+from railjoule.dashboard.report.form import ReportForm, contents_of
 from railjoule.dashboard.report.model import ReportingModel
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
@@ -50,3 +53,20 @@ def test_a_refusal_keeps_the_form_open_until_it_is_mended() -> None:
     asked.send(what="make", sections=["proof"], author="", note="x")
     assert asked.button.form.refusal == ""
     assert asked.count == 1
+
+
+def test_a_message_becomes_contents() -> None:
+    message = {"what": "make", "sections": ["proof", "file"], "author": " A. ", "note": "\nOne\n\nTwo\n"}
+    assert contents_of(message) == Contents(("proof", "file"), "A.", "One\n\nTwo")
+
+
+@pytest.mark.parametrize("sections", [None, 3, "result", [], [["result"]], [None]])
+def test_a_message_with_other_sections_is_refused(sections: object) -> None:
+    with pytest.raises(ContentsError, match=r"^sections: "):
+        contents_of({"sections": sections, "author": None, "note": None})
+
+
+def test_the_form_offers_all_sections() -> None:
+    form = ReportForm(lambda _: None)
+    assert dict(form.sections) == SECTION_TITLES
+    assert not form.open

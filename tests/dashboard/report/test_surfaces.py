@@ -51,7 +51,6 @@ def test_ticks_are_round_and_keep_clear_of_the_corners(enoc):
 def test_the_surface_of_costs_is_the_table():
     table = sensitivity(load_scenario("liashenko-ii"), (0.0, 1.0), (-10.0, 0.0, 10.0), both_directions=False)
     surface = cost_surface(table)
-    assert surface is not None
     assert np.array(surface.data["z"]) == pytest.approx(100 * table.overconsumption, rel=1e-4)
     assert 'aria-label="Overconsumption, %, over load and position error, from' in surface.element
     # no number that JSON does not know

@@ -103,7 +103,6 @@ def test_the_last_pin_is_the_reference_until_another_is_chosen(state: Workbench)
 
 
 def test_all_strategies_are_compared_only_over_the_scenario_in_sight(state: Workbench) -> None:
-    assert state.runs is not None
     state.compared = compute_runs(RunsRequest(state.runs.scenario, ("bellman",)))
     assert [contender.key for contender in contenders(state)] == ["optimal", "bellman", "fastest"]
     state.compare_all = False

@@ -4,7 +4,7 @@ from panel.io.state import set_curdoc
 
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.runs import FirstRuns
+from railjoule.dashboard.work.runs import FirstRuns, RunsRequest, compute_runs
 
 
 @pytest.fixture
@@ -20,7 +20,6 @@ def plans() -> Plans:
 
 def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
     state = plans.state
-    assert state.run is not None
     assert state.run.travel_time_s == pytest.approx(150.0, abs=1e-3)
     state.scenario.choose("ftorek-300s")
     state.ticked = ["optimal", "enoc"]
@@ -30,8 +29,10 @@ def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
 def test_a_failure_keeps_the_runs(plans: Plans) -> None:
     before = plans.state.runs
     plans.state.scenario.travel_time_s = 20.0
-    assert plans.state.failure is not None
+    assert plans.state.stale
     assert plans.state.runs is before
+    plans.state.scenario.travel_time_s = 150.0
+    assert not plans.state.stale
 
 
 def test_only_short_runs_are_waited_for() -> None:
@@ -55,3 +56,15 @@ def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch
         second = Plans(Workbench())
         second.take_first()
         assert second.state.runs is not None
+
+
+def test_the_chosen_strategy_is_drawn_even_if_not_ticked() -> None:
+    state = Workbench(ticked=["fastest"], chosen="enoc")
+    assert state.drawn == ("enoc", "fastest")
+
+
+def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
+    state = Workbench(chosen="eoc")
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
+    assert "eoc" in state.runs.refused
+    assert state.run is state.runs.runs["optimal"]

@@ -6,8 +6,6 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario, parse_scenario
-from railjoule.core.simulate.disturbances import simulate_disturbances
-from railjoule.core.simulate.following import simulate_following
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.state.recipes import FILE, as_command, as_python, as_toml, recipe_of, toml_value
 from railjoule.dashboard.state.workbench import Workbench
@@ -49,16 +47,6 @@ def test_an_edited_preset(state: Workbench, tmp_path: Path, capsys: pytest.Captu
     assert solve(parse_scenario(as_toml(recipe))).energy_kwh == pytest.approx(energy, rel=1e-9)
 
 
-def test_the_strategy_whose_numbers_are_shown(
-    state: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    state.chosen = "fastest"
-    energy = solve(state.scenario.scenario(), "fastest").energy_kwh
-    recipe = recipe_of(state)
-    assert energy_of_python(as_python(recipe), capsys) == energy
-    assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)
-
-
 def test_the_scenario_of_a_file(state: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     title = 'It\'s "mine" \\ $HOME """ `x`'
     state.scenario.open(format_scenario(load_scenario("liashenko-i").with_(title=title)), "x")
@@ -68,20 +56,6 @@ def test_the_scenario_of_a_file(state: Workbench, tmp_path: Path, capsys: pytest
     assert energy_of_python(as_python(recipe), capsys) == energy
     assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)
     assert parse_scenario(as_toml(recipe)).title == title
-
-
-@pytest.mark.parametrize("page", ["Robustness", "Disturbances"])
-def test_a_plan_that_is_followed(
-    state: Workbench, page: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    state.page = page
-    state.robustness.coordinate_error_m = 5.0
-    state.disturbances.drop("limit", 500.0)
-    recipe = recipe_of(state)
-    simulate = simulate_following if page == "Robustness" else simulate_disturbances
-    energy = simulate(recipe.scenario).actual.energy_kwh
-    assert energy_of_python(as_python(recipe), capsys) == energy
-    assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,6 @@ def test_workers_end_with_a_server_that_is_killed(tmp_path: object) -> None:
     with open(path, "w", encoding="utf-8") as file:
         file.write(SERVER)
     server = subprocess.Popen([sys.executable, path], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    assert server.stdout is not None
     worker = int(server.stdout.readline())
     assert psutil.pid_exists(worker)
     server.kill()

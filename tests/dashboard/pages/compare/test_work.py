@@ -32,7 +32,6 @@ def text(markup: str) -> str:
 
 def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session) -> None:
     state = session.state
-    assert state.compared is not None
     assert list(state.compared.runs) == ["optimal", "fastest", "bellman", "speed_limits"]
     assert set(state.compared.refused) == {"eoc", "enoc", "phases"}
     before = state.compared
@@ -66,7 +65,6 @@ def test_names_of_pins_are_text(session: Session, view: CompareView) -> None:
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, view: CompareView) -> None:
     chart = next(chart for chart in view.compared if chart.name == "compared_energy")
-    assert session.state.runs is not None
     most = max(run.line_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0

@@ -30,19 +30,3 @@ def test_what_is_dropped_can_be_driven(kind: str) -> None:
     scenario = load_scenario("liashenko-ii").with_(**model.changes)
     assert len(scenario.disturbance.events) == 1
     assert simulate_disturbances(scenario, "computer").actual.distance_m == pytest.approx(1300)
-
-
-def test_what_is_removed_is_gone() -> None:
-    model = DisturbancesModel()
-    model.drop("stop", 300.0)
-    model.drop("limit", 600.0)
-    model.remove(model.events[0])
-    assert [event.kind for event in model.events] == ["limit"]
-
-
-def test_numbers_have_bounds() -> None:
-    model = DisturbancesModel()
-    model.drop("stop", 300.0)
-    assert model.events[0].parse("duration_s", "12") == 12.0
-    with pytest.raises(ValueError, match="At least 0"):
-        model.events[0].parse("duration_s", "-1")

@@ -22,9 +22,7 @@ def state() -> Workbench:
 
 def test_the_page_brings_the_rides_and_what_later_arrivals_save(state: Workbench) -> None:
     model = state.disturbances
-    assert model.rides is not None
     assert list(model.rides.rides) == ["driver", "computer", "known"]
-    assert model.late is not None
     energy = model.late.energy_kwh["computer"]
     assert np.all(np.isfinite(energy))
     assert np.all(np.diff(energy) < 0)
@@ -35,7 +33,6 @@ def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     before = model.rides
     model.events[0].duration_s = 35.0
     assert model.rides is not before
-    assert model.rides is not None
     standing = np.diff(model.rides.rides["known"].actual.time_s)
     assert standing.max() == pytest.approx(35.0)
 
@@ -54,7 +51,6 @@ def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbenc
 def test_a_dropped_limit_is_kept_to(state: Workbench) -> None:
     model = state.disturbances
     model.drop("limit", 900.0)
-    assert model.rides is not None
     run = model.rides.rides["computer"].actual
     inside = (run.position_m >= 900) & (run.position_m <= 1000)
     assert run.speed_ms[inside].max() * 3.6 <= 30 * (1 + 1e-6)
@@ -70,7 +66,6 @@ def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:
     model = state.disturbances
     model.drop("stop", 1200.0)
     model.events[0].param.update(duration_s=20.0, noticed_at_m=900.0)
-    assert model.rides is not None
     rides = model.rides.rides
     # `simulate_disturbances` gives the driver 19.184 s with this stop and no accepted delay
     assert model.accepted_delay_s == model.rides.accepted_s == 19.2

@@ -38,7 +38,6 @@ class Prover:
     def __call__(self, request: ProofRequest) -> Iterator[ProofStep]:
         self.asked.append(request.budget)
         bound = request.run.bound
-        assert bound is not None
         for number, share in enumerate(self.shares, 1):
             energy = first_j(request) + share * (request.run.energy.net_j - first_j(request))
             step = replace(bound, energy_j=max(energy, bound.energy_j))
@@ -51,7 +50,6 @@ class Prover:
 def first_j(request: ProofRequest) -> float:
     """Return the first bound of a request [J]: what is proven of runs that switch within cells stays that."""
     bound = request.run.bound
-    assert bound is not None
     assert bound.switched_j is not None
     return bound.switched_j
 

@@ -1,8 +1,14 @@
 """The page Help without a browser."""
 
-import pytest
+from pathlib import Path
 
-from railjoule.dashboard.pages.help.view import documentation_html
+import pytest
+from commands import answer
+
+from railjoule.core.budget import LIBRARY, PAGE
+from railjoule.core.scenario import STRATEGY_NAMES
+from railjoule.dashboard.limits import limits, markdown
+from railjoule.dashboard.pages.help.view import documentation_html, help_html
 
 
 @pytest.mark.parametrize("built", [True, False])
@@ -10,3 +16,20 @@ def test_the_documentation_is_linked_once_it_is_built(built: bool, monkeypatch: 
     """An installed package has no built documentation: a link there would lead to a page that says so."""
     monkeypatch.setattr("railjoule.dashboard.pages.help.view.is_built", lambda: built)
     assert ('href="docs/"' in documentation_html()) == built
+
+
+DOCS = Path(__file__).resolve().parents[4] / "assets" / "docs" / "limits.md"
+
+
+def test_the_page_the_terminal_and_the_docs_tell_each_limit(capsys):
+    told, page = answer(capsys, "limits"), help_html()
+    for limit in limits():
+        assert f"<td>{limit.of}</td><td>{limit.page}</td><td>{limit.library}</td>" in page
+        assert any(line.split("  ")[0] == limit.of and limit.page in line for line in told.splitlines())
+    assert DOCS.read_text(encoding="utf-8") == markdown(), "renew it as it says itself"
+
+
+def test_a_page_is_bounded_no_higher_than_the_library():
+    assert set(LIBRARY.strategy_cells) == set(PAGE.strategy_cells) <= set(STRATEGY_NAMES)
+    for field in ("row_count", "cell_count", "idling_cells", "chain_boxes", "loop_time_s", "loop_steps"):
+        assert getattr(PAGE, field) <= getattr(LIBRARY, field)

@@ -2,9 +2,9 @@
 
 import pytest
 
+from railjoule.core import load_scenario
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.snapshot import snapshot_of
-from railjoule.dashboard.pages.imports.compute import examples
 from railjoule.dashboard.pages.imports.forms import FilesForm, TakeForm
 from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, MOST_FILES, Wanted
 from railjoule.dashboard.pages.imports.work import Imports
@@ -36,7 +36,6 @@ def test_the_example_is_taken_as_one_step_and_drive_opens(state: Workbench) -> N
     history.note(snapshot_of(state))
     assert history.can_undo
     step = history.undo()
-    assert step is not None
     assert step["toml"] == before["toml"] is None
     assert not history.can_undo
 
@@ -98,10 +97,10 @@ def test_files_are_capped_in_size_and_number(state: Workbench) -> None:
     assert model.refusal == f"a .csv: at most {MOST_FILES} files at a time; remove one first."
 
 
-def test_nothing_is_read_out_of_sight() -> None:
-    state = Workbench(page="Drive")
-    Imports(state)
-    state.imports.add_sources(examples())
-    assert state.imports.reading.cards == ()
-    state.page = "Import"
-    assert len(state.imports.reading.cards) == 3
+def test_another_scenario_beside_the_page_is_the_one_that_is_offered_with_the_line(state):
+    """The offer had the vehicle of the scenario that was chosen when the files came."""
+    choose_track(state)
+    state.scenario.choose("tram-950m")
+    (offer,) = state.imports.reading.offers
+    state.imports.wanted = Wanted("line", f"{offer.time_s:g}")
+    assert state.scenario.scenario().vehicle.name == load_scenario("tram-950m").vehicle.name

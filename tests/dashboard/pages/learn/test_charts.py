@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.learn.cells import CELLS
 from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
 
@@ -36,12 +35,6 @@ def test_both_runs_are_drawn_and_told_to_the_cursor(result: LessonResult) -> Non
     chart.show(lambda: chart.draw(result))
     assert [name for name, *_ in chart.told["sources"]] == ["optimum", "a second later"]
     assert chart.y_range.end > result.runs["optimum"].max_speed_kmh
-
-
-def test_a_second_more_saves_about_the_multiplier(result: LessonResult) -> None:
-    cells = "".join(CELLS["multiplier"](result))
-    assert "152<span>Wh/s" in cells
-    assert "150<span>Wh" in cells
 
 
 def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) -> None:

@@ -72,7 +72,6 @@ def test_a_wrong_link_is_told_and_the_lesson_begins_all_the_same() -> None:
     state.learn.drawn = "1,2,3"
     state.page = "Learn"
     assert "35 whole numbers" in str(state.learn.failure)
-    assert state.learn.drawing is not None
     assert state.learn.drawing.begun == (80,) * POINTS
     state.learn.sketched = EVEN
     assert state.learn.failure is None

@@ -23,7 +23,6 @@ def test_the_try_and_the_optimum_are_pinned_on_drive() -> None:
     best, driven = state.pins
     assert best.trajectory.energy_kwh == best_run().energy_kwh
     verdict = state.learn.tried.verdict
-    assert verdict is not None
     assert driven.trajectory.energy_kwh == verdict["kwh"]
     assert driven.name.startswith("Driven by hand, ")
     # the same try again is the same pin

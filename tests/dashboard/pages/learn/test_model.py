@@ -28,13 +28,6 @@ def test_each_lesson_has_a_slider_and_a_figure() -> None:
             model.parse(lesson.name, str(lesson.ends[1] + 1))
 
 
-@pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
-def test_both_ends_of_a_slider_can_be_driven(lesson: Lesson) -> None:
-    for end in lesson.ends:
-        result = compute_lesson(LessonRequest(lesson.name, end))
-        assert len(result.runs) == 2
-
-
 def saved(lesson: str, value: float) -> float:
     """Return what the first run saves [%]."""
     return 100 * compute_lesson(LessonRequest(lesson, value)).saved_share
@@ -46,7 +39,6 @@ def test_the_answers_say_what_comes_out() -> None:
         assert f"{saved('coasting', time):.1f} % at {time} s" in answers["coasting"]
     for time in (200, 170, 160):
         steady = compute_lesson(LessonRequest("multiplier", time)).steady
-        assert steady is not None
         assert f"{steady.price_of_time_w / 3600:.0f}" in answers["multiplier"]
     assert f"{saved('recuperation', 100):.1f} %" in answers["recuperation"]
     assert f"saves {saved('gradient', 20):.0f} %" in answers["gradient"]

@@ -64,7 +64,6 @@ def test_a_wrong_link_is_told_and_the_lesson_begins_all_the_same() -> None:
     state.learn.shared = "uneven:1,1,1"
     state.page = "Learn"
     assert "sum to 60" in str(state.learn.failure)
-    assert state.learn.slack is not None
     assert state.learn.slack.begun["seconds"] == (20, 20, 20)
     state.learn.sharing = "even:19,21,20"
     assert state.learn.failure is None

@@ -16,7 +16,6 @@ def state() -> Workbench:
 
 def test_a_line_is_run_in_three_ways(state: Workbench) -> None:
     runs = state.line.runs
-    assert runs is not None
     assert list(runs.runs) == ["optimum", "proportional", "equal"]
     assert min(line.run.energy_kwh for line in runs.runs.values()) == runs.best.run.energy_kwh
 
@@ -25,8 +24,6 @@ def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
     before = state.line.runs
     state.line.inner_stations[1].dwell_s = 60.0
     assert state.scenario.scenario().line.stations[2].dwell_s == 60
-    assert state.line.runs is not None
-    assert before is not None
     assert state.line.runs.best.run.energy_kwh > before.best.run.energy_kwh
     state.scenario.take_back("line.stations")
     assert state.line.inner_stations[1].dwell_s == 30
@@ -35,7 +32,6 @@ def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
 
 def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
     model = state.line
-    assert model.runs is not None
     free = model.runs.best.run.energy_kwh
     model.inner_stations[4].arrival = "fixed"
     assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-6)
@@ -48,7 +44,6 @@ def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
 
 def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state: Workbench) -> None:
     model = state.line
-    assert model.runs is not None
     free, central = model.runs.best.run.energy_kwh, model.inner_stations[4]
     before = model.runs.best.legs[4].arrival_s
     central.arrival = "window"
@@ -76,14 +71,11 @@ def test_an_arrival_that_cannot_be_kept_is_told_and_the_last_runs_stay(state: Wo
     assert model.runs is kept
     model.inner_stations[4].arrival = "free"
     assert model.failure is None
-    assert model.runs is not None
-    assert before is not None
     assert model.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh)
 
 
 def test_arrivals_that_are_taken_over_are_a_given_timetable(state: Workbench) -> None:
     model = state.line
-    assert model.runs is not None
     optimum, equal = model.runs.best.run.energy_kwh, model.runs.runs["equal"]
     model.take_over("equal")
     given = model.runs.runs["given"]
@@ -103,7 +95,6 @@ def test_arrivals_that_are_taken_over_are_a_given_timetable(state: Workbench) ->
 
 def test_a_given_timetable_that_cannot_be_kept_is_no_reason_to_show_no_optimum(state: Workbench) -> None:
     state.line.inner_stations[4].given_s = 100.0
-    assert state.line.runs is not None
     assert state.line.failure is None
     assert list(state.line.runs.runs) == ["optimum", "proportional", "equal"]
     assert "The arrival at Central after 100.0 s must be later than" in state.line.runs.refusal
@@ -112,7 +103,6 @@ def test_a_given_timetable_that_cannot_be_kept_is_no_reason_to_show_no_optimum(s
 def test_a_dragged_station_changes_the_given_timetable_and_once_it_is_let_go_the_scenario(state: Workbench) -> None:
     model = state.line
     model.take_over("equal")
-    assert model.runs is not None
     before, market = model.runs, model.inner_stations[1]
     edits, at = state.scenario.edits, market.given_s
     model.param.update(moving=True, moved=(1, at + 3.0))
@@ -133,7 +123,6 @@ def test_a_drag_beyond_what_can_be_driven_is_told_meanwhile(state: Workbench) ->
     model = state.line
     model.take_over("equal")
     model.param.update(moving=True, moved=(1, 100.0))
-    assert model.runs is not None
     assert "must be later than" in model.runs.refusal
 
 
@@ -148,12 +137,3 @@ def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:
     state.scenario.choose("liashenko-ii")
     assert state.line.runs is None
     assert state.line.failure is None
-
-
-def test_nothing_is_computed_out_of_sight() -> None:
-    state = Workbench(page="Drive")
-    WholeLines(state)
-    state.scenario.choose("metro-10-stations")
-    assert state.line.runs is None
-    state.page = "Line"
-    assert state.line.runs is not None

@@ -45,20 +45,7 @@ def test_a_drive_without_machine_has_no_limits() -> None:
     assert metro.with_(**model.changes).vehicle == metro.vehicle
 
 
-def test_bounds_are_those_of_the_file(model: MotorModel) -> None:
-    for field, text, bound in (
-        ("bandwidth_rads", "0.5", "At least 1"),
-        ("bandwidth_rads", "51", "At most 50"),
-        ("rotor_resistance_factor", "0.1", r"At least 0\.2"),
-        ("speed_noise_rads", "-1", "At least 0"),
-        ("noise_seed", "1.5", "A whole number"),
-        ("max_phase_voltage_v", "0", "At least 1"),
-    ):
-        with pytest.raises(ValueError, match=bound):
-            model.parse(field, text)
-    for field in ("bandwidth_rads", "rotor_resistance_factor", "speed_noise_rads"):
-        for end in model.param[field].bounds:
-            SUBURBAN.with_(**{f"simulation.{field}": float(end)})
+def test_a_limit_that_the_train_cannot_start_with_is_refused_by_the_scenario(model: MotorModel) -> None:
     model.max_current_a = 100.0
     with pytest.raises(ScenarioError, match="max_current_a = 100"):
         SUBURBAN.with_(**model.changes)

@@ -1,6 +1,5 @@
 """The page Motor without a browser: what its charts, numbers and sentences show."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,35 +13,23 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.motor.charts import length
 from railjoule.dashboard.pages.motor.compute import LoopRequest, compute_detuning
 from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView, run_figures
-from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.state.workbench import Workbench
-
-SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
-"""A run that takes little time to compute."""
 
 
 @pytest.fixture(scope="module")
-def opened() -> MotorView:
+def shown(opened: Workbench) -> MotorView:
     """The page with all its charts in sight."""
-    state = Workbench()
-    Motor(state)
-    state.scenario.choose("ftorek-300s")
-    state.chosen = "enoc"
-    state.scenario.edit(SHORT)
-    state.page = "Motor"
-    return MotorView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+    return MotorView(opened, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
 
 
 @pytest.fixture
-def view(opened: MotorView) -> Iterator[MotorView]:
+def view(shown: MotorView, state: Workbench) -> MotorView:
     """The same page; what a test changes is put back."""
-    yield opened
-    opened.model.param.update(precompensator=True, max_phase_voltage_v=1732.0)
+    return shown
 
 
 def test_charts_draw_the_run(view: MotorView) -> None:
     run = view.model.run
-    assert run is not None
     charts = view.loops
     assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
     assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
@@ -56,7 +43,6 @@ def test_charts_draw_the_run(view: MotorView) -> None:
 
 def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
     lines = view.loops["tracking"]
-    assert view.model.run is not None
     # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
     lag = 0.3 * view.model.run.planned.speed_ms.max()
     assert np.abs(sent(lines, "without pre-compensator")[1]).max() == pytest.approx(lag, rel=0.01)

@@ -1,42 +1,14 @@
-from collections.abc import Iterator
-
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.state.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
-"""A run that takes little time to compute."""
-
-
-@pytest.fixture(scope="module")
-def opened() -> Workbench:
-    """A workbench whose page Motor is in sight; all work is done in the test's own turn."""
-    state = Workbench()
-    Motor(state)
-    state.scenario.choose("ftorek-300s")
-    state.chosen = "enoc"
-    state.scenario.edit(SHORT)
-    state.page = "Motor"
-    return state
-
-
-@pytest.fixture
-def state(opened: Workbench) -> Iterator[Workbench]:
-    """The same; what a test changes is put back."""
-    yield opened
-    opened.page = "Drive"
-    opened.scenario.choose("ftorek-300s")
-    opened.motor.take(opened.scenario.base)
-    opened.scenario.edit(SHORT)
-    opened.page = "Motor"
 
 
 def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
     model = state.motor
     assert model.run is not None
-    assert model.rivals is not None
     assert model.rivals.run is model.run
     assert model.machine_map is not None
     assert model.ripple is not None
@@ -52,18 +24,7 @@ def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Wo
     state.chosen = chosen
     assert state.motor.run is None
     state.page = "Motor"
-    assert state.motor.run is not None
     assert state.motor.run.scenario.title == state.scenario.base.title
-
-
-def test_without_the_precompensator_the_train_lags(state: Workbench) -> None:
-    model = state.motor
-    model.precompensator = False
-    assert model.run is not None
-    # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
-    assert model.run.max_tracking_error_m == pytest.approx(0.3 * model.run.planned.speed_ms.max(), rel=0.01)
-    assert model.rivals is not None
-    assert model.rivals.without_precompensator is model.run
 
 
 def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
@@ -76,16 +37,6 @@ def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
     assert model.failure is None
 
 
-def test_a_scenario_without_machine_says_so_and_shows_no_run(state: Workbench) -> None:
-    model = state.motor
-    state.scenario.choose("liashenko-ii")
-    assert "simulates induction motors" in model.no_machine
-    assert model.run is None
-    state.scenario.choose("ftorek-300s")
-    assert model.no_machine == ""
-    assert model.run is not None
-
-
 def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(state: Workbench) -> None:
     model = state.motor
     model.bandwidth_rads = 8.0
@@ -93,7 +44,6 @@ def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(st
     assert model.bandwidth_rads == 8.0
     state.scenario.edit({"drive.machine.max_phase_voltage_v": 1500.0})
     assert model.max_phase_voltage_v == 1500.0
-    assert model.run is not None
     assert model.run.voltage_limit_v == pytest.approx(1500.0)
 
 

@@ -51,7 +51,6 @@ def test_points_and_a_histogram_of_each_other_column(table: MonteCarloTable, dar
         assert (every.glyph.fill_color, brushed.glyph.fill_color) == (tokens["line2"], tokens["driven"])
         assert one.figure.xaxis[0].major_label_text_color == tokens["ink3"]
         assert one.brushed is brushed.data_source
-        assert one.figure.tools == []
     points = figures["draws"]
     assert (points.figure.xaxis[0].axis_label, points.figure.yaxis[0].axis_label) == ("Load, %", "Extra energy, %")
     assert points.columns == ("load", "extra")

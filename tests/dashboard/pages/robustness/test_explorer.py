@@ -101,7 +101,6 @@ def test_axes_that_would_be_one_change_places(tables: tuple[Any, Any]) -> None:
     explorer.x.value = "extra"
     assert (explorer.x.value, explorer.y.value) == ("extra", "load")
     f = explorer.charts[0].figure
-    assert f is not None
     assert (f.xaxis[0].axis_label, f.yaxis[0].axis_label) == ("Extra energy, %", "Load, %")
 
 
@@ -111,7 +110,6 @@ def test_its_figures_follow_the_theme(tables: tuple[Any, Any]) -> None:
     explorer.state.dark = True
     explorer.follow()
     for chart in explorer.charts:
-        assert chart.figure is not None
         assert chart.figure.renderers[1].glyph.fill_color == DARK["driven"]
 
 

@@ -1,7 +1,10 @@
 import pytest
 
 from railjoule.core import load_scenario
+from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.robustness.model import FIRST_ERROR_M, FIRST_LOAD_PERCENT, RobustnessModel
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_the_first_reality_is_one_in_which_something_goes_wrong() -> None:
@@ -34,17 +37,33 @@ def test_what_chance_draws_are_keys_of_the_file(late: float) -> None:
     assert drawn.resistance_factor.distribution == "log_normal"
 
 
-def test_numbers_have_bounds() -> None:
-    model = RobustnessModel()
-    assert model.parse("seed", "12") == 12
-    with pytest.raises(ValueError, match=r"A whole number\."):
-        model.parse("seed", "1.5")
-    with pytest.raises(ValueError, match=r"^At most 100, the vehicle's crush load\.$"):
-        model.parse("actual_load_percent", "120")
-
-
 def test_sensors_are_keys_of_target_braking_only() -> None:
     """Those of a file are taken away with it, as the scenario would refuse them."""
     of_a_file = load_scenario("liashenko-ii").with_(**{"simulation.stop_sensor_m": 20.0})
     model = RobustnessModel(stop_sensor_m=20.0, target_braking=False)
     assert of_a_file.with_(**model.changes).simulation.stop_sensor_m == 15.0
+
+
+# a metro with automatic train operation, and a tram without
+@pytest.mark.parametrize(
+    ("preset", "shown"),
+    [("metro-with-limit", True), ("metro-10-stations", True), ("liashenko-ii", True), ("tram-950m", False)],
+)
+def test_sensors_are_shown_where_the_train_brakes_along_the_target_curve(preset: str, shown: bool) -> None:
+    state = Workbench()
+    Robustness(state)
+    fields = RealityFields(state)
+    state.scenario.choose(preset)
+    assert state.robustness.target_braking == fields.sensors.visible == shown
+    state.robustness.target_braking = not shown
+    assert fields.sensors.visible == (not shown)
+
+
+def test_the_first_run_stops_at_the_platform() -> None:
+    """Without the target curve its headline was a saving of 1.8 % by a train 14.5 m beyond the platform."""
+    state = Workbench()
+    Robustness(state)
+    state.page = "Robustness"
+    reality = state.robustness.reality
+    assert abs(reality.following.stop_error_m) < 0.05
+    assert reality.following.actual.energy_kwh > (reality.replanned_kwh or 0.0)

@@ -11,28 +11,21 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
 from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture
-def view() -> SpeedLimitsView:
+def view(state: Workbench) -> SpeedLimitsView:
     """The page with all its charts in sight."""
-    state = Workbench()
-    SpeedLimits(state)
-    state.scenario.choose("kharkiv-like-40kmh")
-    state.page = "Speed limits"
     return SpeedLimitsView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
 
 
 def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
     run = view.model.run
-    assert run is not None
     assert view.speed.sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
     assert view.speed.sources["borders"].data["x"] == [1200.0]
     assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(run.run.position_m)
     assert sent(view.energy, UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
-    assert run.points is not None
     assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
     assert view.storage.sources["chosen"].data["x"] == [run.need.largest_drop_kwh]
@@ -55,7 +48,6 @@ def test_the_cursor_names_lines_as_their_ends_do(view: SpeedLimitsView) -> None:
 
 def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
     path = view.model.path
-    assert path is not None
     best = np.asarray(view.path.sources["best"].data["y"])
     assert np.all(np.diff(best) <= 0)
     assert best[-1] == pytest.approx(path.search.best.energy_j / 3.6e6)
@@ -69,7 +61,6 @@ def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimi
     view.speed.sources["sections"].data = {**data, "limit": [60.0, 30.0], "right": [900.0, 2400.0]}
     assert (model.limits_kmh, model.borders_m) == ((60.0, 30.0), (900.0,))
     assert model.run is before
-    assert model.trip is not None
     assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(model.trip.position_m)
     assert "release the step to compare" in view.figures.object
     view._release()
@@ -82,7 +73,6 @@ def test_pairs_of_sections_can_be_chosen(view: SpeedLimitsView) -> None:
     view.model.section_count = 3
     assert view.pair.visible
     assert list(view.pair.options) == ["1 and 2", "2 and 3"]
-    assert view.model.path is not None
     view.pair.value = 1
     assert view.plane.sources["ends"].data["x"][-1] == pytest.approx(view.model.path.limits_kmh[1])
 

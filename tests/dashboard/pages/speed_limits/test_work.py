@@ -2,23 +2,11 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
-
-
-@pytest.fixture
-def state() -> Workbench:
-    """A workbench whose page Speed limits is in sight; all work is done in the test's own turn."""
-    state = Workbench()
-    SpeedLimits(state)
-    state.scenario.choose("kharkiv-like-40kmh")
-    state.page = "Speed limits"
-    return state
 
 
 def test_the_search_sets_the_limits(state: Workbench) -> None:
     model = state.speed_limits
-    assert model.run is not None
     assert model.run is model.path
     assert model.limits_kmh == pytest.approx(model.run.limits_kmh)
     assert model.found
@@ -34,7 +22,6 @@ def test_a_typed_limit_is_driven_and_the_search_s_path_stays(state: Workbench) -
     model.sections[1].limit_kmh = 40.0
     assert not model.found
     assert model.path is path
-    assert model.run is not None
     assert model.run.limits_kmh[1] == pytest.approx(40.0)
     model.found = True
     assert model.run is not None
@@ -45,12 +32,10 @@ def test_a_step_that_moves_brings_trips_alone(state: Workbench) -> None:
     model = state.speed_limits
     before = model.run
     model.move([60.0, 30.0], [900.0])
-    assert model.trip is not None
     assert model.run is before
     quick = model.trip.energy_kwh
     model.moving = False
     assert model.trip is None
-    assert model.run is not None
     assert model.run.run.energy_kwh == pytest.approx(quick, rel=1e-3)
     assert model.run.borders_m.tolist() == [900.0]
 
@@ -60,7 +45,6 @@ def test_another_count_of_sections_is_searched_anew(state: Workbench) -> None:
     model.section_count = 3
     assert model.borders_m == (800.0, 1600.0)
     assert model.run is model.path
-    assert model.run is not None
     assert len(model.run.limits_kmh) == 3
 
 
@@ -79,7 +63,6 @@ def test_free_borders_are_found_once(state: Workbench) -> None:
     model = state.speed_limits
     model.free_borders = True
     found = model.run
-    assert found is not None
     assert model.borders_m == pytest.approx(found.borders_m)
     state.page = "Drive"
     state.page = "Speed limits"
@@ -100,7 +83,6 @@ def test_bad_borders_are_told_and_the_last_run_stays(state: Workbench) -> None:
 
 def test_a_storage_that_is_named_counts(state: Workbench) -> None:
     model = state.speed_limits
-    assert model.storage is not None
     most = model.storage.chosen.saved_kwh
     model.storage_size_kwh = 0.5
     assert model.storage.chosen.storage.size_kwh == 0.5
@@ -115,5 +97,4 @@ def test_a_drive_without_a_map_says_so(state: Workbench) -> None:
     model = state.speed_limits
     assert model.motor_map is None
     assert "there is no efficiency map" in model.no_map
-    assert model.run is not None
     assert model.run.points is None

@@ -36,9 +36,6 @@ def test_the_runs_are_listed_by_their_energy(table: SweepTable) -> None:
     place = list(columns_of(table.study)).index(ENERGY)
     assert (look.done, look.driven, look.chosen) == (200, 200, 200)
     assert [run.values[place] for run in look.listed] == sorted(energy)[:10]
-    assert look.lowest is not None
-    assert look.highest is not None
-    assert look.median is not None
     assert (look.lowest.row, look.highest.row) == (int(np.argmin(energy)), int(np.argmax(energy)))
     assert look.median.values[place] == sorted(energy)[99]
 
@@ -54,7 +51,6 @@ def test_a_choice_holds_what_lies_within_all_of_its_bounds(table: SweepTable) ->
 
 def test_the_map_holds_the_medians_of_its_cells(table: SweepTable) -> None:
     medians = compute_look(asked(table)).medians
-    assert medians is not None
     load, back = table.samples[LOAD], table.samples[RECUPERATION]
     held = (load < 1 / CELLS) & (back >= 0.8 * (CELLS - 1) / CELLS)
     assert medians.kwh[CELLS - 1, 0] == np.median(table.columns[ENERGY][held])
@@ -77,7 +73,6 @@ def test_shares_are_those_of_the_core_the_greatest_first(table: SweepTable) -> N
     results = MemoryResults(table.study)
     run_study(results)
     found, shares = sensitivities(results), compute_look(asked(table)).shares
-    assert shares is not None
     assert dict(zip(shares.fields, shares.total, strict=True)) == pytest.approx(
         dict(zip(found.fields, found.total, strict=True))
     )

@@ -3,13 +3,13 @@ import pytest
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.work import Frontiers
+from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
     trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
-    assert trade_off.enoc is not None
-    assert trade_off.enoc_map is not None
     time = trade_off.frontier.travel_time_s[30]
     single = scenario.with_(**{"timetable.travel_time_s": float(time)})
     assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)
@@ -31,3 +31,20 @@ def test_without_enoc_there_is_a_frontier_but_no_map() -> None:
     assert trade_off.enoc_map is None
     assert "copper loss" in trade_off.refusal
     assert np.all(np.diff(trade_off.frontier.energy_kwh) < 0)
+
+
+@pytest.fixture
+def state() -> Workbench:
+    """A workbench with the work of Trade-off; all work is done in the test's own turn."""
+    state = Workbench()
+    Frontiers(state)
+    state.scenario.choose("ftorek-300s")
+    return state
+
+
+def test_another_map_is_asked_for(state: Workbench) -> None:
+    state.page = "Trade-off"
+    near = state.trade_off.enoc_map
+    state.wide_map = True
+    wide = state.trade_off.enoc_map
+    assert wide.travel_time_s[-1] > near.travel_time_s[-1]

@@ -1,0 +1,80 @@
+// The buttons within pieces of HTML: they copy and print the advice card, and sort tables.
+
+import {make} from "./dom.js";
+import {copy_text} from "./files.js";
+
+const COPIED_FOR_MS = 2000;
+
+// a number as programs read it
+export const plain = (text) => text.trim().replaceAll("\u202f", "").replaceAll("\u2212", "-");
+
+// the lines of the advice with their numbers, and between them from where to where each leg leads
+const lines_of = (card) => [...card.querySelectorAll("li:has(> b), .way")].map((item) => {
+  const number = item.querySelector("b")?.textContent;
+  return number ? `${number}. ${item.textContent.trim().slice(number.length)}` : item.textContent;
+});
+const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
+// a heading and a table beneath it, as the card has them beside its lines
+const sheet_part = ([title, rows]) => [make("h2", {}, title),
+  make("table", {}, ...rows.map((cells) => make("tr", {}, ...cells.map((text) => make("td", {}, text)))))];
+// with so many lines the sheet is to stay one page: some 900 px are left of A4 beside margins and headings
+const sheet_style = (count) => {
+  const size = Math.max(8, Math.min(15, Math.floor(900 / (1.45 * count + 6))));
+  return ` body { font-size: ${size}px; } h1 { font-size: ${1.5 * size}px; margin: 0; } p { margin: 0; }
+    h2 { font-size: ${1.15 * size}px; margin: .8em 0 .2em; } h3 { font-size: ${size}px; margin: .3em 0 0; }
+    table { font: inherit; border-spacing: 0; } td { padding: 0 24px 0 0; }`;
+};
+const print_card = (card) => {
+  document.getElementById("rj-print")?.remove();
+  const frame = make("iframe", {id: "rj-print", title: "Driver\u2019s advice, to print", "aria-hidden": "true"});
+  frame.style.cssText = "position:fixed;width:0;height:0;border:0;visibility:hidden";
+  document.body.append(frame);
+  const sheet = frame.contentDocument;
+  const style = sheet.createElement("style");
+  const more = card.dataset.sheet ? JSON.parse(card.dataset.sheet) : null;
+  style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } h2 { font-size: 20px; } p { margin: 0 0 6px; }";
+  if (more) { style.textContent += sheet_style(lines_of(card).length + more.before[1].length + more.after[1].length); }
+  const heading = sheet.createElement("h1");
+  heading.textContent = card.dataset.title;
+  sheet.title = card.dataset.title;
+  sheet.head.append(style);
+  sheet.body.append(heading);
+  if (more) { sheet.body.append(...sheet_part(more.before), make("h2", {}, "Orders")); }
+  for (const line of lines_of(card)) {
+    const item = sheet.createElement(/^\d+\. /.test(line) ? "p" : more ? "h3" : "h2");
+    item.textContent = line;
+    sheet.body.append(item);
+  }
+  if (more) { sheet.body.append(...sheet_part(more.after)); }
+  frame.contentWindow.print();
+};
+const ACTIONS = {
+  copy: async (button) => {
+    await copy_text(card_text(button.closest(".card")));
+    button.textContent = "Copied";
+    setTimeout(() => { button.textContent = "Copy"; }, COPIED_FOR_MS);
+  },
+  print: (button) => print_card(button.closest(".card")),
+  sort: (button) => {
+    const heading = button.closest("th");
+    const upwards = heading.getAttribute("aria-sort") !== "ascending";
+    for (const other of heading.parentNode.cells) { other.removeAttribute("aria-sort"); }
+    heading.setAttribute("aria-sort", upwards ? "ascending" : "descending");
+    const body = heading.closest("table").tBodies[0];
+    const rows = [...body.rows].sort((one, other) => {
+      const order = compared(...[one, other].map((row) => row.cells[heading.cellIndex].textContent.trim()));
+      return upwards ? order : -order;
+    });
+    body.append(...rows);
+  },
+};
+// numbers by size, words by the alphabet, what is not known last
+export const compared = (one, other) => {
+  const [a, b] = [one, other].map((text) => Number(plain(text) || NaN));
+  if (Number.isNaN(a) !== Number.isNaN(b)) return Number.isNaN(a) ? 1 : -1;
+  return Number.isNaN(a) ? one.localeCompare(other) : a - b;
+};
+export const act_on = (event) => {
+  const button = event.composedPath()[0].closest?.("button[data-act]");
+  if (button) ACTIONS[button.dataset.act]?.(button);
+};

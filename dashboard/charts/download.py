@@ -1,0 +1,95 @@
+"""The button at the end of a page that saves the numbers of its figures and tables."""
+
+import asyncio
+import io
+import re
+import zipfile
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+from panel.viewable import Viewable
+
+from railjoule.core.csv_text import csv_of_rows, csv_of_table
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.numbers import series, table
+from railjoule.dashboard.look.words import slug
+from railjoule.dashboard.parts.tables import named_tables
+
+DRAWING = re.compile(r'<svg [^>]*data-figure="([^"]*)".*?</svg>', re.DOTALL)
+"""A figure that is drawn as SVG; its attribute is its caption."""
+
+
+class SavedNumbers:
+    """Saves a ZIP with one CSV file for each figure and table of a page in sight.
+
+    Parameters
+    ----------
+    page : str
+        The name of the page.
+    charts : callable
+        Returns the charts of the page.
+    content : Viewable
+        The layout of the page, whose panes of HTML contain the tables.
+    title : callable
+        Returns the title of the scenario.
+    draw : callable
+        Draws the charts that wait for their turn, out of sight.
+    """
+
+    def __init__(
+        self,
+        page: str,
+        charts: Callable[[], Sequence[Chart]],
+        content: Viewable,
+        title: Callable[[], str],
+        draw: Callable[[], Awaitable[None]],
+    ) -> None:
+        self._page, self._charts, self._content, self._title, self._draw = page, charts, content, title, draw
+        self.button = pmui.FileDownload(
+            callback=self._file,
+            filename="numbers.zip",
+            label="Save numbers of figures and tables as CSV",
+            icon="download",
+            size="small",
+            margin=(4, 14, 12, 14),
+        )
+        # as an argument it makes Panel warn
+        self.button.variant = "text"
+
+    async def _file(self) -> io.BytesIO:
+        await self._draw()
+        figures = [
+            (chart.caption or chart.title or chart.name, *series(chart))
+            for chart in self._charts()
+            if chart.is_drawn and chart.host.visible
+        ]
+        texts = [str(pane.object) for pane in self._content.select(pn.pane.HTML) if pane.visible and pane.object]
+        self.button.filename = f"{slug(self._title()) or 'scenario'}-{slug(self._page)}.zip"
+        return await asyncio.to_thread(archive, figures, texts)
+
+
+def archive(figures: Sequence[tuple[str, Any, Any]], texts: Sequence[str]) -> io.BytesIO:
+    """Return a ZIP file with the numbers of figures, and with the tables and drawings of pieces of HTML."""
+    files: dict[str, str] = {}
+
+    def add(name: str, kind: str, text: str) -> None:
+        stem, number = slug(name), 2
+        while f"{stem}.{kind}" in files:
+            stem, number = f"{slug(name)}-{number}", number + 1
+        files[f"{stem}.{kind}"] = text
+
+    for caption, found, headings in figures:
+        if found:
+            add(caption, "csv", csv_of_table(table(found, headings)))
+    for text in texts:
+        for name, rows in named_tables(text):
+            add(name, "csv", csv_of_rows(rows))
+        for drawing in DRAWING.finditer(text):
+            add(drawing[1], "svg", drawing[0])
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as packed:
+        for name, text in files.items():
+            packed.writestr(name, text)
+    return made

@@ -1,0 +1,26 @@
+import pytest
+
+from railjoule.dashboard.pages.speed_limits import work
+from railjoule.dashboard.state.workbench import Workbench
+
+RUNS = {}
+"""Runs and searches by what was asked for: each takes half a second, and most tests begin with the same."""
+
+
+@pytest.fixture
+def state(monkeypatch):
+    """A workbench whose page Speed limits is in sight; all work is done in the test's own turn."""
+    compute = work.compute_limit_run
+
+    def computed_once(request):
+        key = repr(request)
+        if key not in RUNS:
+            RUNS[key] = compute(request)
+        return RUNS[key]
+
+    monkeypatch.setattr(work, "compute_limit_run", computed_once)
+    state = Workbench()
+    work.SpeedLimits(state)
+    state.scenario.choose("kharkiv-like-40kmh")
+    state.page = "Speed limits"
+    return state

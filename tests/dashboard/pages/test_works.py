@@ -1,0 +1,182 @@
+"""What the work behind every page does alike: when it asks, what it drops, and when its page is marked as late.
+
+The test takes the place of each job's computation, and records what the job delivers. A work that is added to a page is
+held to the same.
+"""
+
+import threading
+from itertools import cycle
+
+import pytest
+from panel.io.state import set_curdoc
+from turns import PATIENCE_S, Page
+
+from railjoule.dashboard.app import VIEWS
+from railjoule.dashboard.pages.imports.compute import examples
+from railjoule.dashboard.pages.measured_runs.work import try_example
+from railjoule.dashboard.pages.papers.compute import ShippedTables
+from railjoule.dashboard.state.plan_work import Plans
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work import worker
+from railjoule.dashboard.work.worker import Study, Worker, nobody
+
+WORKS = {work.__name__: work for view in VIEWS.values() for work in view.works}
+OWN_ABOUT = {"Learn", "Papers", "Start", "Studies"}
+"""What they compute is of no scenario, or belongs to the study that was begun with it."""
+BY_HAND = {"SimpleAdvising", "Proving"}
+"""They ask for more than a page in sight: tests/dashboard/pages/drive."""
+ONCE = {"Learn", "Papers", "Start"}
+"""What they ask for does not follow the sliders."""
+PRESETS = {"WholeLines": "metro-10-stations", "Motor": "ftorek-300s"}
+GO_ON = {"Motor.detuning", "Papers.papers", "Start.cards"}
+"""Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
+
+
+class Job:
+    """A worker or study whose computation waits for the test; it delivers what it was asked for."""
+
+    def __init__(self, job):
+        self.job, self.asked, self.delivered = job, [], []
+        self.may_go_on = threading.Event()
+        self.may_go_on.set()
+        if isinstance(job, Worker):
+            job._compute, job._deliver, job._is_slow = self.compute, self.delivered.append, lambda _: False
+        else:
+            job._steps, job._deliver = self.steps, lambda result, _last: self.delivered.append(result)
+
+    def compute(self, request):
+        self.asked.append(request)
+        assert self.may_go_on.wait(PATIENCE_S)
+        return request
+
+    def steps(self, request):
+        yield self.compute(request)
+
+    @property
+    def is_marked(self):
+        return self.job._late._mark is not nobody
+
+
+class Desk:
+    """A workbench with one work, out of its page's sight, that has something to ask for."""
+
+    def __init__(self, made):
+        self.state, self.page = Workbench(page="Help"), Page()
+        if made.__name__ in PRESETS:
+            self.state.scenario.choose(PRESETS[made.__name__])
+        self.work = made(self.state)
+        found = {**vars(self.work), **vars(self.work).get("workers", {})}
+        self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
+        self.state.actual.on = True
+        if made.__name__ == "MeasuredRuns":
+            try_example(self.state)
+        if made.__name__ == "Imports":
+            self.state.imports.add_sources(examples())
+
+    @property
+    def asked(self):
+        return sum(len(job.asked) for job in self.jobs.values())
+
+    def move(self):
+        self.state.scenario.load_percent += 1.0
+
+    def wait_for_timers(self):
+        for timer in self.page.document.session_callbacks:
+            self.page.document.remove_timeout_callback(timer)
+            timer.callback()
+
+    def take_turns(self, job):
+        """Let a job end, and take the page's turns until it has."""
+        job.may_go_on.set()
+        running = job.job._running if isinstance(job.job, Worker) else job.job.busy
+        while running or self.page.is_due:
+            self.page.take_turn()
+            running = job.job._running if isinstance(job.job, Worker) else job.job.busy
+
+
+@pytest.fixture(params=WORKS)
+def desk(request, monkeypatch):
+    # the papers as with other code than that which computed those that are shipped: then they are computed again
+    monkeypatch.setattr("railjoule.dashboard.pages.papers.work.shipped_tables", lambda: ShippedTables({}, False))
+    desk = Desk(WORKS[request.param])
+    yield desk
+    for job in desk.jobs.values():
+        job.may_go_on.set()
+    desk.work.end()
+
+
+def name_of(desk):
+    return type(desk.work).__name__
+
+
+def test_it_asks_while_its_page_is_in_sight_and_for_what_has_changed_meanwhile(desk):
+    desk.move()
+    assert desk.asked == 0
+    if name_of(desk) in BY_HAND:
+        return
+    desk.state.page = desk.work.page
+    first = desk.asked
+    assert first > 0
+    desk.state.page = "Help"
+    desk.move()
+    assert desk.asked == first
+    if name_of(desk) not in ONCE:
+        desk.state.page = desk.work.page
+        assert desk.asked > first
+
+
+@pytest.mark.parametrize("desk", [name for name in WORKS if name not in OWN_ABOUT], indirect=True)
+def test_what_comes_for_a_scenario_that_has_gone_is_dropped(desk):
+    for job, other in zip(desk.jobs.values(), cycle(("liashenko-0", "liashenko-ii")), strict=False):
+        job.may_go_on.clear()
+        with set_curdoc(desk.page.document):
+            job.job.ask("of the scenario before")
+            desk.state.scenario.choose(other)
+        desk.take_turns(job)
+        assert job.delivered == []
+        with set_curdoc(desk.page.document):
+            job.job.ask("of this one")
+        desk.take_turns(job)
+        assert set(job.delivered) == {"of this one"}
+
+
+def test_studies_rest_while_nobody_sees_them(desk):
+    for name, job in desk.jobs.items():
+        if isinstance(job.job, Worker) or f"{name_of(desk)}.{name}" in GO_ON:
+            continue
+        desk.state.page = desk.work.page
+        job.may_go_on.clear()
+        with set_curdoc(desk.page.document):
+            job.job.ask("in sight")
+            desk.state.page = "Help"
+        assert not job.job.busy, name
+        before = desk.asked
+        desk.take_turns(job)
+        desk.state.page = desk.work.page
+        assert name_of(desk) in BY_HAND or desk.asked > before, name
+        desk.state.page = "Help"
+
+
+@pytest.mark.parametrize("made", [Plans, *WORKS.values()], ids=["Plans", *WORKS])
+def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
+    monkeypatch.setattr(worker, "LATE_MS", 0)
+    desk = Desk(made)
+    for name, job in desk.jobs.items():
+        if not job.is_marked:
+            continue
+        job.may_go_on.clear()
+        with set_curdoc(desk.page.document):
+            job.job.ask("late")
+        assert desk.state.late == frozenset()
+        desk.wait_for_timers()
+        assert (desk.work.page or "Drive") in desk.state.late, name
+        desk.take_turns(job)
+        assert desk.state.late == frozenset()
+
+
+def test_every_page_that_computes_has_a_mark_or_none_by_intent():
+    """A page without one waits for nothing that a slider changes, or shows by itself how far it is."""
+    marked = {name for name, made in WORKS.items() if any(job.is_marked for job in Desk(made).jobs.values())}
+    assert WORKS.keys() - marked == {
+        *("Compare", "Imports", "Learn", "Papers", "Proving", "SimpleAdvising", "Start", "Studies")
+    }

@@ -1,0 +1,159 @@
+"""Every figure of every page, drawn for shipped scenarios in both themes: no error, data within named axes, tools."""
+
+import logging
+import re
+from functools import partial
+
+import numpy as np
+import pytest
+from bokeh.models import FullscreenTool, GlyphRenderer, HoverTool, SaveTool
+from bokeh.plotting import figure
+
+from railjoule.dashboard.app import VIEWS, Session
+from railjoule.dashboard.charts.figures import DARK_INK, WHITE, dress_alone
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
+from railjoule.dashboard.pages.imports.compute import examples
+from railjoule.dashboard.pages.learn.guesses import GUESSES
+from railjoule.dashboard.pages.learn.model import guess_field
+from railjoule.dashboard.pages.measured_runs.work import try_example
+
+UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
+COUNTED = ("Trip", "Row, in the order of the tables", "Changes of regime between two stops")
+"""What is counted has no unit."""
+CUT = {("contour", "x")} | {
+    (name, "y")
+    for name in ("frontier", "scatter", "search_path", "lesson_price", "plane_multiplier", "plane_recuperation")
+}
+"""Axes that cut off their data on purpose: the rise beyond them would hide the rest."""
+COLOURS = ("line_color", "fill_color", "text_color", "background_fill_color")
+SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
+
+
+def with_edits(edits, state):
+    state.scenario.edit(edits)
+
+
+def with_law(state):
+    state.chosen = "bellman"
+
+
+def with_guesses(state):
+    for name, guess in GUESSES.items():
+        setattr(state.learn, guess_field(name), guess.ends[0])
+
+
+def with_simple_advice(state):
+    state.simple.open = True
+    state.simple.param.trigger("ask")
+
+
+def with_files(state):
+    state.imports.add_sources(examples())
+    state.imports.files = tuple(
+        one.told("rows NOM_VOIE", "V1") if one.kind == "gradients" else one for one in state.imports.files
+    )
+
+
+def with_a_study(state):
+    state.study.param.update(over={"vehicle.load_factor": [0.0, 1.0], "timetable.travel_time_s": [150, 190]}, runs=40)
+    state.study.param.trigger("start")
+
+
+SCENARIOS = ("metro-with-limit", "ftorek-300s", "tram-950m-stop")
+CASES = {
+    **{page: [(name, None) for name in SCENARIOS] for page in VIEWS},
+    "Start": [("metro-with-limit", None)],
+    "Drive": [("metro-with-limit", with_law), ("ftorek-300s", None), ("tram-950m-stop", with_simple_advice)],
+    "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None)],
+    "Robustness": [("metro-with-limit", None)],
+    "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
+    "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
+    "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
+    "Study": [("metro-with-limit", with_a_study)],
+    "Learn": [("metro-with-limit", with_guesses)],
+    "Measured runs": [("metro-with-limit", None), ("metro-with-limit", try_example)],
+    "Import": [("metro-with-limit", None), ("metro-with-limit", with_files)],
+    "Papers": [("metro-with-limit", None)],
+    "Help": [("metro-with-limit", None)],
+}
+"""Of each page the scenarios, and what is done there, until each of its figures is drawn."""
+NO_FIGURE = {"sankey", "surface", "detuning"}
+"""What is no figure of Bokeh, and the study of the page Motor, which is begun by hand: tests/dashboard/pages/motor."""
+
+
+# Panel warns once of how panel-material-ui calls it
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+@pytest.mark.parametrize("page", VIEWS)
+def test_all_figures_of_a_page_are_drawn(page, caplog):
+    drawn, known = set(), set()
+    for preset, prepare in CASES[page]:
+        session = Session()
+        session.state.scenario.choose(preset)
+        session.state.page = page
+        if prepare is not None:
+            prepare(session.state)
+        session.state.page = page
+        view = session.views[VIEWS[page].__name__]
+        for dark in (False, True):
+            session.state.dark = dark
+            for chart in view.charts:
+                known.add(chart.name)
+                if chart.is_drawn:
+                    drawn.add(chart.name)
+                    check(chart, "dark" if dark else "light")
+    assert known - drawn <= NO_FIGURE
+    assert [record for record in caplog.records if record.levelno >= logging.ERROR] == []
+
+
+def check(chart, theme):
+    f = chart.figure
+    if not isinstance(f, figure):
+        return
+    check_axes(chart, f)
+    assert has_toolbar(f), f"toolbar of {chart.name}"
+    colours = {*THEMES[theme].values(), *COST_SCALES[theme], *SAVING_SCALES[theme], DARK_INK, WHITE}
+    for drawn in (one for one in f.renderers if isinstance(one, GlyphRenderer) and one.visible):
+        glyph, data = drawn.glyph, drawn.data_source.data
+        for attribute in set(COLOURS) & glyph.properties():
+            one = getattr(glyph, attribute)
+            worn = data[one] if isinstance(one, str) and one in data else [one]
+            # runs of a study are coloured by a scale of their own
+            if not chart.name.startswith("study_"):
+                assert {colour for colour in worn if isinstance(colour, str)} <= colours, (chart.name, attribute)
+        for axis, ends in (("x", f.x_range), ("y", f.y_range)):
+            name = getattr(glyph, axis, None)
+            if type(glyph).__name__ not in {"Line", "Scatter"} or (chart.name, axis) in CUT or name not in data:
+                continue
+            values = np.asarray(data[name], dtype=float)
+            values, room = values[np.isfinite(values)], 0.02 * abs(ends.end - ends.start)
+            assert np.isfinite(room)
+            assert room > 0
+            low, high = sorted((ends.start, ends.end))
+            assert np.all((low - room <= values) & (values <= high + room)), (chart.name, axis)
+
+
+def check_axes(chart, f):
+    if f.xaxis[0].visible:
+        label = f.xaxis[0].axis_label or ""
+        assert UNIT.search(label) or label in COUNTED, f"x axis of {chart.name}: {label!r}"
+    # of the runs of a study the heading above names both axes
+    if chart.name != "study_runs" and f.yaxis[0].visible and f.yaxis[0].major_label_text_alpha:
+        # a caption stands at the upper end of the y axis, and names it
+        label = f.yaxis[0].axis_label or chart.caption
+        assert UNIT.search(label), f"y axis of {chart.name}: {label!r}"
+
+
+def has_toolbar(f):
+    """Return whether the toolbar shows only full screen and saving, while the mouse is over the figure."""
+    buttons = [type(tool) for tool in f.tools if tool.visible]
+    names = [tool.filename for tool in f.tools if isinstance(tool, SaveTool)]
+    return buttons == [FullscreenTool, SaveTool] and all(names) and bool(f.toolbar_location) and f.toolbar.autohide
+
+
+@pytest.mark.parametrize("keeps_hover", [True, False])
+def test_figures_that_are_made_in_threads_have_the_toolbar(keeps_hover):
+    f = figure(tools="pan,hover,save,reset")
+    dress_alone(f, "Energy, kWh", Palette(dark=True), keeps_hover=keeps_hover)
+    assert has_toolbar(f)
+    assert {type(tool) for tool in f.tools} == {FullscreenTool, SaveTool} | ({HoverTool} if keeps_hover else set())
