@@ -97,7 +97,7 @@ def test_finds_the_train_that_was_recorded(fit, truth):
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say(truths, truth, scenario):
-    # 20 of the 200 repeats of tests/benchmarks/fit.py. Of 20 intervals of 95 % at least 16 hold it but once in 400.
+    # Of 20 intervals of 95 % at least 16 hold it but once in 400.
     held = dict.fromkeys((*RESISTANCE, MASS_FACTOR), 0)
     for seed in range(20):
         found = fit_runs(recorded(truths[:3], scenario, seed), scenario)
