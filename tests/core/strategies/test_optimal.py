@@ -19,7 +19,6 @@ from railjoule.core.trajectory import PROVEN_GAP
 
 SAME = 1e-6
 """Each of two optima is within 1e-7 of the best; the rest is for rounding and what limits may be violated by."""
-seeds = st.integers(0, 10**6)
 shares = st.floats(0, 1)
 drives = st.sampled_from([{}, {"vehicle.drive": COPPER_LOSS}])
 EVERYTHING = {
