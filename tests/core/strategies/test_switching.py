@@ -6,7 +6,7 @@ from builders import COPPER_LOSS, INDUCTION, plain_scenario
 from every_drive import train
 
 from railjoule.core import load_scenario
-from railjoule.core.bounds import certify, minimise, tightened
+from railjoule.core.bounds import certify, minimise
 from railjoule.core.strategies import prepare_task, run_strategy, switching
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.switching import summed_up, unswitched
@@ -115,21 +115,6 @@ def test_a_decision_that_no_run_can_follow_is_mended():
     changes = {"timetable.travel_time_s": asked, "drive.least_switching_s": 0.0}
     task = prepare_task(load_scenario("kharkiv-like-40kmh", changes))
     assert optimal(task).energy.net_j < minimise(task).energy_j * (1 + 1e-3)
-
-
-def test_a_table_of_losses_has_no_bound_before_its_chains():
-    """Its power is concave in places and its losses fall with speed (core.md of the third review, A1 and B1).
-
-    There the bound with free switching left 24 % open, and had no right to; chains leave 0.28 %.
-    """
-    task = prepare_task(load_scenario("kharkiv-like-20kmh"))
-    run = run_strategy(task, "optimal")
-    assert run.bound.pending
-    assert run.gap is None
-    bound = tightened(task, run.bound, run)
-    assert run.with_bound(bound).gap == pytest.approx(2.8e-3, rel=0.05)
-    # the best run without a minimum time on or off, by the same review
-    assert bound.energy_j < 5.4985 * J_PER_KWH
 
 
 def test_driving_by_turns_comes_near_free_switching():
