@@ -1,10 +1,9 @@
 """`python -m tests.check_many` drives many random scenarios with every strategy, and tables what their check finds.
 
-The scenarios are those of `tests.any_scenarios`, over the whole format, windows of arrival included; with --review
-those of the review's generator (shared/check/gen.py, beside the repository), whose lines are longer, and its checker
-judges their runs as well. After the strategies their runs are compared, as `compare` does. Two processes work at once,
-each call within a limit of time; a longer one is stopped and counted. Every call is written down as a line of JSON, so
-that a run that was broken off or ended by --minutes goes on where it was, as long as the sources are the same.
+The scenarios are those of `tests.any_scenarios`, over the whole format, windows of arrival included. After the
+strategies their runs are compared, as `compare` does. Two processes work in parallel, each call within a time limit; a
+longer one is stopped and counted, with the rest of its scenario left out. Every call is a line of JSON in a file, so
+that an interrupted run, or one ended by --minutes, continues with the next scenario if the sources are the same.
 `--count 5000` takes a quarter of an hour, a night is `--count 20000 --minutes 480`. The status is 1 where any call
 broke a rule, left the numbers, raised a traceback or a warning of NumPy, or took longer than the limit; where a run
 that is called optimal misses a window of arrival, or none is found; and where a bound is shown beside a run that needs
@@ -12,7 +11,6 @@ less.
 """
 
 import argparse
-import importlib.util
 import json
 import math
 import queue
@@ -26,7 +24,6 @@ import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
@@ -39,7 +36,6 @@ from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy, with_bounds
 from tests.any_scenarios import MODELS, add_windows, any_time, any_wide_document
 
-REVIEW = Path(__file__).parents[2] / "shared" / "check"
 LONGEST_TIME_S = 86_400
 WARMING_SEEDS = range(2 * len(MODELS))
 """Their calls compile what later ones find compiled; no limit holds for them."""
@@ -67,41 +63,16 @@ Row = dict[str, Any]
 # ---- one scenario, in a worker
 
 
-def review_module(name: str) -> ModuleType | None:
-    """Return a module of the review, or None where it is not beside the repository."""
-    path = REVIEW / f"{name}.py"
-    if not path.is_file():
-        return None
-    spec = importlib.util.spec_from_file_location(f"review_{name}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-def document_of(seed: int, generator: ModuleType | None) -> tuple[Row, float]:
-    """Return the scenario of a seed, without a timetable, and the share of its shortest time that it shall have."""
-    if generator is None:
-        return any_wide_document(seed), any_time(seed)
-    document, share = generator.scenario(seed)
-    return document, share
-
-
-def timed_task(document: Row, share: float, seed: int | None = None) -> Task:
-    """Return the task of a scenario with a share of its shortest time; the document gets the timetable.
-
-    With a seed it also gets windows of arrival.
-    """
+def timed_task(document: Row, share: float, seed: int) -> Task:
+    """Return the task of a scenario with a share of its shortest time; the document gets timetable and windows."""
     first = prepare_task(scenario_from_document(document))
     total = first.shortest_time_s * share + first.dwell_s
     if total > LONGEST_TIME_S:
         raise InfeasibleLineError("the generator's timetable is longer than a day.")
     document["timetable"] = {**document.get("timetable", {}), "travel_time_s": total}
-    if seed is not None:
-        fastest = run_strategy(first, "fastest")
-        arrivals = {place: arrival_s(fastest, place) for place in _stations(document)}
-        add_windows(document, seed, arrivals, total - fastest.travel_time_s)
+    fastest = run_strategy(first, "fastest")
+    arrivals = {place: arrival_s(fastest, place) for place in _stations(document)}
+    add_windows(document, seed, arrivals, total - fastest.travel_time_s)
     return prepare_task(scenario_from_document(document))
 
 
@@ -140,47 +111,38 @@ def promises(run: Trajectory) -> Row:
     }
 
 
-def calls(seed: int, done: Iterable[str], generator: ModuleType | None, reference: ModuleType | None) -> Iterator[Row]:
-    """Yield what became of each strategy over the scenario of a seed, before each its name alone."""
-    document, share = document_of(seed, generator)
+def calls(seed: int) -> Iterator[Row]:
+    """Yield the result of each strategy over the scenario of a seed, and of their comparison."""
+    document = any_wide_document(seed)
     about = {"seed": seed, "model": document["vehicle"]["drive"]["model"]}
-    yield about | {"strategy": "", "begins": True}
     try:
-        task = timed_task(document, share, seed if generator is None else None)
+        task = timed_task(document, any_time(seed), seed)
     except Exception as error:
         yield about | {"strategy": "", **failure(error)}
         return
-    bound, runs = None, []
-    for name in STRATEGIES:
-        if name in done:
-            continue
-        yield about | {"strategy": name, "begins": True}
+    runs: list[Trajectory] = []
+    for name in CALLS:
         started = time.perf_counter()
         try:
-            run = run_strategy(task, name)
-            seconds = time.perf_counter() - started
-            runs.append(run)
-            bound = run.bound if name == "optimal" else bound
-            run = bounded(task, run, bound)
-            found = checked(run) | promises(run)
-            if reference is not None:
-                found["reference"] = [[kind, amount] for kind, amount, _ in reference.check(document, run, name)]
+            found = compared(task, runs) if name == COMPARE else solved(task, name, runs)
         except Exception as error:
-            seconds, found = time.perf_counter() - started, failure(error)
-        yield about | {"strategy": name, "seconds": seconds, **found}
-    if COMPARE in done or not runs:
-        return
-    yield about | {"strategy": COMPARE, "begins": True}
-    started = time.perf_counter()
-    try:
-        found = compared(task, runs)
-    except Exception as error:
-        found = failure(error)
-    yield about | {"strategy": COMPARE, "seconds": time.perf_counter() - started, **found}
+            found = failure(error)
+        yield about | {"strategy": name, "seconds": time.perf_counter() - started, **found}
+
+
+def solved(task: Task, name: str, runs: list[Trajectory]) -> Row:
+    """Return what the check finds of a strategy's run, which is added to the runs."""
+    run = run_strategy(task, name)
+    runs.append(run)
+    optimal = next((one for one in runs if one.strategy == "optimal"), None)
+    run = bounded(task, run, optimal.bound if optimal is not None else None)
+    return checked(run) | promises(run)
 
 
 def compared(task: Task, runs: list[Trajectory]) -> Row:
     """Return what the runs of all strategies promise where they are compared: the worst of them."""
+    if not runs:
+        return {"status": "compared"}
     promised = [promises(run) for run in with_bounds(task, runs, PROOF_S)]
     return {"status": "compared", **{key: max(one[key] for one in promised) for key in ("missed_s", "below")}}
 
@@ -206,93 +168,70 @@ def failure(error: Exception) -> Row:
     return {"status": "traceback", "words": "".join(traceback.format_exception(error))}
 
 
-def work(is_review: bool) -> None:
-    """Do what standard input asks for, line by line; write what becomes of it to standard output."""
+def work() -> None:
+    """Solve the scenarios whose seeds standard input names; write the rows to standard output."""
     warnings.simplefilter("ignore")
-    # a division by nothing is a fault, even where the run is right
+    # a division by zero is a fault, even where the run is right
     warnings.simplefilter("error", RuntimeWarning)
-    generator, reference = (review_module("gen"), review_module("check")) if is_review else (None, None)
     for seed in WARMING_SEEDS:
-        list(calls(seed, (), None, None))
-    print(json.dumps({"ready": True}), flush=True)
+        list(calls(seed))
+    print("ready", flush=True)
     for line in sys.stdin:
-        asked = json.loads(line)
-        for row in calls(asked["seed"], asked["done"], generator, reference):
+        for row in calls(int(line)):
             print(json.dumps(row, default=float), flush=True)
-        print(json.dumps({"ready": True}), flush=True)
+        print("ready", flush=True)
 
 
 # ---- many of them
 
 
 class Worker:
-    """A process that drives one scenario after another, and is started anew when a call takes too long."""
+    """A process that solves one scenario after another, and is started again when a call takes too long."""
 
-    def __init__(self, limit_s: float, is_review: bool) -> None:
-        self.limit_s, self.is_review = limit_s, is_review
+    def __init__(self, limit_s: float) -> None:
+        self.limit_s = limit_s
         self.process: subprocess.Popen[str] | None = None
 
-    def rows(self, seed: int, done: set[str]) -> Iterator[Row]:
-        """Yield what became of each strategy that is not done yet."""
-        finished = set(done)
-        while True:
-            current: Row | None = None
-            for row in self._answers(seed, finished):
-                if row.get("begins"):
-                    current = row
-                    continue
-                if row.get("ready"):
-                    return
-                if "died" in row:
-                    break
-                current = None
-                finished.add(row["strategy"])
-                yield row
-            # what was at work when the process ended is not asked again
-            if current is None:
-                return
-            del current["begins"]
-            yield current | {"status": "stopped", "seconds": self.limit_s}
-            finished.add(current["strategy"])
-            if not current["strategy"]:
-                return
-
-    def _answers(self, seed: int, done: set[str]) -> Iterator[Row]:
+    def rows(self, seed: int) -> list[Row]:
+        """Return the rows of a scenario; the last one is `stopped` where a call took too long or the process died."""
         if self.process is None:
             self._start()
         assert self.process is not None
         assert self.process.stdin is not None
-        self.process.stdin.write(json.dumps({"seed": seed, "done": sorted(done)}) + "\n")
+        self.process.stdin.write(f"{seed}\n")
         self.process.stdin.flush()
-        while True:
-            row = self._next(self.limit_s)
-            yield row
-            if "ready" in row or "died" in row:
-                return
+        rows: list[Row] = []
+        while (line := self._next(self.limit_s)) != "ready":
+            if line is None:
+                stopped = {"seed": seed, "strategy": CALLS[len(rows)], "status": "stopped", "seconds": self.limit_s}
+                return [*rows, stopped]
+            rows.append(json.loads(line))
+        return rows
 
     def _start(self) -> None:
-        command = [sys.executable, "-m", "tests.check_many", "--worker", *(["--review"] if self.is_review else [])]
+        command = [sys.executable, "-m", "tests.check_many", "--worker"]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.lines: queue.Queue[str] = queue.Queue()
-        threading.Thread(target=self._listen, args=(self.process, self.lines), daemon=True).start()
-        if "died" in self._next(STARTING_S):
-            raise SystemExit("a worker did not start; its own words are above.")
+        self.lines: queue.Queue[str | None] = queue.Queue()
+        threading.Thread(target=self._read, args=(self.process, self.lines), daemon=True).start()
+        if self._next(STARTING_S) is None:
+            raise SystemExit("a worker did not start; its error is above.")
 
     @staticmethod
-    def _listen(process: "subprocess.Popen[str]", lines: "queue.Queue[str]") -> None:
+    def _read(process: "subprocess.Popen[str]", lines: "queue.Queue[str | None]") -> None:
         assert process.stdout is not None
         for line in process.stdout:
-            lines.put(line)
-        lines.put(json.dumps({"died": True}))
+            lines.put(line.strip())
+        lines.put(None)
 
-    def _next(self, limit_s: float) -> Row:
+    def _next(self, limit_s: float) -> str | None:
+        """Return the next line of the process, or None, and end the process, if there is none in time."""
         try:
-            row: Row = json.loads(self.lines.get(timeout=limit_s))
+            line = self.lines.get(timeout=limit_s)
         except queue.Empty:
-            row = {"died": True}
-        if "died" in row:
+            line = None
+        if line is None:
             self.close()
-        return row
+        return line
 
     def close(self) -> None:
         """End the process."""
@@ -302,54 +241,43 @@ class Worker:
             self.process = None
 
 
-def sources() -> str:
-    """Return a hash of the core's sources."""
-    return source_hash()
-
-
-def kept_rows(file: Path, seeds: range, is_review: bool = False) -> list[Row]:
-    """Return the rows of a file for seeds of one generator, from the same sources; a torn last line does not count."""
+def kept_rows(file: Path, seeds: range) -> list[Row]:
+    """Return the rows of a file for some seeds, from the same sources; an incomplete last line does not count."""
     rows = []
     for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
         try:
             row = json.loads(line)
         except ValueError:
             continue
-        if row["sources"] == sources() and row["review"] == is_review and row["seed"] in seeds:
+        if row["sources"] == source_hash() and row["seed"] in seeds:
             rows.append(row)
     return rows
 
 
-def drive_all(
-    file: Path, seeds: range, processes: int, limit_s: float, until_s: float = math.inf, is_review: bool = False
-) -> list[Row]:
-    """Drive all scenarios that are not in the file yet, and return all rows; none is begun after `until_s` [s]."""
-    rows = kept_rows(file, seeds, is_review)
-    done: dict[int, set[str]] = defaultdict(set)
-    for row in rows:
-        done[row["seed"]].add(row["strategy"])
+def drive_all(file: Path, seeds: range, processes: int, limit_s: float, until_s: float = math.inf) -> list[Row]:
+    """Solve all scenarios that are not in the file yet, and return all rows; none is begun after `until_s` [s]."""
+    rows = kept_rows(file, seeds)
     waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
-    for seed in seeds:
-        if "" not in done[seed] and done[seed] != set(CALLS):
-            waiting.put(seed)
-    written = threading.Lock()
+    for seed in sorted(set(seeds) - {row["seed"] for row in rows}):
+        waiting.put(seed)
+    lock = threading.Lock()
 
     def keep_working() -> None:
-        worker = Worker(limit_s, is_review)
+        worker = Worker(limit_s)
         try:
             while time.monotonic() < until_s:
-                seed = waiting.get_nowait()
-                for row in worker.rows(seed, done[seed]):
-                    with written, file.open("a", encoding="utf-8") as kept:
-                        rows.append(row)
-                        kept.write(json.dumps(row | {"sources": sources(), "review": is_review}) + "\n")
+                found = worker.rows(waiting.get_nowait())
+                # one write a scenario: a file never has a part of one
+                with lock, file.open("a", encoding="utf-8") as kept:
+                    rows.extend(found)
+                    kept.write("".join(json.dumps(row | {"sources": source_hash()}) + "\n" for row in found))
                 print(f"\r{waiting.qsize()} seeds left   ", end="", file=sys.stderr, flush=True)
         except queue.Empty:
             return
         finally:
             worker.close()
 
-    # an interrupt ends this process at once, and workers whose input ends go after their call
+    # an interrupt ends this process immediately, and workers whose input ends stop after their call
     threads = [threading.Thread(target=keep_working, daemon=True) for _ in range(processes)]
     for thread in threads:
         thread.start()
@@ -419,14 +347,6 @@ def _other_lines(rows: list[Row]) -> Iterator[str]:
     longest = sorted((row for row in rows if "seconds" in row), key=lambda row: -row["seconds"])[:3]
     yield "longest: " + ", ".join(f"{row['seconds']:.1f} s ({row['strategy']} {row['seed']})" for row in longest)
     yield f"optimal dearer by over {DEARER:.1%} than another run without a fault: {_places(_dearer(solved))}"
-    compared = [row for row in solved if "reference" in row]
-    if compared:
-        ours = {id(row) for row in compared if row["broken"]}
-        theirs = {id(row) for row in compared if any(kind != "early" for kind, _ in row["reference"])}
-        yield (
-            f"beside the review's checker, early arrivals apart: both find a fault in {len(ours & theirs)} runs, ours "
-            f"alone in {len(ours - theirs)}, the review's alone in {len(theirs - ours)}"
-        )
 
 
 def _places(rows: Iterable[Row]) -> str:
@@ -480,17 +400,14 @@ def main() -> int:
     parser.add_argument(
         "--results", type=Path, default=Path(tempfile.gettempdir()) / "check_many.jsonl", metavar="FILE"
     )
-    parser.add_argument("--review", action="store_true", help="scenarios of the review, judged by its checker, too")
     parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
     asked = parser.parse_args()
     if asked.worker:
-        work(asked.review)
+        work()
         return 0
-    if asked.review and review_module("gen") is None:
-        parser.error(f"--review needs {REVIEW / 'gen.py'}.")
     seeds = range(asked.first, asked.first + asked.count)
     until_s = time.monotonic() + 60 * asked.minutes
-    rows = drive_all(asked.results, seeds, asked.processes, asked.limit, until_s, asked.review)
+    rows = drive_all(asked.results, seeds, asked.processes, asked.limit, until_s)
     print(table(rows))
     print(verdict(rows, seeds))
     return 1 if any(faults(rows).values()) else 0

@@ -1,7 +1,6 @@
-"""`python -m tests.benchmarks` prints measured numbers beside their bars; it is no part of the test run.
+"""`python -m tests.benchmarks` prints measured times beside their bars; it is no part of the test run.
 
-`--scenarios 20000` adds the solver's fate on so many random scenarios, which takes some minutes; `--pages` measures
-the dashboard in a browser instead.
+It measures the solver and the command line; `--pages` measures the dashboard in a browser instead.
 """
 
 import argparse
@@ -10,31 +9,26 @@ from collections.abc import Iterator
 
 from tests.benchmarks.command_line import command_line
 from tests.benchmarks.measurement import Measurement
-from tests.benchmarks.population import population
 from tests.benchmarks.solvers import frontiers, long_line, profile_two, surface
-from tests.benchmarks.sweep import sweeps
 
 
-def measurements(scenarios: int, in_browser: bool) -> Iterator[Measurement]:
+def measurements(in_browser: bool) -> Iterator[Measurement]:
     """Yield all measurements, one by one."""
     if in_browser:
         from tests.benchmarks.page import pages  # noqa: PLC0415  (needs a browser, which the others do not)
 
         yield from pages()
         return
-    for benchmark in (profile_two, long_line, surface, frontiers, sweeps, command_line):
+    for benchmark in (profile_two, long_line, surface, frontiers, command_line):
         yield from benchmark()
-    if scenarios:
-        yield from population(scenarios)
 
 
 def main() -> int:
     """Print all measurements; return 1 if one of them misses its bar."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
-    parser.add_argument("--scenarios", type=int, default=0, help="random scenarios to solve")
     parser.add_argument("--pages", action="store_true", help="the dashboard in a browser instead")
-    asked, missed = parser.parse_args(), 0
-    for measured in measurements(asked.scenarios, asked.pages):
+    missed = 0
+    for measured in measurements(parser.parse_args().pages):
         missed += measured.missed
         print(measured.line, flush=True)
     return 1 if missed else 0

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import COPPER_LOSS, HILLS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
+from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
@@ -13,7 +13,6 @@ from railjoule.core.physics.course_data import tractive_limit_n
 from railjoule.core.simulate.actual_run import actual_run
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare, prepare_task
-from railjoule.core.studies.whole_line import whole_line
 
 NEUTRAL = {"line.neutral_sections": [{"from_m": 700.0, "to_m": 850.0}]}
 FRICTION = {"vehicle.braking.friction_effort_kn": 60.0}
@@ -35,27 +34,6 @@ def require_no_effort(run, **place):
     np.testing.assert_allclose(run.line_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
     # Newton's second law in the check finds what the speeds need, whatever the run says of its efforts
     assert check_run(run.scenario, run).ok
-
-
-@pytest.mark.parametrize("strategy", ["optimal", "bellman", "fastest"])
-@pytest.mark.parametrize(
-    "changes",
-    [{}, FRICTION, {"line.sections": HILLS}, {"line.sections": HILLS, "line.reverse": True}],
-    ids=["flat", "friction", "hills", "reversed"],
-)
-def test_the_drive_does_nothing_in_them(strategy, changes):
-    run = solve(plain_scenario({**NEUTRAL, **changes}), strategy)
-    place = {"start_m": 1150.0, "end_m": 1300.0} if "line.reverse" in changes else {}
-    require_no_effort(run, **place)
-    # the borders are nodes, on either side of which the drive may work
-    assert set(place.values() or (700.0, 850.0)) <= set(run.position_m.round(9))
-
-
-@pytest.mark.parametrize("strategy", ["optimal", "bellman", "fastest"])
-def test_shipped_trains_keep_them(strategy):
-    for preset, start, end in (("metro-with-limit", 1300.0, 1450.0), ("ftorek-300s", 2000.0, 2150.0)):
-        scenario = load_scenario(preset, {"line.neutral_sections": [{"from_m": start, "to_m": end}]})
-        require_no_effort(solve(scenario, strategy), start_m=start, end_m=end)
 
 
 @pytest.mark.parametrize(
@@ -95,12 +73,6 @@ def test_a_strong_train_with_few_motors_has_no_idle_losses_in_them():
         require_no_effort(run)
         # idle losses that no supply covers would open the energy balance
         assert abs(run.energy.imbalance) < 1e-9
-
-
-def test_auxiliaries_count_the_same():
-    scenario = plain_scenario({**NEUTRAL, "vehicle.auxiliary_power_kw": 30.0})
-    run = solve(scenario)
-    np.testing.assert_allclose(run.line_power_w[neutral_cells(run)], 30e3, rtol=1e-9)
 
 
 def test_friction_brakes_work_in_them():
@@ -214,12 +186,6 @@ def test_the_actual_train_coasts_through_them_too():
     cells = neutral_cells(run.actual)
     assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
     assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
-
-
-def test_a_whole_line_keeps_them():
-    stations = [{"position_m": 1200.0, "dwell_s": 10.0}]
-    line = whole_line(plain_scenario({**NEUTRAL, "line.stations": stations, "timetable.travel_time_s": 200.0}))
-    assert line.run.tractive_effort_n[neutral_cells(line.run)].max() < NO_EFFORT * line.run.largest_effort_n.max()
 
 
 def test_the_closed_loop_refuses_them():

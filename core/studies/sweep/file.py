@@ -2,8 +2,8 @@
 
 One SQLite file in WAL mode: a chunk is a row with its numbers as one blob, committed on its own, so that a process may
 be killed at any moment. Measured with chunks of 2,048 rows of 8 numbers on this project's machine: 0.12 ms a chunk and
-1.0 times the bytes of its numbers on the disk; parts in Parquet with a manifest, made as safe, 2.1 ms and 1.2 times
-(`python -m tests.benchmarks.study_files`). And it is one file, by Python's own library.
+1.0 times the bytes of its numbers on the disk; parts in Parquet with a manifest, made as safe, 2.1 ms and 1.2 times.
+And it is one file, by Python's own library.
 """
 
 import json

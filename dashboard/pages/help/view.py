@@ -22,7 +22,7 @@ KEYS = (
     ("Down", "open the list of a group of pages"),
 )
 """What the keys do; letters, digits and signs only while nothing is typed."""
-# what finer meshes gain is in the table that `python -m tests.benchmarks.mesh` prints
+# what finer meshes gain is in the table of assets/docs/explanation/mesh.md
 PROOF = (
     (
         "What is proven",

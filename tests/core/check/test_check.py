@@ -59,7 +59,7 @@ def broken(scenario: Scenario, run: Any) -> dict[str, Any]:
     return {check.name: check for check in check_run(scenario, run).broken}
 
 
-@pytest.mark.parametrize("strategy", ["optimal", "bellman", "fastest"])
+@pytest.mark.parametrize("strategy", ["optimal", "fastest"])
 @pytest.mark.parametrize("drive", DRIVES)
 def test_good_runs_keep_every_rule(drive, strategy):
     scenario = scenario_of(drive)

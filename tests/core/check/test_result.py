@@ -1,15 +1,9 @@
 import numpy as np
-import pytest
 
-from railjoule.core.check.result import Check, CheckResult, Unchecked, largest_of, result_of
+from railjoule.core.check.result import Check, CheckResult, largest_of
 
 GOOD, BAD = Check("a", 1e-9, 1e-6, None, "one"), Check("b", 0.02, 1e-6, 350.0, "the limit")
 WORSE = Check("c", 0.5, 1e-9, None, "the line")
-
-
-def test_a_result_is_good_if_all_checks_are():
-    assert CheckResult((GOOD,), (Unchecked("x", "no reason"),)).ok
-    assert not CheckResult((GOOD, BAD), ()).ok
 
 
 def test_the_verdict_names_the_worst():
@@ -33,13 +27,3 @@ def test_a_rule_that_is_kept_everywhere_has_neither():
 
 def test_what_is_no_number_breaks_a_rule():
     assert not largest_of("a", "one", 1e9, np.array([0.0, np.nan])).ok
-
-
-def test_findings_are_sorted_by_kind():
-    result = result_of([GOOD, Unchecked("x", "no reason"), BAD])
-    assert (len(result.checks), len(result.not_checked)) == (2, 1)
-
-
-def test_results_are_frozen():
-    with pytest.raises(AttributeError):
-        GOOD.largest = 1.0

@@ -40,7 +40,7 @@ def test_intervals_hold_the_truth_with_gauges_that_are_off(scenario, case):
 @pytest.mark.nightly
 @pytest.mark.parametrize("case", CASES)
 def test_intervals_hold_the_truth_in_all_cases_of_the_review(scenario, case):
-    # as `python -m tests.benchmarks.fit_coverage`; of 31 intervals of 95 %, fewer than 27 hold it once in 50
+    # of 31 intervals of 95 %, fewer than 27 hold it once in 50
     shares = shares_inside(case, 31, scenario)
     # gusts and correlated noise last longer than the noise model takes them to: C is held in some 85 % of trains
     are_slow = CASES[case].gust_ms > 0 or CASES[case].slow_effort_noise > 0

@@ -22,20 +22,6 @@ def test_decimal_commas_do_not_split_rows():
     assert cells_of("from;to\n0,5;1,5\n").rows == ((2, ("0,5", "1,5")),)
 
 
-@pytest.mark.parametrize(
-    ("content", "told"),
-    [
-        ("d\u00e9but,fin\n0,1\n".encode("utf-8-sig"), False),
-        ("d\u00e9but,fin\n0,1\n".encode("utf-16"), False),
-        ("d\u00e9but,fin\n0,1\n".encode("latin-1"), True),
-    ],
-)
-def test_encodings(content, told):
-    table = cells_of(content)
-    assert table.header == ("d\u00e9but", "fin")
-    assert [finding.kind for finding in table.findings] == (["reading"] if told else [])
-
-
 def test_rows_are_numbered_as_a_spreadsheet_does():
     table = cells_of('from,name\n\n0,"two\nlines"\n5,b\n')
     assert [number for number, _ in table.rows] == [4, 5]

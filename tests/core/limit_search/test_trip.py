@@ -1,10 +1,8 @@
 """Trips under limits of sections: what they obey, that they cost what their trajectory says, and no mesh shows."""
 
-from importlib import import_module
-
 import numpy as np
 import pytest
-from builders import LOSS_POLYNOMIAL, plain_scenario
+from builders import plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -14,82 +12,12 @@ from railjoule.core.limit_search.projection import scale_to_time
 from railjoule.core.limit_search.regulation import regulation_of
 from railjoule.core.limit_search.whole_cells import trip_cost
 from railjoule.core.simulate.regulator import drive_under_limits
-from railjoule.core.strategies.speed_limits import limit_problem_of
 from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")
 TASK = prepare_task(METRO)
 BORDERS = np.array([1200.0])
-HILLY = plain_scenario(
-    {
-        "vehicle.drive": LOSS_POLYNOMIAL,
-        "search.boundaries_m": [700.0, 1300.0],
-        "line.sections": [
-            {"length_m": 500.0, "gradient_permille": 8.0, "tunnel_factor": 2.0},
-            {"length_m": 600.0, "gradient_permille": -30.0, "speed_limit_kmh": 60.0},
-            {"length_m": 900.0, "gradient_permille": 4.0, "curve_radius_m": 300.0},
-        ],
-        "vehicle.braking.friction_effort_kn": 60.0,
-    }
-)
 limits = st.tuples(st.floats(10, 80), st.floats(10, 80))
-
-
-@pytest.fixture(scope="module", autouse=True)
-def without_bounds():
-    """Leave bounds and optima aside: over fine meshes they cost seconds, and no test here asks for them."""
-    module = import_module("railjoule.core.strategies.speed_limits")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "bounded", lambda _task, run: run)
-        patch.setattr(module, "known_optimum", lambda _task: None)
-        yield
-
-
-@pytest.mark.parametrize("regulator", ["brake", "coast"])
-@given(pair=limits)
-def test_energy_at_the_wheels_closes(regulator, pair):
-    run = drive_under_limits(METRO, pair, regulator)
-    assert abs(run.energy.imbalance) < 1e-6
-    assert run.speed_ms[-1] == 0
-    assert run.position_m[-1] == 2400
-
-
-@pytest.mark.parametrize("regulator", ["brake", "coast"])
-@given(triple=st.tuples(st.floats(15, 90), st.floats(15, 90), st.floats(15, 90)))
-def test_limits_are_kept(regulator, triple):
-    """The line's always; those of sections by the regulator that brakes; never more effort than there is."""
-    run = drive_under_limits(HILLY, triple, regulator)
-    speed, place = run.speed_ms * 3.6, run.position_m
-    inside = (place > 500 - 1e-6) & (place < 1100 + 1e-6)
-    assert speed[inside].max() <= 60 * (1 + 1e-6)
-    if regulator == "brake":
-        for (first, last), limit in zip(((0, 700), (700, 1300), (1300, 2000)), triple, strict=True):
-            assert speed[(place >= first) & (place <= last)].max() <= limit * (1 + 1e-6)
-    else:
-        braked = (run.electric_braking_n + run.friction_braking_n)[place[1:] < 300]
-        assert not braked.any(), "nothing but the line's own limits is braked for"
-    assert (run.tractive_effort_n <= run.largest_effort_n * (1 + 2e-3) + 1).all()
-    assert np.diff(run.speed_ms**2).min() >= -2 * 0.8 * np.diff(place).max() * (1 + 1e-9)
-
-
-@given(pair=limits, brakes=st.booleans(), border=st.floats(100, 2300))
-def test_the_search_sees_the_cost_of_the_trajectory(pair, brakes, border):
-    """Within 0.3 %: the trajectory lies on a finer mesh."""
-    scenario = METRO.with_(**{"search.boundaries_m": [border]})
-    run = drive_under_limits(scenario, pair, "brake" if brakes else "coast")
-    problem = limit_problem_of(prepare_task(scenario.with_(**{"search.regulator": "brake" if brakes else "coast"})))
-    seen = problem.as_given(np.array(pair) / 3.6, np.array([border]))
-    assert seen.running_time_s == pytest.approx(run.travel_time_s, rel=1e-3)
-    assert seen.energy_j / 3.6e6 == pytest.approx(run.energy_kwh, rel=3e-3, abs=5e-3)
-
-
-@pytest.mark.parametrize("pair", [(40, 35), (50, 50), (25, 30), (60, 30), (35, 55)])
-@pytest.mark.parametrize("regulator", ["brake", "coast"])
-def test_no_mesh_shows(regulator, pair):
-    """10 m beside 1 m: the issue asks for 0.02 %."""
-    coarse, fine = (drive_under_limits(METRO.with_(**{"solver.mesh_m": mesh}), pair, regulator) for mesh in (10.0, 1.0))
-    assert coarse.energy_kwh == pytest.approx(fine.energy_kwh, rel=2e-4)
-    assert coarse.travel_time_s == pytest.approx(fine.travel_time_s, rel=2e-5)
 
 
 @given(speed=st.floats(15, 60))

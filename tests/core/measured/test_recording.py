@@ -1,5 +1,4 @@
 import numpy as np
-import openpyxl
 import pytest
 from recordings import as_csv, samples
 
@@ -7,8 +6,6 @@ from railjoule.core import RailjouleError, load_scenario, solve
 from railjoule.core.measured import RecorderFormat, load_recording, read_recording
 from railjoule.core.measured.recording import between_samples
 from railjoule.core.measured.speed_error import quantisation
-
-HEAD = "time_s,speed_kmh\n"
 
 
 def table(rows, head="time_s,speed_kmh"):
@@ -30,42 +27,12 @@ def refusal(text, form=None):
     return sentence
 
 
-def test_reads_names_with_their_units():
-    recording = read_recording(table(plain(), "Time [s],Speed (km/h)"), "run.csv")
-    assert recording.speed_ms.max() == pytest.approx(10 / 3.6)
-    # a triangle of 20 s with a peak of 10 km/h
-    assert recording.covered_m[-1] == pytest.approx(0.5 * 20 * 10 / 3.6)
-
-
-def test_reads_semicolons_and_decimal_commas():
-    rows = [f"{second},0;{speed},5" if speed else f"{second},0;0" for second, speed in plain()]
-    recording = read_recording("\n".join(["time_s;speed_ms", *rows]), "run.csv")
-    assert recording.speed_ms.max() == pytest.approx(10.5)
-
-
 def test_reads_clock_times_past_midnight():
     rows = [[f"{(86390 + second) // 3600 % 24:02}:{(86390 + second) // 60 % 60:02}:{(86390 + second) % 60:02}", speed]
             for second, speed in plain()]  # fmt: skip
     recording = read_recording(table(rows, "clock,speed_kmh"), "run.csv")
     assert recording.duration_s == pytest.approx(20.0)
     assert "The clock passes midnight." in recording.notes
-
-
-def test_reads_what_osrd_exports():
-    # three lines of text, an empty one, times to a tenth, a station as a row of its own
-    speeds = [0, *[18] * 19, 0]
-    rows = [
-        f";;;08:00:{second:02};{second},0;{0.005 * second:.3f};{speed:.3f};80;;;;".replace(".", ",")
-        for second, speed in enumerate(speeds)
-    ]
-    rows.insert(6, rows[5].replace(";;;08", "Station;BV;V1;08", 1))
-    head = "op;ch;trackName;time;seconds;position;speed;speedLimit;lineCode;electrificationType;electrificationMode;"
-    text = "Date: now\nName: train\nType: final_output\n\n" + head + "electrificationProfile\n" + "\n".join(rows)
-    recording = read_recording(text, "run.csv", RecorderFormat("osrd"))
-    assert recording.speed_ms.max() == pytest.approx(5.0)
-    assert recording.position_m[-1] == pytest.approx(100.0, abs=0.1)
-    assert any("1 row repeats" in note for note in recording.notes)
-    assert any("above the table" in note for note in recording.notes)
 
 
 def test_reads_the_columns_of_ztbus():
@@ -81,12 +48,6 @@ def test_driving_and_braking_efforts_become_one():
     rows = [[s, v, max(10 - s, 0), max(s - 10, 0)] for s, v in plain()]
     recording = read_recording(table(rows, "time_s,speed_kmh,tractive_effort_kn,braking_effort_kn"), "run.csv")
     assert recording.effort_n[[0, -1]] == pytest.approx([10e3, -10e3])
-
-
-def test_columns_and_units_can_be_named():
-    form = RecorderFormat(columns={"speed": "vitesse"}, units={"speed": "km/h"})
-    recording = read_recording(table(plain(), "time_s,vitesse"), "run.csv", form)
-    assert recording.speed_ms.max() == pytest.approx(10 / 3.6)
 
 
 @pytest.mark.parametrize(
@@ -245,16 +206,6 @@ def test_a_shipped_run_is_read_as_it_was_driven(tmp_path):
 def test_refuses_voltages_that_no_line_has(volts, words):
     rows = [[*row, 10, volts] for row in plain()]
     assert words in refusal(table(rows, "time_s,speed_kmh,line_current_a,line_voltage_v"))
-
-
-def test_a_workbook_is_a_recording(tmp_path):
-    book = openpyxl.Workbook()
-    for row in [["Time (s)", "Speed (km/h)"], *plain()]:
-        book.active.append(row)
-    book.save(tmp_path / "run.xlsx")
-    found, expected = load_recording(tmp_path / "run.xlsx"), read_recording(table(plain()), "run.csv")
-    assert found.speed_ms.tolist() == expected.speed_ms.tolist()
-    assert found.time_s.tolist() == expected.time_s.tolist()
 
 
 def test_a_time_since_1970_in_milliseconds_is_read_so():

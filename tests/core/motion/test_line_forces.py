@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import POINT, TrainExtent, mean_over_train
+from railjoule.core.motion.line_forces import TrainExtent, mean_over_train
 from railjoule.core.scenario import Line
 
 LINE = Line.model_validate({"sections": HILLS})
@@ -32,41 +32,11 @@ nodes = st.lists(st.integers(1, 1999), min_size=1, max_size=8, unique=True).map(
 )
 
 
-@given(nodes)
-def test_a_point(position_m):
-    means = mean_over_train(LINE, VALUES, position_m, POINT)
-    # sampling is off by at most one sample of the largest jump in a cell
-    assert means == pytest.approx(brute_force(position_m, np.zeros(1), 4000), abs=60 / 4000 * 2)
-
-
 @given(nodes, st.integers(1, 8), st.floats(10, 600))
 def test_cars_are_felt_at_their_centres(position_m, car_count, length_m):
     means = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count))
     centres = (np.arange(car_count) + 0.5) * length_m / car_count
     assert means == pytest.approx(brute_force(position_m, centres, 2000), abs=60 / 2000 * 2)
-
-
-@given(nodes, st.floats(1, 900))
-def test_an_even_train(position_m, length_m):
-    means = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m))
-    offsets = (np.arange(300) + 0.5) * length_m / 300
-    assert means == pytest.approx(brute_force(position_m, offsets, 300), abs=0.3)
-
-
-@given(nodes, st.integers(1, 8), st.floats(10, 600))
-def test_at_one_point_of_a_train(position_m, car_count, length_m):
-    """The front is a train without length, the middle a point half a length behind it, whatever the cars."""
-    front = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count, "front"))
-    assert np.array_equal(front, mean_over_train(LINE, VALUES, position_m, POINT))
-    middle = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count, "middle"))
-    assert middle == pytest.approx(mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, 1)))
-
-
-@given(nodes, st.floats(50, 600))
-def test_many_cars_are_an_even_train(position_m, length_m):
-    even = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m))
-    cars = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, 2000))
-    assert cars == pytest.approx(even, abs=0.05)
 
 
 def test_the_first_value_continues_before_the_line():
@@ -89,15 +59,3 @@ def test_forces_on_a_train():
     assert course.gradient_force_n == pytest.approx(120 * 9.81 * 25)
     assert course.curve_force_n == pytest.approx(120 * 9.81 * 600 / 300)
     assert course.data.line_force_n == pytest.approx(course.gradient_force_n + course.curve_force_n)
-
-
-def test_length_and_cars_reach_the_course():
-    point = build_course(plain_scenario({"line.sections": HILLS}))
-    even = build_course(plain_scenario({"line.sections": HILLS, "vehicle.length_m": 200.0}))
-    cars = build_course(plain_scenario({"line.sections": HILLS, "vehicle.length_m": 200.0, "vehicle.car_count": 2}))
-    first = np.searchsorted(point.position_m, 400.0)  # the front enters the hill of 25 per mille
-    assert point.gradient_permille[first] == 25
-    assert 0 < even.gradient_permille[first] < 2
-    assert cars.gradient_permille[first] == 0
-    behind = np.searchsorted(point.position_m, 450.0)  # the centre of the first car enters it
-    assert cars.gradient_permille[behind] == 12.5

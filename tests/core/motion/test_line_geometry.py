@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from builders import HILLS, plain_scenario
+from builders import HILLS
 
-from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import geometry_at, meshed_geometry
 from railjoule.core.scenario import Line
 from railjoule.core.scenario.line import NeutralSection, PassingPoint
@@ -21,42 +20,12 @@ LINE = Line.model_validate(
 )
 
 
-def test_the_lower_limit_holds_where_two_meet():
-    geometry = meshed_geometry(LINE, 10.0)
-    limit = dict(zip(geometry.position_m.round(6), geometry.speed_limit_ms * 3.6, strict=True))
-    assert limit[590] == np.inf
-    assert limit[600] == pytest.approx(50)
-    assert limit[900] == pytest.approx(50)
-    assert limit[910] == pytest.approx(70)  # the section's own limit is lower than 90
-    assert limit[1200] == pytest.approx(70)
-    assert limit[1210] == np.inf
-
-
 def test_stops_and_dwells():
     geometry = meshed_geometry(LINE, 10.0)
     (stop,) = geometry.stop_nodes
     assert geometry.position_m[stop] == pytest.approx(1500)
     assert geometry.dwell_s[stop] == 20
     assert geometry.dwell_s.sum() == 20
-
-
-def test_a_limit_lasts_until_the_rear_has_left():
-    """A train of 80 m: each limit ends 80 m later for its front, that of a section too, and begins where it began."""
-    geometry = meshed_geometry(LINE, 10.0, TrainExtent(80.0, limits_last_m=80.0))
-    limit = dict(zip(geometry.position_m.round(6), geometry.speed_limit_ms * 3.6, strict=True))
-    assert limit[590] == np.inf
-    assert limit[600] == pytest.approx(50)
-    assert limit[980] == pytest.approx(50)
-    assert limit[990] == pytest.approx(70)
-    assert limit[1280] == pytest.approx(70)
-    assert limit[1290] == np.inf
-
-
-def test_a_limit_never_lasts_beyond_the_line():
-    line = Line.model_validate({"sections": [{"length_m": 500.0, "speed_limit_kmh": 40.0}]})
-    geometry = meshed_geometry(line, 10.0, TrainExtent(80.0, limits_last_m=80.0))
-    assert geometry.position_m[-1] == 500.0
-    assert geometry.speed_limit_ms * 3.6 == pytest.approx(np.full(len(geometry.position_m), 40.0))
 
 
 def test_passing_points_are_nodes():
@@ -83,20 +52,3 @@ def test_borders_of_neutral_sections_are_nodes():
 def test_curvature_is_one_over_radius():
     geometry = geometry_at(LINE, np.array([0.0, 1200.0, 1700.0, 2000.0]))
     assert geometry.curvature_per_m == pytest.approx([0, 1 / 300, 0])
-
-
-def test_reverse_turns_limits_and_stops():
-    turned = meshed_geometry(LINE.model_copy(update={"reverse": True}), 10.0)
-    forward = meshed_geometry(LINE, 10.0)
-    assert turned.position_m == pytest.approx(2000 - forward.position_m[::-1])
-    assert turned.speed_limit_ms == pytest.approx(forward.speed_limit_ms[::-1])
-    assert turned.gradient_permille == pytest.approx(-forward.gradient_permille[::-1])
-    assert turned.dwell_s == pytest.approx(forward.dwell_s[::-1])
-
-
-def test_arrays_cannot_be_written_to():
-    geometry = meshed_geometry(plain_scenario().line, 10.0)
-    assert geometry is meshed_geometry(plain_scenario().line, 10.0)
-    for values in (geometry.position_m, geometry.gradient_permille, geometry.speed_limit_ms):
-        with pytest.raises(ValueError, match="read-only"):
-            values[0] = 1.0

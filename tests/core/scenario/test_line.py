@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from railjoule.core.scenario import Line
 
 LENGTH_M = sum(section["length_m"] for section in HILLS)
-places = st.floats(0, LENGTH_M)
 
 
 @st.composite

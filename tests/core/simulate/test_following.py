@@ -17,8 +17,8 @@ def test_a_plan_that_comes_true_is_driven_as_planned(name, reverse):
     assert result.stop_error_m == pytest.approx(0, abs=1e-9)
 
 
-@pytest.mark.parametrize("load", [0.0, 0.5, 1.0])
-@pytest.mark.parametrize("error", [-25.0, -10.0, 10.0, 25.0])
+@pytest.mark.parametrize("load", [0.0, 1.0])
+@pytest.mark.parametrize("error", [-25.0, 10.0])
 @pytest.mark.parametrize("name", LINES)
 def test_exact_sensors_stop_the_train_at_its_place(name, error, load):
     changes = {"disturbance.coordinate_error_m": error, "disturbance.actual_load_factor": load}

@@ -7,11 +7,7 @@ import pytest
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
-from railjoule.core.strategies import prepare_task
-from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
-from railjoule.core.strategies.plain_line import plain_line
-from railjoule.core.validation import PAPERS, Table, Validation, validate_ftorek
-from railjoule.core.validation.papers import printed_numbers
+from railjoule.core.validation import Table, Validation, validate_ftorek
 
 UNEXPLAINED_PERCENT = 0.2
 """A difference larger than this needs a sentence."""
@@ -89,56 +85,6 @@ def test_differences_that_stay_are_explained(tables):
         for row in table.rows:
             if abs(row.difference_percent) > UNEXPLAINED_PERCENT and row.quantity != "T_e":
                 assert row.note.endswith("."), (table.title, row)
-
-
-def test_printed_points_of_table_3_are_halves():
-    times = [point["travel_time_s"] for point in printed_numbers("ftorek-2025")["table_3"]]
-    assert times == [pytest.approx(times[0] / 2**k, abs=6e-4) for k in range(3)]
-
-
-def test_printed_tables_are_complete(validation):
-    paper = printed_numbers("ftorek-2025")
-    assert [[entry["travel_time_s"] for entry in paper[table]] for table in ("table_1", "table_2", "true_optimum")] == [
-        [270, 300, 330]
-    ] * 3
-    assert validation.citation.startswith("Ftorek")
-    assert PAPERS["ftorek"] is validate_ftorek
-
-
-@pytest.fixture(scope="module")
-def coefficients():
-    return enoc_coefficients(plain_line(prepare_task(load_scenario("ftorek-300s"))))
-
-
-def quintic(k, time, ks_share, k1_factor):
-    """The polynomial (13) with the two terms that are misprinted."""
-    s = k.distance_m
-    return np.array(
-        [
-            -4 / 3 * k.ks,
-            10 / 3 * k.ks * time + 3 * k.k5 * s,
-            3 * k.k1 - ks_share * k.ks * time**2 - 9 / 2 * k.k5 * s * time - 24 / 5 * k.k3 * s**2,
-            -7 * k.k1 * k1_factor + 2 / 3 * k.ks * time**3 + 3 / 2 * k.k5 * s * time**2 + 12 / 5 * k.k3 * s**2 * time,
-            5 * k.k1 * time**2,
-            -k.k1 * time**3,
-        ]
-    )
-
-
-def test_erratum_13_is_the_derivative_of_12_only_when_corrected(coefficients):
-    time = 300.0
-    best = best_acceleration_time(coefficients, time)
-    ramps = np.linspace(5, 150, 100_001)
-    # the least of (12) by brute force, on a grid of 1.45 ms
-    assert best == pytest.approx(ramps[np.argmin(enoc_energy(coefficients, time, ramps))], abs=2e-3)
-
-    def at_best(ks_share, k1_factor):
-        terms = quintic(coefficients, time, ks_share, k1_factor) * best ** np.arange(5, -1, -1)
-        return abs(terms.sum()) / np.abs(terms).max()
-
-    assert at_best(8 / 3, time) < 1e-9
-    assert at_best(2 / 3, time) > 0.01
-    assert at_best(8 / 3, 1.0) > 0.01
 
 
 def test_erratum_rc_holds_the_three_halves():

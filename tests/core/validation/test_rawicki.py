@@ -81,20 +81,6 @@ def test_part_two_is_that_of_the_findings(tables, case, energy_kwh):
     assert ours == pytest.approx(energy_kwh, rel=3e-3)
 
 
-@pytest.mark.parametrize(
-    ("case", "energy_kwh"),
-    [
-        ("kr = 0, driver", 2.2641),
-        ("kr = 0, computer", 2.1949),
-        ("kr = 1, driver", 1.4250),
-        ("kr = 1, computer", 1.4066),
-    ],
-)
-def test_the_replanned_ride_is_that_of_the_findings(tables, case, energy_kwh):
-    ours = next(row.ours for row in tables.replanned.rows if row.case == case and row.quantity == "En")
-    assert ours == pytest.approx(energy_kwh, rel=5e-3)
-
-
 def test_free_starting_current_within_three_per_mille(tables):
     """Findings' runs without switching are no optima: ours may need less."""
     for row in printed_rows(tables.others):

@@ -10,14 +10,18 @@ from railjoule.core.validation import shtompel, validate_shtompel
 
 
 @pytest.fixture(scope="module")
-def rows():
-    tables = validate_shtompel().tables
+def tables():
+    return validate_shtompel().tables
+
+
+@pytest.fixture(scope="module")
+def rows(tables):
     return {(row.case, row.quantity): row.ours for table in tables for row in table.rows}
 
 
-def test_nothing_is_said_to_be_printed(rows):
+def test_nothing_is_said_to_be_printed(rows, tables):
     assert len(rows) >= 40
-    assert all(row.printed is None for table in validate_shtompel().tables for row in table.rows)
+    assert all(row.printed is None for table in tables for row in table.rows)
 
 
 def test_costs_beside_the_optimum(rows):

@@ -13,7 +13,7 @@ from tests.builders import HILLS, plain_scenario
 from tests.core.studies.sweep.test_file import same
 from tests.local_cluster import started_cluster
 
-ROWS = 12_000
+ROWS = 4_000
 OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 200.0)}
 
 

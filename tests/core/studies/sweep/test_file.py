@@ -66,7 +66,7 @@ run_study(kept, progress=lambda done: print(done, flush=True))
 
 
 def test_a_killed_process_loses_nothing_that_it_told_of(tmp_path):
-    rows, path = 20_000, tmp_path / "a.runs"
+    rows, path = 6_000, tmp_path / "a.runs"
     command = [sys.executable, "-c", KILLED, path, str(rows)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         told = [int(process.stdout.readline()) for _ in range(3)]
@@ -128,14 +128,14 @@ def test_two_processes_do_not_go_on_with_one_study(tmp_path):
 
 
 def test_a_full_disk_is_told_and_costs_nothing_that_is_kept(tmp_path):
-    kept = SweepFile.create(tmp_path / "a.runs", study(sample=5000))
+    kept = SweepFile.create(tmp_path / "a.runs", study(sample=3000))
     [(pages,)] = kept._connection.execute("PRAGMA page_count").fetchall()
     # SQLite's own bound stands for that of a disk: it answers in the same words
     kept._connection.execute(f"PRAGMA max_page_count = {pages + 20}")
     with pytest.raises(StudyFileError, match="cannot be written: the disk is full"):
         run_study(kept)
     done = kept.done
-    assert 0 < done < 5000
+    assert 0 < done < 3000
     kept._connection.execute("PRAGMA max_page_count = 100000")
     run_study(kept)
-    same(table_of(kept), table_of(made(tmp_path / "b.runs", study(sample=5000))))
+    same(table_of(kept), table_of(made(tmp_path / "b.runs", study(sample=3000))))

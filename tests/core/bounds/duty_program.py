@@ -1,4 +1,7 @@
-"""`python -m tests.benchmarks.duty` holds the relaxed value of drives that idle against IPOPT, written apart.
+"""The relaxed problem of drives with idle losses, written separately from the solver, for CasADi and IPOPT.
+
+Masses, resistance, line and the formulas of the drives are those of `railjoule.core.check`, which shares no code with
+the solvers.
 
 Where a drive may be switched at will within a cell, it drives for a share d of the cell's time, brakes for a share b
 and is off for the rest. The effort over the cell is F = d f with f the effort while on, so that a power p(f, v) becomes
@@ -18,29 +21,25 @@ limits of the ratio, to the cheap side. With voltage to spare the two agree to a
 
 The mesh alone is taken from ours. IPOPT ends in a local optimum: where power is not convex in effort and speed
 together, both values are those of one. The first bound, that of `certify`, has to lie below IPOPT's value wherever this
-is the least: the table marks where it does not.
+is the minimum.
 """
 
-import argparse
 import importlib
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
-from railjoule.core.bounds import certify, minimise
-from railjoule.core.interior_point.solver import CONVERGED
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.check.drives import loss_model
+from railjoule.core.check.loss_model import LossModel
+from railjoule.core.check.train import Route, Train, route_of, train_of
+from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction, LossPolynomial
-from railjoule.core.strategies import Task, run_strategy
-from railjoule.core.units import H_PER_MH, J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
-from tests.benchmarks.referee import METROS, TRAMS, Problem, random_problems, shipped_problems
+from railjoule.core.units import H_PER_MH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
-DRIVES = ("induction", "loss_polynomial")
 OPTIONS = {
     "print_time": False,
     "expand": True,
@@ -59,9 +58,115 @@ SLOWEST2 = 0.01
 STILL = 1e-3
 """Rounds the kink of the hysteresis loss where a generator's field stands [rad/s]."""
 ROOM = 1.2
-DIFFERS = 1e-4
-# what IPOPT's own tolerance leaves of its value
-ABOVE = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The least-energy problem of a scenario over given nodes; arrays of n cells and n + 1 nodes.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    position_m : array of shape (n + 1,)
+        Nodes [m], without those that a dwell repeats.
+    """
+
+    scenario: Scenario
+    position_m: FloatArray
+
+    @cached_property
+    def route(self) -> Route:
+        return route_of(self.scenario)
+
+    @cached_property
+    def train(self) -> Train:
+        return train_of(self.scenario.vehicle)
+
+    @cached_property
+    def model(self) -> LossModel:
+        return loss_model(self.scenario.vehicle.drive)
+
+    @cached_property
+    def length_m(self) -> FloatArray:
+        return np.diff(self.position_m)
+
+    @cached_property
+    def constant_n(self) -> FloatArray:
+        """What resists at any speed: A, gradients and curves [N]; shape (n,)."""
+        ends, train = (self.position_m[:-1], self.position_m[1:]), self.train
+        curves = train.curve_constant_m_n_per_kn * self.route.curvature_per_m(*ends)
+        return train.constant_n + train.weight_kn * (self.route.gradient_permille(*ends) + curves)
+
+    @cached_property
+    def quadratic(self) -> FloatArray:
+        """C with the factor of tunnels [N s2/m2]; shape (n,)."""
+        return self.train.quadratic * self.route.tunnel_factor(self.position_m[:-1], self.position_m[1:])
+
+    @cached_property
+    def stands(self) -> FloatArray:
+        """Whether the train stands at a node: at the ends and at stops; shape (n + 1,)."""
+        places = np.array([self.position_m[0], *(stop.position_m for stop in self.route.stops), self.position_m[-1]])
+        return np.abs(self.position_m[:, None] - places).min(axis=1) < 1e-5
+
+    @cached_property
+    def limit_ms(self) -> FloatArray:
+        """Limit of speed at the nodes, the lower one of two cells [m/s]; 0 where the train stands; shape (n + 1,)."""
+        vehicle = self.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+        cells = np.minimum(self.route.speed_limit_ms(0.5 * (self.position_m[:-1] + self.position_m[1:])), vehicle)
+        nodes = np.minimum(np.append(cells, np.inf), np.append(np.inf, cells))
+        return np.where(self.stands, 0.0, nodes)
+
+    @property
+    def dwell_s(self) -> float:
+        return sum(stop.dwell_s for stop in self.route.stops)
+
+    @property
+    def running_time_s(self) -> float:
+        """Time allowed without dwells [s]."""
+        return self.scenario.travel_time_s - self.dwell_s
+
+    @property
+    def auxiliary_w(self) -> float:
+        return self.scenario.vehicle.auxiliary_power_kw * W_PER_KW
+
+    @property
+    def factor(self) -> float:
+        """Share of the generated energy that the supply takes back."""
+        return self.scenario.vehicle.drive.recuperation_factor
+
+    @property
+    def friction_n(self) -> float:
+        return self.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
+
+    @property
+    def rates_ms2(self) -> tuple[float, float]:
+        """Largest acceleration and deceleration [m/s2], infinite where the vehicle sets none."""
+        vehicle = self.scenario.vehicle
+        return (
+            vehicle.traction.max_acceleration_ms2 or np.inf,
+            vehicle.braking.max_deceleration_ms2 or np.inf,
+        )
+
+    def limit_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
+        """Return the largest electric effort of vehicle and motors at speeds of shape (k,) [N]."""
+        limits = self.scenario.vehicle.braking if braking else self.scenario.vehicle.traction
+        effort = self.model.largest_effort_n(speed_ms, braking)
+        if limits.max_effort_kn is not None:
+            effort = np.minimum(effort, limits.max_effort_kn * N_PER_KN)
+        if limits.max_power_kw is not None:
+            effort = np.minimum(effort, limits.max_power_kw * W_PER_KW / np.maximum(speed_ms, 1e-9))
+        return effort
+
+    def force_n(self, cell: Any, entering_ms: FloatArray, leaving_ms: FloatArray) -> FloatArray:
+        """Return the force at the wheels over cells, from their speeds [N]."""
+        entering2, leaving2 = entering_ms**2, leaving_ms**2
+        force: FloatArray = (
+            self.train.inertia_kg * 0.5 * (leaving2 - entering2) / self.length_m[cell]
+            + self.constant_n[cell]
+            + self.train.linear * 0.5 * (entering_ms + leaving_ms)
+            + self.quadratic[cell] * 0.5 * (entering2 + leaving2)
+        )
+        return force
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,16 +317,6 @@ class DutyProgram:
             self._keep(self.constant[braking] * duty - effort)
         if limits.max_power_kw is not None:
             self._keep(limits.max_power_kw * W_PER_KW / self.scale * duty - effort * v)
-        curve = getattr(limits, "curve", None)
-        if curve is not None:
-            # straight pieces of a curve that is not concave take a choice, which symbols write as one expression
-            kmh, kn = np.array(curve).T
-            speeds, efforts = kmh * MS_PER_KMH, kn * N_PER_KN / self.scale
-            limit = efforts[-1] * speeds[-1] / v
-            for i in range(len(speeds) - 2, -1, -1):
-                slope = (efforts[i + 1] - efforts[i]) / (speeds[i + 1] - speeds[i])
-                limit = self.ca.if_else(v < speeds[i + 1], efforts[i] + slope * (v - speeds[i]), limit)
-            self._keep(limit * duty - effort)
 
     def _powers(self, driving: dict[str, Any], braking: dict[str, Any], v: Any) -> tuple[Any, Any]:
         """Return what driving and what braking takes, over the scale of efforts."""
@@ -308,98 +403,3 @@ def even_run(problem: Problem, fastest_ms: FloatArray) -> FloatArray:
         time = float(np.sum(2 * problem.length_m / (speed[1:] + speed[:-1])))
         low, high = (middle, high) if time > 0.99 * problem.running_time_s else (low, middle)
     return np.minimum(fastest_ms, high)
-
-
-@dataclass(frozen=True)
-class Compared:
-    """Energies of one scenario over the same mesh [J]: our relaxed value and bound, IPOPT's, and that of `optimal`.
-
-    Shares are of `reference_j`, no energy of nearly nothing.
-    """
-
-    name: str
-    drive: str
-    cells: int
-    ours_j: float
-    ours_converged: bool
-    bound_j: float
-    ipopt: Relaxed
-    run_j: float
-    reference_j: float
-
-    @property
-    def difference(self) -> float:
-        """By which share our relaxed value lies above IPOPT's."""
-        return (self.ours_j - self.ipopt.energy_j) / self.reference_j
-
-    @property
-    def bounded(self) -> float:
-        """By which share our first bound lies above IPOPT's value; negative as it has to be."""
-        return (self.bound_j - self.ipopt.energy_j) / self.reference_j
-
-    @property
-    def is_above(self) -> bool:
-        """Whether the bound lies above IPOPT's value, which then is the energy of a run that it covers."""
-        return self.ipopt.converged and self.bounded > ABOVE
-
-    @property
-    def left(self) -> float:
-        """By which share the run of `optimal` lies above IPOPT's relaxed value."""
-        return (self.run_j - self.ipopt.energy_j) / self.reference_j
-
-
-def compared(name: str, drive: str, task: Task) -> Compared:
-    """Return our relaxed value and bound, and IPOPT's value."""
-    problem = Problem(task.scenario, task.course.position_m)
-    start = even_run(problem, np.sqrt(task.greatest_speed2))
-    ipopt = DutyProgram(problem).solve(start)
-    ours = minimise(task)
-    run = run_strategy(task, "optimal")
-    converged = ours.optimum.status == CONVERGED
-    bound = certify(task, ours.optimum).energy_j
-    reference = float(reference_energy(task.course.data, run.energy.net_j, task.running_time_s))
-    energies = ours.energy_j, converged, bound, ipopt, run.energy.net_j, reference
-    return Compared(name, drive, len(problem.length_m), *energies)
-
-
-def table(problems: Iterable[tuple[str, str, Task]]) -> list[Compared]:
-    """Print a table of energies [kWh] line by line and return it."""
-    heads = ("cells", "ours", "IPOPT", "run", "ours over", "bound over", "run over")
-    print(f"{'scenario':24}{'drive':18}" + "".join(f"{head:>11}" for head in heads))
-    rows = []
-    for name, drive, task in problems:
-        try:
-            row = compared(name, drive, task)
-        except RailjouleError as error:
-            print(f"{name:24}{drive:18}{error}", flush=True)
-            continue
-        rows.append(row)
-        kwh = "".join(f"{each / J_PER_KWH:11.5f}" for each in (row.ours_j, row.ipopt.energy_j, row.run_j))
-        words = "" if row.ipopt.converged else f"  IPOPT: {row.ipopt.status}"
-        words += "" if row.ours_converged else "  ours has not converged"
-        words += "  DIFFERS" if abs(row.difference) > DIFFERS else ""
-        words += "  BOUND ABOVE" if row.is_above else ""
-        over = "".join(f"{share:11.1e}" for share in (row.difference, row.bounded, row.left))
-        print(f"{name:24}{drive:18}{row.cells:11d}{kwh}{over}{words}", flush=True)
-    return rows
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.duty", description=__doc__)
-    parser.add_argument("--seeds", type=int, default=10, help="random scenarios a drive")
-    parser.add_argument("--first", type=int, default=0, help="seed of the first of them")
-    parser.add_argument("--drives", nargs="*", default=list(DRIVES), choices=list(DRIVES))
-    parser.add_argument("--shipped", action=argparse.BooleanOptionalAction, default=True)
-    given = parser.parse_args()
-    drives = tuple(given.drives)
-    sources = [shipped_problems(TRAMS + METROS, drives)] if given.shipped else []
-    rows = []
-    for problems in (*sources, random_problems(drives, range(given.first, given.first + given.seeds))):
-        rows += table(problems)
-    differ = sum(abs(row.difference) > DIFFERS for row in rows)
-    print(f"{differ} of {len(rows)} relaxed values differ from IPOPT's by more than {DIFFERS:g}.")
-    print(f"{sum(row.is_above for row in rows)} of {len(rows)} bounds lie above it.")
-
-
-if __name__ == "__main__":
-    main()
