@@ -8,6 +8,7 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
+from browser import idle
 from browser.sight import Sight
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
@@ -32,6 +33,7 @@ class User:
         self.errors: list[str] = []
         self.foreign: list[str] = []
         page.set_default_timeout(PATIENCE_MS)
+        idle.watch(page)
         page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
         # with the place: a message of a packed library tells nothing
         page.on("pageerror", lambda error: self.errors.append(f"{error}\n{error.stack}"))
