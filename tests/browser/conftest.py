@@ -1,5 +1,6 @@
 """A served dashboard, a real browser, and pages that fail on any error or foreign request."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,10 +14,20 @@ from browser.user import User
 expect.set_options(timeout=60_000)
 
 
+OF_A_SESSION = re.compile(
+    r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
+)
+OF_THE_SERVER = re.compile(r"(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+")
+
+
 @pytest.fixture(scope="package")
-def server() -> Iterator[Server]:
-    with serving("-m", "railjoule.dashboard", "serve") as running:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """The server of all tests that neither configure nor end it; its log is quiet to the end."""
+    log = tmp_path_factory.mktemp("server") / "log"
+    with serving("-m", "railjoule.dashboard", "serve", log=log) as running:
         yield running
+    lines = log.read_text().splitlines()
+    assert [line for line in lines if not (OF_A_SESSION.fullmatch(line) or OF_THE_SERVER.fullmatch(line))] == []
 
 
 @pytest.fixture(scope="package")
