@@ -59,20 +59,16 @@ CHANGES = {
     "Compare": Change(type_text("Load, % of capacity", "20"), "table:visible tbody td:nth-child(2)", "compared_speed"),
     "Trade-off": Change(type_text("Load, % of capacity", "80"), chart="frontier"),
     "Robustness": Change(type_text("Actual load, % of capacity", "20"), chart="driven_speed"),
-    "Disturbances": Change(
-        type_text("1 Stop: stops for, s", "25"), chart="ride_speed", first=press("Add a stop")
-    ),
-    "Speed limits": Change(type_text("Section 1: limit, km/h", "60"), chart="limit_speed"),
+    "Disturbances": Change(type_text("1 Stop: stops for, s", "25"), chart="ride_speed", first=press("Add a stop")),
+    "Speed limits": Change(type_text("Section 1: limit, km/h", "50"), chart="limit_speed"),
     "Motor": Change(type_text("Current, A", "300"), chart="loop_speed"),
-    "Line": Change(
-        type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")
-    ),
-    "Study": Change(type_text("Runs", "77"), "main p:visible"),
-    "Learn": Change(press("This is my guess"), "main:visible"),
+    "Line": Change(type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")),
+    "Study": Change(type_text("Runs", "77"), ':text("on this computer."):visible'),
+    "Learn": Change(press("This is my guess"), "main:visible", "lesson_coasting"),
     "Measured runs": Change(press("Try the example"), "main:visible", "measured_speed"),
     "Import": Change(press("Load the example"), "main:visible", "import_limits"),
     "Papers": Change(press("Compute Shtompel again"), "main:visible"),
-    "Help": Change(press("Compare"), "h1:visible"),
+    "Help": Change(lambda user: user.page.locator("[data-open=Compare]").click(), "h1:visible"),
 }
 
 
