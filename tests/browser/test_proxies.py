@@ -62,6 +62,7 @@ async def moved(url: str) -> float:
         await page.close()
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", PROXIES)
 def test_a_page_works_behind_it_with_two_processes(name: str, tmp_path: Path) -> None:
     if shutil.which(name) is None:

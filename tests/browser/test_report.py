@@ -50,7 +50,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return written(tmp_path_factory.mktemp("report"), load_scenario("metro-with-limit", changes), contents)
 
 
-@pytest.fixture(scope="module", params=["light", "dark"])
+@pytest.fixture(scope="module", params=["light", pytest.param("dark", marks=pytest.mark.nightly)])
 def reader(request: pytest.FixtureRequest, chromium: Browser, file: Path) -> Iterator[Reader]:
     context = chromium.new_context(
         viewport={"width": 1280, "height": 900}, color_scheme=request.param, offline=True, reduced_motion="reduce"

@@ -96,6 +96,10 @@ class User:
         """Let the browser compute this many times slower, as on an old computer."""
         self.page.context.new_cdp_session(self.page).send("Emulation.setCPUThrottlingRate", {"rate": times})
 
+    def rest(self, milliseconds: int = 400) -> None:
+        """Wait for a fixed time."""
+        self.page.wait_for_timeout(milliseconds)
+
     def settled(self) -> None:
         """Wait until the server has answered, nothing is computed, and the charts in sight are drawn."""
         idle.wait_until_idle(self.page, PATIENCE_MS)
