@@ -1,18 +1,14 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
 import gc
-import socket
 import time
-from collections.abc import Callable, MutableSequence
-from pathlib import Path
+from collections.abc import Callable
 from typing import Any
 
 import panel as pn
 from bokeh.settings import settings
 from panel.io.callbacks import PeriodicCallback
 from panel.io.server import Server
-from tornado.ioloop import IOLoop
-from tornado.ioloop import PeriodicCallback as TornadoCallback
 from tornado.web import StaticFileHandler
 
 from railjoule.core.compilation import compilation
@@ -29,8 +25,6 @@ from railjoule.dashboard.insides import (
     count_no_events,
     exchange,
     first_html,
-    listen_no_more,
-    taking,
     tell_no_insides,
     write_all_messages,
 )
@@ -43,18 +37,14 @@ from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.server.documentation import documentation_patterns
-from railjoule.dashboard.server.front import SERVES
 from railjoule.dashboard.server.guard import guard
-from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
-from railjoule.dashboard.server.metrics import MetricsHandler, Telling
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
-from railjoule.dashboard.server.options import LOCAL_NAMES, ServerOptions
-from railjoule.dashboard.server.places import Places
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
 from railjoule.dashboard.shortcuts import (
@@ -67,7 +57,6 @@ from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
-from railjoule.dashboard.work.offered import OFFERED
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
@@ -86,14 +75,11 @@ settings.perform_document_validation = False
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
-TELL_MS, COUNTS_MS = 100, 2000
-"""How often one of several processes tells the others how many pages it has."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
 EXTRA_PATTERNS = [
     ("/health", HealthHandler),
     ("/ready", ReadyHandler),
-    ("/metrics", MetricsHandler),
     (r"/file/([\w-]+)", OfferedFileHandler),
     *documentation_patterns(),
 ]
@@ -224,51 +210,7 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     run(make_server(options))
 
 
-def serve_handed(
-    options: ServerOptions,
-    workspace: Workspace | None,
-    number: int,
-    channel: socket.socket,
-    shared: MutableSequence[int],
-    folder: Path,
-) -> None:
-    """Serve in one of several processes, on connections that another one takes, until that one is gone.
-
-    Parameters
-    ----------
-    options : ServerOptions
-        Where, and to whom, all of them serve.
-    workspace : Workspace or None
-        The files that My files shows.
-    number : int
-        Which process this is.
-    channel : socket
-        On which it is handed connections, as `railjoule.dashboard.server.front` does.
-    shared : mutable sequence of int
-        Where all processes tell how many pages they have, as `Places` takes it.
-    folder : Path
-        Where all of them keep files that browsers fetch, and what they count.
-    """
-    serve_files_of(workspace)
-    write_down()
-    OFFERED.share(folder)
-    compilation().begin()
-    server = make_server(options, shared=shared, number=number)
-    take = taking(server)
-    server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
-    server.io_loop.add_callback(channel.send, SERVES)
-    telling = Telling(folder, number)
-    TornadoCallback(telling.tell, COUNTS_MS).start()
-    run(server)
-
-
-def make_server(
-    options: ServerOptions,
-    *patterns: Any,
-    shared: MutableSequence[int] | None = None,
-    number: int = 0,
-    **settings: Any,
-) -> Server:
+def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Server:
     """Return a server of the dashboard that is yet to run.
 
     Parameters
@@ -276,35 +218,25 @@ def make_server(
     options : ServerOptions
     *patterns
         What it answers beside the page, as tornado takes it.
-    shared : mutable sequence of int, optional
-        Where several processes tell how many pages they have; such a process listens nowhere itself.
-    number : int
-        Which of them this is.
     **settings
         Of Bokeh's server.
     """
-    listens = shared is None
     server = pn.serve(
         {"/": make_page},
         extra_patterns=[*EXTRA_PATTERNS, *patterns],
-        # Bokeh has to listen somewhere; it is ended below
-        address=options.address if listens else LOCAL_NAMES[1],
-        port=options.port if listens else 0,
+        address=options.address,
+        port=options.port,
         prefix=options.prefix,
         show=False,
         start=False,
-        verbose=listens,
         websocket_origin=options.websocket_origins,
         title="railjoule",
         default_handler_class=NotFoundHandler,
         websocket_compression_level=COMPRESSION_LEVEL,
         **settings,
     )
-    if not listens:
-        listen_no_more(server)
     first = first_html(server, empty_page(), TOKEN)
-    opening = Opening(first, lambda: places.has_one, events.TALLY.someone_waits)
-    places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
+    opening = Opening(first, options.sessions, lambda: open_pages(server), events.WAITS.someone_waits)
     exchange(
         server,
         {
@@ -313,9 +245,7 @@ def make_server(
             StaticFileHandler: (KeptFileHandler, {}),
         },
     )
-    guard(application_of(server), options, lambda: places.taken)
-    if not listens:
-        TornadoCallback(places.tell, TELL_MS).start()
+    guard(application_of(server), options, lambda: opening.taken_places)
     return server
 
 

@@ -8,7 +8,6 @@ browser's half is assets/scripts/follow.js and assets/scripts/mends.js.
 
 import asyncio
 import gc
-import socket
 from collections.abc import Callable
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -32,7 +31,6 @@ from panel.io.session import generate_session
 from panel.io.state import set_curdoc
 from panel.viewable import Viewable
 from tornado.httputil import HTTPServerRequest
-from tornado.iostream import IOStream
 from tornado.routing import Rule
 from tornado.web import Application, RequestHandler
 
@@ -245,22 +243,6 @@ def server_context(server: Server) -> Any:
     """Return what holds the pages of a server that has one."""
     (context,) = application_of(server).applications.values()
     return context
-
-
-def listen_no_more(server: Server) -> None:
-    """Let a server listen nowhere; it goes on with the connections that it has and with those that it is given."""
-    server._http.stop()
-
-
-def taking(server: Server) -> Callable[[socket.socket], None]:
-    """Return what lets a server serve a connection that was taken elsewhere."""
-
-    def take(connection: socket.socket) -> None:
-        address = connection.getpeername()
-        stream = IOStream(connection, max_buffer_size=server._http.max_buffer_size)
-        server._http.handle_stream(stream, address)
-
-    return take
 
 
 def exchange(server: Server, handlers: dict[type[RequestHandler], tuple[type[RequestHandler], dict[str, Any]]]) -> None:

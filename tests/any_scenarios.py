@@ -112,7 +112,7 @@ def any_wide_document(seed: int) -> Table:
 
 
 def add_windows(document: Table, seed: int, arrivals_s: dict[float, float], slack_s: float) -> None:
-    """Add windows of arrival to some stations, and to the terminus of some lines, that a run can keep.
+    """Add windows of arrival to some stations, and to the terminus of some lines, that a train which can wait keeps.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from typing import Any
 
 from tests.trust.floors import canonical
 
-ROOT_PACKAGE, EXTRAS = "railjoule", ("page", "excel", "yaml", "metrics")
+ROOT_PACKAGE, EXTRAS = "railjoule", ("page", "excel", "yaml")
 NEED = re.compile(r"^(?P<name>[A-Za-z0-9._-]+)\s*(?:\[(?P<extras>[^\]]*)\])?(?P<rest>.*)$")
 EXTRA = re.compile(r"""extra\s*==\s*['"](?P<extra>[^'"]+)['"]""")
 

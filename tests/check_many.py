@@ -378,7 +378,7 @@ def is_below(row: Row) -> bool:
 
 
 def is_unsolved(row: Row) -> bool:
-    """Return whether `optimal` ended without a run; each scenario has one that keeps all windows."""
+    """Return whether `optimal` ended without a run and without a reason in the scenario."""
     return row["strategy"] == "optimal" and row["status"] == "refused" and row["words"].startswith("SolverError")
 
 

@@ -97,7 +97,6 @@ OF_THE_CORE = ("cluster", "excel", "parquet", "yaml")
 SELDOM = {IMPORTED_AS.get(name, name) for extra in OF_THE_CORE for name in declared(EXTRAS[extra])}
 """Packages that read or write a kind of file, or find a cluster, each imported where that is asked for."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
-METRICS = ROOT / "dashboard" / "server" / "metrics.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
@@ -107,12 +106,8 @@ def test_dependencies_are_those_that_the_core_and_the_command_line_use():
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
-    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK, METRICS}
+    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK}
     assert declared(EXTRAS["page"]) == (imported_packages(paths) - DEPENDENCIES) | USED_BY_PANEL
-
-
-def test_the_extra_of_metrics_has_what_they_need():
-    assert declared(EXTRAS["metrics"]) == imported_packages([METRICS]) - declared(EXTRAS["page"])
 
 
 def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():

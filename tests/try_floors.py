@@ -33,9 +33,7 @@ def runtime_floors() -> list[str]:
     """Return the lowest allowed releases of what the core and the page need, as pip takes them."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
-    wanted = {
-        line.split(">=")[0].strip().lower() for line in (*project["dependencies"], *extras["page"], *extras["metrics"])
-    }
+    wanted = {line.split(">=")[0].strip().lower() for line in (*project["dependencies"], *extras["page"])}
     return [
         f"{name}=={least}"
         for name, least in sorted(allowed().items())

@@ -221,7 +221,7 @@ export function render({model}) {
   const press = (event) => {
     const path = event.composedPath();
     const button = path.find((element) => element.matches?.("button"));
-    if (!button) return;
+    if (!button || button.ariaDisabled === "true") return;
     const words = (button.getAttribute("aria-label") ?? button.textContent).trim();
     if (button.dataset.scenario) {
       model.send_msg({kind: "scenario", name: button.dataset.scenario});

@@ -7,7 +7,6 @@ export function render({model}) {
   let rows = [], shape = "";
   const send = (row, text) => {
     row.known = null;
-    window.railjoule.unsent.keep(`edit:${row.key}`, text);
     model.send_msg({what: "type", key: row.key, text});
   };
   const build = (field, index) => {

@@ -1,113 +1,58 @@
-// The page's ties to its address, its keys, dropped files, the clipboard, and the server: it shows at once when that is
-// gone or does not answer, and opens the page's address anew when it is back.
+// The page's ties to its address, its keys, dropped files, the clipboard, and the server.
 
-import {focused, life_of, make} from "./dom.js";
+import {life_of, make} from "./dom.js";
 import {copy_text, offer} from "./files.js";
+import {deep} from "./page.js";
 
-const WORDS = {
-  lost: "The connection to the server is lost. You can read and change numbers; they are kept in this page.",
-  starting: "The server is starting. You can read and change numbers; they are kept in this page.",
-  silent: "The server does not answer. You can go on; what you change is kept in this page.",
-  back: "The server is back. This page opens anew once you have left the field.",
-};
 const TABLE = /\.(csv|tsv|txt|xlsx)$/i, PIECE = 8192;
-const WAIT_S = [1, 2, 4, 8, 15], ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
-// a question that is older is shown to wait, and one that is much older has perhaps no answer
-const WAITING_MS = 1000, SILENT_MS = 5000, LOOK_MS = 200, CATCHES_UP_MS = 1500;
-// what only a server can do; numbers are changed without one, and what explains a word is there
-const PRESSED = `button:not(.info), a[href], select, [role=button], [role=combobox], [role=option], [role=menuitem],
-  [role=tab], [role=switch], input[type=checkbox], input[type=radio], input[type=file]`;
-
-const make_banner = (again) => {
-  const words = make("span", {role: "alert"}), left = make("span", {"aria-hidden": "true"});
-  const button = make("button", {type: "button"}, "Try now");
-  button.addEventListener("click", again);
-  const element = make("div", {class: "rj-lost"}, words, left, button);
-  document.body.prepend(element);
-  const say = (text) => { if (words.textContent !== text) { words.textContent = text; } };
-  return {element, say, count: (text) => { left.textContent = text; }};
+const WORDS = {
+  lost: "The connection to the server is lost. Changes have no effect until this page is loaded again, which it does by " +
+    "itself when the server answers.",
+  starting: "The server is starting. Changes have no effect until this page is loaded again, which it does by itself.",
 };
+const ASK_EVERY_MS = 3000, ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100, STARTING = 503, NOT_FOUND = 404;
+const HELD_BACK = ["pointerdown", "mousedown", "touchstart", "click", "keydown", "dragover", "drop"];
+const FIELDS = "input, select, textarea", CONTROLS = "button, a[href], [role=button], [role=combobox], [role=menuitem], [role=option], [role=tab]";
 
-const hold_the_line = (document_of_bokeh, signal) => {
-  const root = document.documentElement, {wire} = window.railjoule;
-  let leaving = false, gone = false, banner = null, note = null, tries = 0, timer = null;
-  const reopen = () => {
-    if (!is_typing()) { location.reload(); return; }
-    banner.say(WORDS.back);
-    banner.count("");
-    // what was typed is a change once the field is left, of which nobody hears outside its shadow root
-    timer = setTimeout(reopen, LOOK_MS);
-  };
-  const show = () => {
-    banner ??= make_banner(ask);
-    banner.say(gone ? WORDS.lost : WORDS.silent);
-  };
-  const hide = () => {
-    clearTimeout(timer);
-    banner?.element.remove();
-    banner = null;
-    tries = 0;
-  };
-  const ask = async () => {
-    clearTimeout(timer);
-    banner?.count("Trying now.");
+const is_line = (element) => element instanceof HTMLTextAreaElement ||
+  element instanceof HTMLInputElement && !["range", "checkbox", "radio", "button", "file"].includes(element.type);
+
+// Without a server, a page can only be read. It says so, and is loaded again once the server answers. Panel's own
+// `reconnect` asks a server that was restarted for a session that it does not have.
+const end = async () => {
+  const words = make("div", {class: "rj-lost", role: "alert"}, WORDS.lost);
+  document.body.prepend(words);
+  document.documentElement.classList.add("rj-gone");
+  for (const field of deep(FIELDS)) { field[is_line(field) ? "readOnly" : "disabled"] = true; }
+  // a part that is scrolled needs something that the keyboard reaches
+  for (const control of deep(CONTROLS)) { control.setAttribute("aria-disabled", "true"); }
+  for (const name of HELD_BACK) {
+    window.addEventListener(name, (event) => {
+      event.stopImmediatePropagation();
+      const is_file = event.type.startsWith("dr");
+      if (is_file || event.type === "click" && event.composedPath().some((element) => element.matches?.(CONTROLS))) {
+        event.preventDefault();
+      }
+    }, {capture: true, passive: false});
+  }
+  for (;;) {
+    await new Promise((resolve) => setTimeout(resolve, ASK_EVERY_MS));
     try {
       const limit = AbortSignal.timeout(ANSWER_WITHIN_MS);
-      const answer = await fetch(new URL("health", location.href), {cache: "no-store", signal: limit});
-      // a server that answers others takes up this page's line too, unless that is broken
-      if (!gone) { await new Promise((resolve) => setTimeout(resolve, CATCHES_UP_MS)); }
-      if (!banner) { return; }
-      // a server that runs this page as a script has no health check, but it answers
-      if (answer.ok || answer.status === 404) { reopen(); return; }
-      banner.say(answer.status === 503 ? WORDS.starting : WORDS.lost);
-    } catch { if (banner) { show(); } }
-    // each try that fails leaves an error in the browser's console: they become rare
-    if (banner) { wait(WAIT_S[Math.min(tries++, WAIT_S.length - 1)]); }
-  };
-  const wait = (seconds) => {
-    if (seconds <= 0) { ask(); return; }
-    banner.count(`Trying again in ${seconds} s.`);
-    timer = setTimeout(wait, 1000, seconds - 1);
-  };
-  const look = () => {
-    const late = gone || leaving ? 0 : wire.waits_ms();
-    root.classList.toggle("rj-waiting", late > WAITING_MS);
-    if (late > WAITING_MS && !note) {
-      note = make("div", {class: "rj-wait", role: "status"});
-      document.body.append(note);
-      // a region that comes with its words is not read out
-      note.textContent = "Waiting for the server";
-    } else if (late <= WAITING_MS && note) { note.remove(); note = null; }
-    if (late > SILENT_MS && !banner) {
-      show();
-      wait(WAIT_S.at(-1));
-    } else if (late <= SILENT_MS && banner && !gone) { hide(); }
-  };
-  const looking = setInterval(look, LOOK_MS);
-  signal.addEventListener("abort", () => clearInterval(looking));
-  const lost = () => setTimeout(() => {
-    if (leaving || gone) { return; }
-    gone = true;
-    wire.end();
-    hide();
-    look();
-    show();
-    root.classList.add("rj-gone");
-    const hold_back = (event) => {
-      const path = event.composedPath();
-      if (path.includes(banner.element) || !path.some((element) => element.matches?.(PRESSED))) { return; }
-      event.preventDefault();
-      event.stopImmediatePropagation();
-    };
-    for (const name of ["click", "mousedown", "pointerdown"]) {
-      window.addEventListener(name, hold_back, {capture: true, signal});
-    }
-    wait(WAIT_S[0]);
-  }, LEAVING_MS);
+      const {ok, status} = await fetch(new URL("ready", location.href), {cache: "no-store", signal: limit});
+      // a server that runs this page as a script has no such address, but it answers
+      if (ok || status === NOT_FOUND) { location.reload(); return; }
+      const said = status === STARTING ? WORDS.starting : WORDS.lost;
+      if (words.textContent !== said) { words.textContent = said; }
+    } catch { /* it does not answer yet */ }
+  }
+};
+
+const watch_connection = (bokeh_document, signal) => {
+  let leaving = false;
   window.addEventListener("pagehide", () => { leaving = true; }, {signal});
   window.addEventListener("pageshow", (event) => { if (event.persisted) { location.reload(); } }, {signal});
-  document_of_bokeh.on_event("connection_lost", lost);
-  return () => gone;
+  bokeh_document.on_event("connection_lost", () => setTimeout(() => { if (!leaving) { end(); } }, LEAVING_MS));
 };
 
 // the field into which something was typed that has not been taken yet: there a step back is one of letters
@@ -115,10 +60,8 @@ let typed_into = null;
 const field_of = (event) => {
   const target = event.composedPath()[0];
   if (!(target instanceof HTMLElement)) { return null; }
-  const is_line = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
-  return is_line || target instanceof HTMLTextAreaElement || target.isContentEditable ? target : null;
+  return is_line(target) || target.isContentEditable ? target : null;
 };
-const is_typing = () => typed_into !== null && focused() === typed_into;
 const typing = {
   input: (event) => { typed_into = field_of(event); },
   focusin: (event) => { if (typed_into !== event.composedPath()[0]) { typed_into = null; } },
@@ -135,25 +78,20 @@ const way_of = (event) => {
 };
 
 export function render({model, view}) {
-  const signal = life_of(model), {unsent} = window.railjoule, is_gone = hold_the_line(view.model.document, signal);
+  const signal = life_of(model);
+  watch_connection(view.model.document, signal);
   const show = () => {
     if (model.address !== location.search + location.hash) {
       history.replaceState(history.state, "", location.pathname + model.address);
     }
-    unsent.noted();
   };
   const open = () => {
     if (!location.hash.startsWith("#v=")) { return; }
-    unsent.drop();
     model.send_msg({kind: "open", text: location.hash});
     // the state may be there already: then nothing else would take the fragment away
     show();
   };
-  model.on("started", () => {
-    const changes = unsent.take();
-    if (location.hash.startsWith("#v=")) { open(); } else { show(); }
-    if (changes) { model.send_msg({kind: "unsent", changes}); }
-  });
+  model.on("started", () => { if (location.hash.startsWith("#v=")) { open(); } else { show(); } });
   model.on("address", show);
   model.on("msg:custom", async (event) => {
     const {kind, name, text, type} = event.data ?? event;
@@ -185,8 +123,6 @@ export function render({model, view}) {
       const way = way_of(event);
       if (!way) { return; }
       event.preventDefault();
-      if (is_gone()) { return; }
-      unsent.drop();
       model.send_msg({kind: way});
     },
     hashchange: open,
@@ -198,7 +134,6 @@ export function render({model, view}) {
       veil.remove();
       if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
       event.preventDefault();
-      if (is_gone()) { return; }
       const files = [...event.dataTransfer.files], tables = files.filter((file) => TABLE.test(file.name));
       if (tables.length) { tables.forEach(read_table); } else { read(files[0]); }
     },

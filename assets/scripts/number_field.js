@@ -96,7 +96,6 @@ export function render({model}) {
   const note = make("div", {class: "note", hidden: true});
   const refusal = make("div", {id: "refusal", class: "refusal", role: "alert", hidden: true});
   const sender = throttled((number) => { model.value = number; }, SEND_EVERY_MS);
-  const {unsent} = window.railjoule;
   // what the server says meanwhile, of the number or of something else, must not take a step back from who slides
   const now = () => sender.waiting() ?? model.value ?? model.suggested;
   const with_unit = (number) => `${shown(number, model.digits)} ${model.unit}`.trimEnd();
@@ -108,7 +107,6 @@ export function render({model}) {
     move: (number) => {
       write(number);
       draw(number);
-      unsent.keep(model.key, String(number));
       sender.put(number);
     },
     rest: () => { sender.flush(); show(); },
@@ -135,7 +133,6 @@ export function render({model}) {
   };
   text.addEventListener("change", () => {
     known = text.value;
-    unsent.keep(model.key, text.value);
     model.send_msg({text: text.value});
   });
   text.addEventListener("keydown", (event) => {

@@ -2,9 +2,6 @@
 
 import {filled, make} from "./dom.js";
 
-// as an address names an empty list: EMPTY in dashboard/keep/link.py
-const NOTHING_TICKED = "[]";
-
 export function render({model}) {
   const root = make("div", {class: "strategies", role: "group", "aria-label": "Strategies"});
   const head = filled("div", "strategy head",
@@ -26,15 +23,12 @@ export function render({model}) {
       radio, box, filled("span", "swatch", swatch), text, filled("span", "", info), result);
     radio.addEventListener("change", () => {
       asked.chosen = name;
-      window.railjoule.unsent.keep("chosen", name);
       model.send_msg({kind: "choose", name});
       for (const [other, one] of rows) { mark(one, is_chosen(other), is_ticked(other)); }
     });
     box.addEventListener("change", () => {
       asked.ticks.set(name, box.checked);
       box.dataset.ticked = +box.checked;
-      const ticked = model.strategies.map((one) => one.name).filter(is_ticked);
-      window.railjoule.unsent.keep("ticked", ticked.join(",") || NOTHING_TICKED);
       model.send_msg({kind: "draw", name, on: box.checked});
     });
     rows.set(name, {row, radio, box, result});

@@ -24,10 +24,7 @@ export function render({model}) {
 
   const build_cell = (column, row, index) => {
     const name = `${column.label}, row ${row + 1}`;
-    const commit = () => {
-      window.railjoule.unsent.keep(`cell:${model.table.key}:${row}:${index}`, input.value);
-      send({what: "cell", row, column: index, text: input.value});
-    };
+    const commit = () => send({what: "cell", row, column: index, text: input.value});
     let input;
     if (column.kind === "choice") {
       input = make("select", {"aria-label": name}, ...column.choices.map((value) => make("option", {value}, value)));

@@ -14,6 +14,7 @@ import numpy as np
 from railjoule.core.bounds import switched_premise, time_line, windowed_bound_statement, work_floor_j
 from railjoule.core.drive.kernels import may_be_concave
 from railjoule.core.errors import ScenarioError
+from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.strategies.line_parts import (
     LineParts,
     Part,
@@ -22,6 +23,7 @@ from railjoule.core.strategies.line_parts import (
     arrival_name,
     arrivals_of,
     inner_stations,
+    longest_time_s,
     part_of,
     parts_between,
     shortest_times_s,
@@ -31,7 +33,7 @@ from railjoule.core.strategies.line_parts import (
 )
 from railjoule.core.task import LEAST_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
-from railjoule.core.units import distinct_numbers
+from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
 Windows = Mapping[int, tuple[float, float]]
 """Earliest and latest arrival [s] by the number of a station, counted from 0 behind the start; the last is the end."""
@@ -100,6 +102,8 @@ def require_windows(task: Task, windows: Windows) -> None:
                     f"{latest:g} s that the timetable allows for the whole run."
                 )
         possible_s = max(reached_s * (1 + LEAST_SLACK), earliest)
+        if number == 0:
+            _require_slow_first_leg(task, stops[1], earliest)
         if reached_s * (1 + LEAST_SLACK) >= latest or earliest > latest:
             waited = ready_s > float(dwell[: number + 1].sum() + shortest[:number].sum())
             kept = " with the windows of arrival before it" if waited else ""
@@ -110,6 +114,23 @@ def require_windows(task: Task, windows: Windows) -> None:
                 f"The arrival at {where} must be no later than {asked} s, and {reason} {possible} s{kept}."
             )
         ready_s = max(reached_s, earliest) + float(dwell[number + 1])
+
+
+def _require_slow_first_leg(task: Task, stop: int, earliest_s: float) -> None:
+    """Raise ScenarioError if a train that enters in motion cannot be slow enough for its first arrival."""
+    entry_speed2 = float(task.course.data.fixed_speed2[0])
+    if entry_speed2 == 0.0 or earliest_s == 0.0:
+        return
+    latest_s = longest_time_s(task, stop)
+    if earliest_s > latest_s + ON_TIME_S:
+        where = arrival_name(task, 0)
+        asked, possible = _distinct_times(earliest_s, latest_s)
+        raise ScenarioError(
+            f"The arrival at {where} must be no earlier than {asked} s, but the train enters at "
+            f"{np.sqrt(entry_speed2) / MS_PER_KMH:.1f} km/h and arrives there after {possible} s at the latest: it "
+            f"brakes fully from the start and then runs at {np.sqrt(SLOWEST_SPEED2) / MS_PER_KMH:g} km/h, the lowest "
+            "speed of a run. Allow an earlier arrival, or lower the entry speed."
+        )
 
 
 def _possible(task: Task, windows: Windows, spare_share: float) -> dict[int, tuple[float, float]]:

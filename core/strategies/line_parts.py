@@ -19,7 +19,10 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RailjouleError, ScenarioError
+from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.motion import running_time
+from railjoule.core.motion.cell_step import FULL_BRAKE, exit_speed2
+from railjoule.core.physics.course_data import cell_of, train_of
 from railjoule.core.scenario import Station
 from railjoule.core.task import LEAST_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, make_trajectory
@@ -92,6 +95,21 @@ def shortest_times_s(task: Task, stops: Sequence[int]) -> FloatArray:
     """Return the shortest running time from each stop to the next [s]; shape (k - 1,) for k stops."""
     length, speed2 = task.course.data.cell_length_m, task.greatest_speed2
     return np.array([running_time(length[a:b], speed2[a : b + 1]) for a, b in pairwise(stops)])
+
+
+def longest_time_s(task: Task, stop: int) -> float:
+    """Return a time that no run from the start to a node exceeds without a stop in between [s].
+
+    The train brakes fully from the start down to the lowest speed of a run, and keeps that.
+    """
+    data = task.course.data
+    speed2 = np.empty(stop + 1)
+    speed2[0] = data.fixed_speed2[0]
+    for i in range(stop):
+        braked = exit_speed2(cell_of(data, i), train_of(data), data.traction, data.braking, speed2[i], FULL_BRAKE)
+        speed2[i + 1] = max(braked, SLOWEST_SPEED2)
+    speed2[stop] = max(data.fixed_speed2[stop], 0.0)
+    return running_time(data.cell_length_m[:stop], speed2)
 
 
 def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:

@@ -82,7 +82,7 @@ class DrawingQueue:
         if (chart := self._next_in_sight()) is not None:
             self._called = True
             # a page that opens lets those go first that wait for the answer to a move
-            if not chart.is_drawn and events.TALLY.someone_waits(LONGEST_WAIT_S):
+            if not chart.is_drawn and events.WAITS.someone_waits(LONGEST_WAIT_S):
                 document.add_timeout_callback(self._draw_next, LATER_MS)
             else:
                 document.add_next_tick_callback(self._draw_next)

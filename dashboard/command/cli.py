@@ -19,7 +19,7 @@ from railjoule.dashboard.server.options import (
     origin_parts,
 )
 
-MOST_SESSIONS, MOST_PROCESSES = 10_000, 64
+MOST_SESSIONS = 10_000
 # as core/scenario bounds timetable.travel_time_s
 LONGEST_TIME_S = 86_400.0
 """The longest that a scenario may take."""
@@ -117,7 +117,6 @@ def _call(options: argparse.Namespace) -> bool:
             tuple(options.origin),
             options.prefix.rstrip("/"),
             options.sessions,
-            options.processes,
         )
         if not options.no_workspace and (options.workspace is not None or place.is_for_this_machine):
             own = commands.workspace_at(options.workspace, make=True)
@@ -256,13 +255,6 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument("--prefix", type=_prefix, default="", metavar="PATH", help="serve below this path, not at /")
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
-    )
-    serve.add_argument(
-        "--processes",
-        type=_processes,
-        default=1,
-        metavar="N",
-        help="serve in so many processes behind the one port, such as one for each processor; default: 1",
     )
     serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
     _add_workspace(
@@ -612,16 +604,8 @@ def _prefix(text: str) -> str:
 
 
 def _sessions(text: str) -> int:
-    return _counted(text, MOST_SESSIONS)
-
-
-def _processes(text: str) -> int:
-    return _counted(text, MOST_PROCESSES)
-
-
-def _counted(text: str, most: int) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= most):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {most}")
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= MOST_SESSIONS):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {MOST_SESSIONS}")
     return int(text)
 
 

@@ -2,7 +2,6 @@
 
 import io
 import json
-import socket
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -314,31 +313,12 @@ def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
     """
     from railjoule.core.compilation import compilation  # noqa: PLC0415
 
-    if options.processes > 1:
-        _serve_in_processes(options, own)
-        return
     # the libraries of the page take seconds to import, which other processes may spend compiling
     compilation().begin()
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
-    with _served_at(options):
-        app.serve(options, own)
-
-
-def _serve_in_processes(options: "ServerOptions", own: Workspace | None) -> None:
-    if not hasattr(socket, "send_fds"):
-        raise CommandError("--processes needs a system that hands connections on, such as Linux or macOS.")
-    with missing_named("the dashboard"):
-        from railjoule.dashboard.command.processes import serve_in_processes  # noqa: PLC0415
-    with _served_at(options):
-        serve_in_processes(options, own)
-
-
-@contextmanager
-def _served_at(options: "ServerOptions") -> Iterator[None]:
-    """Tell in a sentence that an address cannot be served at."""
     try:
-        yield
+        app.serve(options, own)
     except OSError as error:
         told = error.strerror or error
         raise CommandError(f"cannot serve at {options.address}, port {options.port}: {told}.") from None

@@ -127,38 +127,6 @@ class EditorModel(param.Parameterized):
             kept = f"{look.text(field)} {field.unit}".strip() or "nothing"
             self._refuse(field.key, Refusal(text, f"{sentence_of(error)} Kept: {kept}."))
 
-    def take_typed(self, name: str, text: str) -> str:
-        """Take what was typed while the server was away, and return why not, if so.
-
-        Parameters
-        ----------
-        name : str
-            `edit:` and the key of a field, or `cell:`, the key of a list, a row and a column, with colons between.
-        text : str
-            As it was typed.
-        """
-        kind, _, place = name.partition(":")
-        key, *numbers = place.split(":") if kind == "cell" else [place]
-        part = self.part(key)
-        if isinstance(part, Field) and not numbers:
-            self.type(part, text)
-        elif isinstance(part, Table) and len(numbers) == len(("row", "column")) and all(map(str.isdecimal, numbers)):
-            row, column = map(int, numbers)
-            if row >= len(self.look().rows(part)) or column >= len(part.columns):
-                return f"{key} has no row {row + 1} with a cell {column + 1} any more."
-            self.type_cell(part, row, column, text)
-        else:
-            return ""
-        refusal: Refusal | None = self.refused.get(key)
-        return "" if refusal is None else refusal.sentence
-
-    def part(self, key: str) -> Field | Table | None:
-        """Return the field or list of a key, as the scenario stands."""
-        scenario = self.look().now
-        tables = (table for names in GROUPS.values() for table in names)
-        parts = (part for table in tables for _, found in self.parts(table, scenario) for part in found)
-        return next((part for part in parts if part.key == key), None)
-
     def take_back(self, key: str) -> None:
         """Give a field or list the value again that it had."""
         try:

@@ -16,9 +16,9 @@ from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.lifeline import Lifeline
-from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, set_from_text, write_link
-from railjoule.dashboard.keep.snapshot import Snapshot, fields_of, lay, originals_of, snapshot_of
-from railjoule.dashboard.state.kept import Kept, short
+from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
+from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
+from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
@@ -75,7 +75,6 @@ class Keeping(param.Parameterized):
         self.history = History(snapshot_of(state))
         listeners: dict[str, Callable[[dict[str, Any]], None]] = {
             "open": lambda message: self.open_link(str(message.get("text"))),
-            "unsent": lambda message: self.take_unsent(message.get("changes")),
             "undo": lambda _: self.undo(),
             "redo": lambda _: self.redo(),
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
@@ -128,28 +127,6 @@ class Keeping(param.Parameterized):
         told = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
         if told:
             self.tell(told)
-
-    def take_unsent(self, changes: object) -> None:
-        """Take what was changed on a page whose server was gone before it could take note of it: texts by field."""
-        if not isinstance(changes, dict):
-            return
-
-        def take() -> None:
-            refusals = []
-            known = {key: (model, field) for key, model, field in fields_of(self.state)}
-            # in their order: a cell may have been typed into twice
-            for key, text in changes.items():
-                try:
-                    if key in known:
-                        set_from_text(*known[key], str(text))
-                    elif refusal := self.state.editor.take_typed(key, str(text)):
-                        refusals.append(refusal)
-                except (RailjouleError, ValueError) as error:
-                    refusals.append(f"{key} = {short(text)}: {error}")
-            if refusals:
-                self.tell(f"What was changed while the server was away is not all kept: {' '.join(refusals)}")
-
-        self._attempt("change", take)
 
     def open_file(self, name: str, text: str) -> None:
         """Take the scenario of a file that was dropped or chosen."""

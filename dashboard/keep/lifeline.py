@@ -1,6 +1,6 @@
 """The page's ties to its address, its keys, dropped files, the clipboard, and the server.
 
-The browser's half shows at once when the server is gone, and opens the page's address anew when it answers.
+The browser's half says when the server is gone, and loads the page's address again when it answers.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,6 @@ from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look.scripts import module
 
 
-# Panel's own `reconnect` asks a server that was restarted for a session that it does not know, again and again
 class Lifeline(JSComponent):
     """The page's ties to its browser's address, keys, files and clipboard.
 

@@ -17,7 +17,6 @@ from railjoule.core.budget import PAGE
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MOST_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
-from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.workbench import Workbench
 
 VERSION = "1"
@@ -195,20 +194,6 @@ def _value(model: Kept, name: str, text: str) -> Any:
     if isinstance(parameter, param.String):
         return model.checked(name, text)
     return model.checked(name, _from_json(text))
-
-
-def set_from_text(model: Kept, field: str, text: str) -> None:
-    """Give a field with few values the one of a text, as a link or a reader writes it.
-
-    Raises
-    ------
-    ValueError
-        With a sentence on what the field takes.
-    """
-    if isinstance(model.param[field], param.Number) and isinstance(model, TypedParameters):
-        setattr(model, field, model.parse_or_none(field, text))
-    elif isinstance(model.param[field], (param.Boolean, param.Selector)):
-        setattr(model, field, _value(model, field, text))
 
 
 def _number(text: str) -> float:

@@ -38,7 +38,6 @@ class NumberField(LightComponent):
         Of the component: `label` where it is not the model's, `of` for what the number belongs to, `narrow`.
     """
 
-    key = param.String(default="", doc="What the page's address calls it; empty where it stands in none by itself.")
     label = param.String(default="", doc="Quantity and unit.")
     of = param.String(default="", doc="What the number belongs to, for those who listen.")
     unit = param.String(default="", doc="Unit in sentences.")
@@ -76,7 +75,6 @@ class NumberField(LightComponent):
             slider = {"step": declared.step, **around(ends or declared.softbounds, number)}
         super().__init__(
             **{
-                "key": "" if model.address_prefix is None else f"{model.address_prefix}{field}",
                 "label": label,
                 "unit": declared.unit,
                 "digits": declared.digits,

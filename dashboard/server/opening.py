@@ -2,7 +2,7 @@
 
 What the browser gets first names the scripts and holds nothing of the page but its token, in which its address is. So
 it is written once for all, and whoever only asks for it costs next to nothing. The browser then opens a connection with
-that token, maybe to another process than the one that answered before: there the page is made, and sent once.
+that token: the page is made then, and sent once. Behind a proxy, another server may receive that connection.
 """
 
 import asyncio
@@ -45,14 +45,16 @@ FORBIDDEN = 403
 
 
 class Opening:
-    """What the pages of one process that open have in common.
+    """What the pages of one server that open have in common.
 
     Parameters
     ----------
     html : str
         What each browser gets first, with TOKEN where its own comes.
-    has_place : callable
-        Returns whether one more page may be open.
+    most : int or None
+        How many pages may be open at a time; None for any number.
+    count_open : callable
+        Returns how many pages are open.
     others_wait : callable
         Returns whether an open page waits for a result, and not longer than so many seconds.
     """
@@ -60,11 +62,12 @@ class Opening:
     def __init__(
         self,
         html: str,
-        has_place: Callable[[], bool] = lambda: True,
+        most: int | None = None,
+        count_open: Callable[[], int] = lambda: 0,
         others_wait: Callable[[float], bool] = lambda _: False,
     ) -> None:
         self._before, self._after = html.split(TOKEN)
-        self.has_place, self._others_wait = has_place, others_wait
+        self._most, self._count_open, self._others_wait = most, count_open, others_wait
         self._one = asyncio.Lock()
         self._answered: deque[float] = deque()
         self._opened: deque[float] = deque()
@@ -75,13 +78,23 @@ class Opening:
         return "".join((self._before, token, self._after))
 
     @property
-    def awaited(self) -> int:
-        """How many more pages were answered of late than were opened; another process may have opened them."""
+    def taken_places(self) -> int:
+        """Number of pages that are open or about to open."""
+        return self._count_open() + self._awaited()
+
+    @property
+    def has_place(self) -> bool:
+        """Whether a page may open whose connection has come: there is a place, or one was kept for it."""
+        return self._most is None or self._awaited() > 0 or self._count_open() < self._most
+
+    def _awaited(self) -> int:
+        """Return how many more pages were answered of late than were opened."""
         since = time.monotonic() - OPENS_WITHIN_S
         for times in (self._answered, self._opened):
             while times and times[0] < since:
                 times.popleft()
-        return len(self._answered) - len(self._opened)
+        # behind a proxy, pages may open here that another server has answered
+        return max(len(self._answered) - len(self._opened), 0)
 
     @contextlib.asynccontextmanager
     async def turn(self) -> AsyncIterator[None]:
@@ -137,7 +150,7 @@ class PageSocket(PageConnection):
             # whoever closes the window while others open costs nothing
             if is_gone(self):
                 return
-            if not self._opening.has_place():
+            if not self._opening.has_place:
                 self.close(TRY_LATER, "all places are taken")
                 return
             try:

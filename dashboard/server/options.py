@@ -10,8 +10,8 @@ DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 NO_LOGIN = "There is no login: whoever reaches the port can use the pages, and change the files of a workspace."
 EXPOSED = (
     "Whoever reaches the port sees every page, can let this machine compute within the limits of a page, and asks at "
-    "/health, /ready and /metrics how the server is. No file of this machine can be read there but those of the folder "
-    "of My files."
+    "/health and /ready how the server is. No file of this machine can be read there but those of the folder of My "
+    "files."
 )
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 """A browser on this machine may call the server by any of them."""
@@ -37,8 +37,6 @@ class ServerOptions:
         The path below which it is served, such as "/tools/railjoule"; empty for the root.
     sessions : int or None
         How many pages may be open at a time; None for any number.
-    processes : int
-        How many processes serve it, behind the one port.
     """
 
     address: str = DEFAULT_ADDRESS
@@ -46,7 +44,6 @@ class ServerOptions:
     origins: tuple[str, ...] = ()
     prefix: str = ""
     sessions: int | None = None
-    processes: int = 1
 
     @property
     def is_for_this_machine(self) -> bool:

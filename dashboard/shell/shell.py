@@ -61,7 +61,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": "".join(source(name) for name in ("wire", "follow", "mends", "glossary")) + lent("number_field"),
+        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")) + lent("number_field"),
         "opening": source("opening"),
         # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),

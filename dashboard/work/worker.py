@@ -181,10 +181,9 @@ class Worker(Generic[Request, Result]):
         slow = self._is_slow(request)
         threads = self._threads or (SLOW_THREADS if slow else THREADS)
         if not slow:
-            events.TALLY.wait(self)
+            events.WAITS.wait(self)
         # asked now: by the time the result comes, the page may be about another scenario
         future = threads.submit(self._timed, request)
-        events.TALLY.queue(future)
         future.add_done_callback(partial(self._hand_over, self._about(), self._requested_s))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
@@ -205,7 +204,7 @@ class Worker(Generic[Request, Result]):
         self._turn(partial(self._finish, about, requested_s, future))
 
     def _finish(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
-        events.TALLY.settle(self)
+        events.WAITS.settle(self)
         error = future.exception()
         self._late.answered(more=self._request is not None)
         outcome = future.result() if error is None else told(error)
@@ -280,7 +279,7 @@ class Study(Generic[Request, Result]):
             self._work(request, job)
         else:
             self._late.asked(document)
-            events.TALLY.queue(self._threads.submit(self._work, request, job))
+            self._threads.submit(self._work, request, job)
 
     @property
     def busy(self) -> bool:

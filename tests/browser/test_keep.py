@@ -1,4 +1,4 @@
-"""What a user keeps and shares: steps back, the address, files, and a page whose server was away."""
+"""What a user keeps and shares: steps back, the address, and files."""
 
 import re
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from browser.findings import grave_findings
-from browser.server import Server, serving
+from browser.server import Server
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 from railjoule.dashboard.keep.embedded import embedded
@@ -122,31 +122,3 @@ def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: S
     expect(user.page).to_have_url(server.url + "?v=1&load_percent=10&robustness.seed=7")
     user.page.evaluate("location.hash = '#v=2&load_percent=20'")
     expect(user.page.get_by_role("alert").filter(has_text="The link has version 2")).to_be_visible()
-
-
-@pytest.mark.nightly
-def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:
-    command = ("-m", "railjoule.dashboard", "serve")
-    context = chromium.new_context(viewport={"width": 1280, "height": 900})
-    page = context.new_page()
-    try:
-        with serving(*command) as server:
-            page.goto(server.drive_url + "&load_percent=30")
-            page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-            energy = page.locator(".figure.main:visible .value")
-            expect(energy).not_to_be_empty()
-            field = page.get_by_label("Travel time, s, as a number", exact=True)
-            field.fill("190")
-            field.press("Enter")
-            expect(page).to_have_url(re.compile("travel_time_s=190&load_percent=30"))
-            expect(page.locator(".figure:visible", has_text="Travel time").locator(".value")).to_have_text("190.0s")
-            before, address = energy.inner_text(), page.url
-            server.process.kill()
-        expect(page.get_by_role("alert")).to_contain_text("The connection to the server is lost.")
-        with serving(*command, port=server.port):
-            expect(page.locator(".rj-lost")).to_have_count(0, timeout=PATIENCE_MS)
-            page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-            expect(energy).to_have_text(before)
-            assert page.url == address
-    finally:
-        context.close()

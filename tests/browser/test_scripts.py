@@ -34,7 +34,6 @@ def page(chromium: Browser) -> Iterator[Page]:
     page.route(f"{ADDRESS}**", answer)
     page.goto(ADDRESS)
     page.evaluate(source(KNOWS_ALL_ROOTS))
-    page.evaluate(source("wire"))
     yield page
     context.close()
 

@@ -141,10 +141,6 @@ class AnyOrder(RuleBasedStateMachine):
     def open_link(self, query: str) -> None:
         self.keeping.open_link(query)
 
-    @rule(changes=st.sampled_from([{"load_percent": "25"}, {"load_percent": "x", "nope": 1}, {"ticked": "optimal"}]))
-    def come_back(self, changes: dict[str, Any]) -> None:
-        self.keeping.take_unsent(changes)
-
     @rule()
     def note(self) -> None:
         self.keeping.note()

@@ -1,6 +1,6 @@
 """Many open pages that all move: how long their answers take, what is lost, and what they take of the server.
 
-`python -m tests.trust.load --pages 100 --seconds 120 --processes 2 --rounds 3` serves on this machine alone, opens the
+`python -m tests.trust.load --pages 100 --seconds 120 --rounds 3` serves on this machine alone, opens the
 pages, moves one slider of each every two seconds, closes them and begins anew. Pages, seconds and rounds are bounded.
 The client takes a processor too: where it shares them with the server, its own share is told.
 """
@@ -18,7 +18,7 @@ import psutil
 from tests.benchmarks.measurement import Measurement
 from tests.browser.server import Server, serving
 from tests.browser.visitor import Visitor
-from tests.trust.opening import MOVED_S, SLIDER, command, told
+from tests.trust.opening import COMMAND, MOVED_S, SLIDER, told
 
 MOST_PAGES, MOST_SECONDS, MOST_ROUNDS = 300, 600, 5
 EVERY_S, OPENING_AT_ONCE = 2.0, 5
@@ -108,11 +108,11 @@ def rows(number: int, found: Round, rest_mb: float, pages: int, client_cores: fl
     yield Measurement(f"{begin}memory of a page", (found.memory_mb - rest_mb) / pages, "MB", at_most=25)
 
 
-def measurements(pages: int, seconds: float, processes: int, rounds: int, pause_s: float) -> Iterator[Measurement]:
+def measurements(pages: int, seconds: float, rounds: int, pause_s: float) -> Iterator[Measurement]:
     """Yield all numbers."""
-    with serving(*command(processes)) as server:
+    with serving(*COMMAND) as server:
         # what the first pages alone have to load
-        asyncio.run(one_round(server, 2 * processes, EVERY_S))
+        asyncio.run(one_round(server, 2, EVERY_S))
         rest_mb, peaks = memory_mb(server), []
         yield Measurement("memory at rest", rest_mb, "MB")
         for number in range(1, rounds + 1):
@@ -134,7 +134,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.trust.load", description=__doc__)
     parser.add_argument("--pages", type=int, default=100, help=f"open pages, {MOST_PAGES} at most")
     parser.add_argument("--seconds", type=float, default=120.0, help=f"of moves a round, {MOST_SECONDS} at most")
-    parser.add_argument("--processes", type=int, default=2, help="processes of the server")
     parser.add_argument("--rounds", type=int, default=1, help=f"{MOST_ROUNDS} at most")
     parser.add_argument("--pause", type=float, default=100.0, help="seconds between rounds, for closed pages to end")
     asked = parser.parse_args()
@@ -142,7 +141,7 @@ def main() -> int:
         parser.error(f"--pages is from 1 to {MOST_PAGES}, --seconds from {EVERY_S:g} to {MOST_SECONDS}")
     if not 1 <= asked.rounds <= MOST_ROUNDS or not 0 <= asked.pause <= MOST_SECONDS:
         parser.error(f"--rounds is from 1 to {MOST_ROUNDS}, --pause from 0 to {MOST_SECONDS}")
-    found = measurements(asked.pages, asked.seconds, asked.processes, asked.rounds, asked.pause)
+    found = measurements(asked.pages, asked.seconds, asked.rounds, asked.pause)
     return sum(row.missed for row in map(told, found)) > 0
 
 

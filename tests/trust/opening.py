@@ -27,6 +27,7 @@ SLIDER = "Travel time, s"
 MOVED_S = 150.0
 """Where the slider of the page stands that moves, which the first scenario can be driven in [s]."""
 MB = 1e6
+COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,6 @@ class Crowd:
 
     answered_s: list[float]
     moves_s: list[float]
-
-
-def command(processes: int) -> tuple[str, ...]:
-    """Return what serves with so many processes."""
-    more = ("--processes", str(processes)) if processes > 1 else ()
-    return ("-m", "railjoule.dashboard", "serve", "--no-workspace", *more)
 
 
 async def costs(server: Server, pages: int) -> list[float]:
@@ -100,14 +95,14 @@ def in_browser(server: Server, relay: Relay, pages: int) -> Iterator[Measurement
     yield Measurement("processor, a page in Chromium with figures", statistics.median(spent[1:]), "s", at_most=0.9)
 
 
-def measurements(pages: int, processes: int, browser: bool) -> Iterator[Measurement]:
+def measurements(pages: int, browser: bool) -> Iterator[Measurement]:
     """Yield all numbers."""
     listened = free_port()
     with Relay.to(listened) as relay:
         origin = ("--origin", f"127.0.0.1:{relay.port}")
-        with serving(*command(processes), *origin, port=listened) as server:
+        with serving(*COMMAND, *origin, port=listened) as server:
             # what the first pages alone have to load
-            asyncio.run(costs(server, 2 * processes))
+            asyncio.run(costs(server, 2))
             spent = asyncio.run(costs(server, pages))
             yield Measurement("processor, an open page, median", statistics.median(spent), "s", at_most=0.6)
             yield Measurement("processor, an open page, highest", max(spent), "s")
@@ -123,12 +118,11 @@ def main() -> int:
     """Print all measurements; return 1 if one of them misses its bar."""
     parser = argparse.ArgumentParser(prog="python -m tests.trust.opening", description=__doc__)
     parser.add_argument("--pages", type=int, default=10, help=f"pages opened, {MOST_PAGES} at most")
-    parser.add_argument("--processes", type=int, default=1, help="processes of the server")
     parser.add_argument("--no-browser", action="store_true", help="without what Chromium tells: bytes and figures")
     asked = parser.parse_args()
     if not 2 <= asked.pages <= MOST_PAGES:
         parser.error(f"--pages is from 2 to {MOST_PAGES}")
-    rows = measurements(asked.pages, asked.processes, browser_path() is not None and not asked.no_browser)
+    rows = measurements(asked.pages, browser_path() is not None and not asked.no_browser)
     return sum(row.missed for row in map(told, rows)) > 0
 
 

@@ -78,7 +78,6 @@ class Answers:
             "/": {},
             "/nope": {},
             "/health": {},
-            "/metrics": {},
             "/static/js/bokeh.min.js": {},
             "/x": {"Host": "evil"},
         }
@@ -166,23 +165,10 @@ class Answers:
         started = time.perf_counter()
         body = json.loads(self.ask("/health")[2])
         took = time.perf_counter() - started
-        heads = [self.ask(path, "HEAD")[0] for path in ("/health", "/ready", "/metrics")]
+        heads = [self.ask(path, "HEAD")[0] for path in ("/health", "/ready")]
         return Found(
-            f"{body['status']} in {1e3 * took:.0f} ms; HEAD {heads}", body["status"] == "ok" and heads == [200] * 3
+            f"{body['status']} in {1e3 * took:.0f} ms; HEAD {heads}", body["status"] == "ok" and heads == [200] * 2
         )
-
-    def metrics(self) -> Found:
-        """Read the counts."""
-        text = self.ask("/metrics")[2].decode()
-        wanted = (
-            "railjoule_sessions",
-            "railjoule_queue",
-            "railjoule_work_total",
-            "railjoule_wait_p95_seconds",
-            "process_resident_memory_bytes",
-        )
-        lacking = [name for name in wanted if name not in text]
-        return Found(f"lacking: {lacking or 'none'}", not lacking)
 
 
 async def moved(server: Server) -> Found:
@@ -277,14 +263,13 @@ def rows(server: Server) -> tuple[Row, ...]:
     def of(act: Callable[[Server], Coroutine[Any, Any, Found]]) -> Callable[[], Found]:
         return lambda: in_a_loop(act(server))
 
-    other = ("POST", "/"), ("PUT", "/"), ("DELETE", "/health"), ("PATCH", "/ready"), ("POST", "/metrics")
+    other = ("POST", "/"), ("PUT", "/"), ("DELETE", "/health"), ("PATCH", "/ready")
     return (
         Row("1", "slider move", "37.2 kB, 39-49 ms CPU", of(moved)),
         Row("1", "compression", "none", answers.compression),
         Row("3", "SIGSTOP for 9 s, a move meanwhile", "applied after SIGCONT", of(stopped), quick=False),
         Row("3", "SIGTERM", "ends at once, rc -15", terminated, quick=False),
         Row("3", "health, by GET and HEAD", "2-3 ms; HEAD 405", answers.health),
-        Row("3", "metrics", "none", answers.metrics),
         Row("5", "static files above their folder", "403, 404", answers.walking),
         Row("6", "headers, cookies", "none of them; the page can be framed", answers.headers),
         Row("6", "websocket of other origins", "403", answers.origins),

@@ -25,7 +25,7 @@ from tests.browser.chromium import ARGUMENTS, browser_path
 from tests.browser.server import Server, serving
 from tests.browser.visitor import Visitor
 from tests.trust.load import memory_mb
-from tests.trust.opening import MOVED_S, SLIDER, command
+from tests.trust.opening import COMMAND, MOVED_S, SLIDER
 
 MOST_MINUTES, MOST_PLACES = 600, 50
 STAYS_S = (20.0, 240.0)
@@ -200,7 +200,6 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.trust.soak", description=__doc__)
     parser.add_argument("--minutes", type=float, default=120.0, help=f"{MOST_MINUTES} at most")
     parser.add_argument("--places", type=int, default=6, help=f"pages open at a time, {MOST_PLACES} at most")
-    parser.add_argument("--processes", type=int, default=2, help="processes of the server")
     parser.add_argument("--every", type=float, default=30.0, help="seconds between samples")
     parser.add_argument("--samples", type=Path, required=True, metavar="FILE", help="CSV to write, or to draw")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="PNG to draw")
@@ -211,7 +210,7 @@ def main() -> int:
     if asked.draw:
         samples = read(asked.samples)
     else:
-        with serving(*command(asked.processes)) as server:
+        with serving(*COMMAND) as server:
             samples = asyncio.run(soak(server, asked.minutes, asked.places, asked.every, asked.samples))
     if asked.picture is not None:
         draw(samples, asked.picture)

@@ -1,26 +1,22 @@
-"""A short look at many pages over two processes; `python -m tests.trust.load` looks longer."""
+"""A short look at many pages; `python -m tests.trust.load` looks longer."""
 
 import asyncio
-import signal
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
-import psutil
 import pytest
 
 from tests.browser.server import Server, serving
 from tests.trust.load import memory_mb, one_round
-from tests.trust.opening import command
+from tests.trust.opening import COMMAND
 
-PROCESSES, PAGES, SECONDS = 2, 6, 6.0
+PAGES, SECONDS = 6, 6.0
 MEMORY_OF_A_PAGE_MB = 25
-GONE_WITHIN_S = 20
 
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    with serving(*command(PROCESSES)) as running:
+    with serving(*COMMAND) as running:
         yield running
 
 
@@ -30,50 +26,11 @@ def run(coroutine):
         return thread.submit(asyncio.run, coroutine).result()
 
 
-def workers(server: Server) -> list[psutil.Process]:
-    return [one for one in server.processes()[1:] if "spawn_main" in " ".join(one.cmdline())]
-
-
-def test_pages_of_two_processes_lose_nothing(server: Server) -> None:
-    # twice, so that both processes have loaded the compiled code
+def test_many_pages_lose_nothing(server: Server) -> None:
+    # once before, so that the server has loaded the compiled code
     run(one_round(server, PAGES, 2.0))
-    run(one_round(server, PAGES, 2.0))
-    rest, used = memory_mb(server), [one.cpu_times().user for one in workers(server)]
+    rest = memory_mb(server)
     found = run(one_round(server, PAGES, SECONDS))
     assert len(found.moves_s) >= PAGES
     assert (found.lost, found.unsettled, found.errors) == (0, 0, [])
     assert (found.memory_mb - rest) / PAGES < MEMORY_OF_A_PAGE_MB
-    # both have had pages: each takes some tenths of a second
-    spent = [one.cpu_times().user - before for one, before in zip(workers(server), used, strict=True)]
-    assert len(spent) == PROCESSES
-    assert min(spent) > 0.3 * max(spent)
-
-
-def test_any_process_tells_the_counts_of_all(server: Server) -> None:
-    pytest.importorskip("prometheus_client")
-    wanted = {f'railjoule_sessions{{process="{number}"}}' for number in range(1, PROCESSES + 1)}
-    until = time.monotonic() + GONE_WITHIN_S
-    # each tells the others every two seconds; and several connections lead to several processes
-    while time.monotonic() < until and not all(wanted <= told(server) for _ in range(2 * PROCESSES)):
-        time.sleep(0.5)
-    assert all(wanted <= told(server) for _ in range(2 * PROCESSES))
-
-
-def told(server: Server) -> set[str]:
-    return {line.rpartition(" ")[0] for line in server.get("metrics").splitlines()}
-
-
-def test_all_processes_end_with_the_one_in_front(server: Server) -> None:
-    members = workers(server)
-    server.process.terminate()
-    assert server.process.wait(GONE_WITHIN_S) == -signal.SIGTERM
-    gone, alive = psutil.wait_procs(members, GONE_WITHIN_S)
-    assert (len(gone), alive) == (PROCESSES, [])
-
-
-def test_they_end_too_where_that_one_is_killed() -> None:
-    with serving(*command(PROCESSES)) as server:
-        members = workers(server)
-        server.process.kill()
-        gone, alive = psutil.wait_procs(members, GONE_WITHIN_S)
-    assert (len(gone), alive) == (PROCESSES, [])

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from tests.browser.server import Server, serving
-from tests.trust.opening import Crowd, command, costs, crowd
+from tests.trust.opening import COMMAND, Crowd, costs, crowd
 
 PAGES = 3
 FIRST_CPU_S = 0.1
@@ -20,7 +20,7 @@ OPEN_CPU_S, MOVE_S = 2.0, 2.5
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Server]:
-    with serving(*command(1)) as running:
+    with serving(*COMMAND) as running:
         yield running
 
 

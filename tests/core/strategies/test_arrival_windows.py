@@ -1,5 +1,6 @@
 """Windows of arrival where more time saves nothing, and at the end of the line, against searches over fixed times."""
 
+import re
 from itertools import product
 
 import numpy as np
@@ -170,6 +171,39 @@ def test_a_train_that_begins_in_motion_cannot_wait_and_runs_slower():
         low, high = (limit_kmh, high) if limited.travel_time_s > at_s else (low, limit_kmh)
     assert limited.travel_time_s == pytest.approx(at_s, rel=0.01)
     assert run.energy_kwh < limited.energy_kwh
+
+
+def test_a_window_that_no_train_entering_in_motion_can_keep_is_refused():
+    """Full braking from the entry takes v / a; the 20 m that are left then take 200 s at the lowest speed, 0.1 m/s."""
+    entry_ms, left_m = 10.0, 20.0
+    resistance = {"constant_n_per_kn": 2.0}
+    base = plain_scenario({"vehicle.braking.max_effort_kn": 50.0, "vehicle.resistance": resistance})
+    mass_kg = base.vehicle.tare_kg + 400 * 75.0 * base.vehicle.load_factor
+    deceleration_ms2 = (50e3 + 2e-3 * mass_kg * 9.81) / (mass_kg + 0.1 * base.vehicle.tare_kg)
+    braking_m = entry_ms**2 / (2 * deceleration_ms2)
+    longest_s = entry_ms / deceleration_ms2 + left_m / 0.1
+
+    def with_earliest(earliest_s):
+        station = {
+            "name": "Mid",
+            "position_m": braking_m + left_m,
+            "dwell_s": DWELL_S,
+            "earliest_arrival_s": earliest_s,
+        }
+        return base.with_(
+            **{
+                "line.stations": [station],
+                "timetable.entry_speed_kmh": 36.0,
+                "timetable.travel_time_s": 2 * longest_s + 200.0,
+                "solver.mesh_m": 2.0,
+            }
+        )
+
+    with pytest.raises(ScenarioError, match="Allow an earlier arrival, or lower the entry speed") as refusal:
+        solve(with_earliest(1.05 * longest_s))
+    words = re.search(r"no earlier than (\S+) s, .* after (\S+) s at the latest", str(refusal.value))
+    assert float(words[1]) == pytest.approx(1.05 * longest_s, abs=0.1)
+    assert float(words[2]) == pytest.approx(longest_s, rel=0.03)
 
 
 @pytest.mark.parametrize("strategy", ["optimal", "bellman"])

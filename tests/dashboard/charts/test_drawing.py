@@ -19,7 +19,7 @@ def someone() -> Iterator[object]:
     """One of whom is told when it waits."""
     who = type("Who", (), {})()
     yield who
-    events.TALLY.settle(who)
+    events.WAITS.settle(who)
 
 
 @pytest.mark.parametrize("waits", [False, True])
@@ -38,7 +38,7 @@ def test_a_chart_that_is_new_comes_after_the_answers_to_moves(waits: bool, someo
     queue.take((chart,))
     browser.started = True
     if waits:
-        events.TALLY.wait(someone)
+        events.WAITS.wait(someone)
     with set_curdoc(Asked()):
         chart.show(lambda: chart.draw(figure()))
     assert asked == [LATER_MS if waits else 0]

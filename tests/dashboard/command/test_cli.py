@@ -1,9 +1,7 @@
-import gc
 import json
 import os
 import re
 import runpy
-import socket
 import subprocess
 import sys
 import types
@@ -393,30 +391,6 @@ def test_serve_passes_address_and_port(capsys, app):
     ]
 
 
-def test_serve_passes_processes_to_what_starts_them(capsys, monkeypatch):
-    served = []
-    monkeypatch.setattr("railjoule.dashboard.command.processes.serve_in_processes", lambda *words: served.append(words))
-    answer(capsys, "serve", "--processes", "3", "--no-workspace")
-    assert served == [(ServerOptions(processes=3), None)]
-
-
-def test_where_connections_cannot_be_handed_on_one_sentence_says_so(capsys, monkeypatch):
-    monkeypatch.delattr("socket.send_fds")
-    assert "--processes needs a system that hands connections on" in complaint(capsys, "serve", "--processes", "2")
-
-
-# tornado leaves the socket open that it could not bind
-@pytest.mark.filterwarnings("ignore:Exception ignored in. <socket:pytest.PytestUnraisableExceptionWarning")
-def test_a_port_that_others_have_is_told_with_several_processes_too(capsys):
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = str(taken.getsockname()[1])
-        told = complaint(capsys, "serve", "--processes", "2", "--port", port)
-        gc.collect()
-    assert f"cannot serve at 127.0.0.1, port {port}: Address already in use." in told
-
-
 # ---- a workspace
 
 OWN_SCENARIO = '[vehicle]\npreset = "my-metro"\n[line]\npreset = "liashenko-ii"\n[timetable]\ntravel_time_s = 100\n'
@@ -637,7 +611,6 @@ def test_a_bad_change(capsys, change, words):
         (["serve", "--origin", "http://a.example"], "'http://a.example' is not NAME or NAME:PORT"),
         (["serve", "--prefix", "a b"], "'a b' is not a path such as /tools/railjoule"),
         (["serve", "--sessions", "0"], "'0' is not a whole number from 1 to 10000"),
-        (["serve", "--processes", "65"], "'65' is not a whole number from 1 to 64"),
         (["serve", "--port", "9" * 5000], "is not a port"),
         (["serve", "--port", "http"], "'http' is not a port"),
         (["benchmark", "liashenko-ii"], "unrecognized arguments"),
@@ -848,7 +821,7 @@ def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
 def test_serve_says_what_it_exposes(capsys):
     assert main(["serve", "--help"]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    for words in ("There is no login", "/health, /ready and /metrics", "No file of this machine can be read there"):
+    for words in ("There is no login", "/health and /ready", "No file of this machine can be read there"):
         assert words in told
 
 

@@ -16,14 +16,22 @@ def editor(model: ScenarioModel) -> EditorModel:
     return EditorModel(model)
 
 
+def part(editor: EditorModel, key: str) -> Field | Table:
+    scenario = editor.look().now
+    tables = (table for names in GROUPS.values() for table in names)
+    return next(
+        one for table in tables for _, parts in editor.parts(table, scenario) for one in parts if one.key == key
+    )
+
+
 def field(editor: EditorModel, key: str) -> Field:
-    found = editor.part(key)
+    found = part(editor, key)
     assert isinstance(found, Field)
     return found
 
 
 def table(editor: EditorModel, key: str) -> Table:
-    found = editor.part(key)
+    found = part(editor, key)
     assert isinstance(found, Table)
     return found
 
@@ -36,23 +44,6 @@ def test_a_typed_value_is_an_edit_and_typed_back_is_none(model: ScenarioModel, e
     assert (editor.look().text(tare), editor.look().was(tare)) == ("150000", before)
     editor.type(tare, before)
     assert dict(model.changes) == {}
-
-
-def test_what_was_typed_while_the_server_was_away_is_taken_or_told(model: ScenarioModel, editor: EditorModel) -> None:
-    assert editor.take_typed("edit:vehicle.tare_kg", "150000") == ""
-    assert editor.take_typed("cell:line.speed_limits:0:2", "60") == ""
-    assert model.changes["vehicle.tare_kg"] == 150_000.0
-    assert editor.look().rows(table(editor, "line.speed_limits"))[0]["limit_kmh"] == 60.0
-    changes = dict(model.changes)
-    assert "Kept: 150000 kg" in editor.take_typed("edit:vehicle.tare_kg", "heavy")
-    assert "Nothing is changed" in editor.take_typed("cell:line.speed_limits:0:2", "fast")
-    assert editor.take_typed("cell:line.speed_limits:77:2", "60") == (
-        "line.speed_limits has no row 78 with a cell 3 any more."
-    )
-    # what no browser of ours sends changes nothing
-    for name in ("", "edit:", "edit:vehicle", "cell:line.speed_limits", "cell:line.speed_limits:0:-1", "travel_time_s"):
-        assert editor.take_typed(name, "60") == "", name
-    assert dict(model.changes) == changes
 
 
 def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, editor: EditorModel) -> None:

@@ -205,27 +205,6 @@ def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
     assert len(state.scenario.opened.line.sections) == 4001
 
 
-def test_what_was_changed_while_the_server_was_away_is_taken_or_told(keeping: Keeping) -> None:
-    state = keeping.state
-    changes = {"travel_time_s": "3:10", "robustness.seed": "7", "ticked": "optimal,eoc", "chosen": "eoc"}
-    keeping.take_unsent({**changes, "no.field": "1", "toml": "title = 1"})
-    assert (state.scenario.travel_time_s, state.robustness.seed) == (190.0, 7)
-    assert (state.ticked, state.chosen, state.notice) == (["optimal", "eoc"], "eoc", "")
-    assert state.scenario.toml is None
-    keeping.take_unsent({"load_percent": "900", "chosen": "nobody"})
-    assert state.scenario.load_percent == 50
-    assert "load_percent = 900: At most" in state.notice
-    assert "chosen = nobody: must be one of" in state.notice
-    keeping.take_unsent({"edit:vehicle.tare_kg": "heavy", "edit:vehicle.auxiliary_power_kw": "31"})
-    assert state.scenario.changes["vehicle.auxiliary_power_kw"] == 31.0
-    assert "not all kept" in state.notice
-    for nothing in (None, [], "load_percent=1", {}):
-        keeping.take_unsent(nothing)
-    keeping.note()
-    keeping.undo()
-    assert state.scenario.travel_time_s == 170.0
-
-
 def test_the_first_change_after_a_rest_is_noted_in_the_next_turn(
     keeping: Keeping, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -241,10 +220,3 @@ def test_the_first_change_after_a_rest_is_noted_in_the_next_turn(
     with set_curdoc(page.document):
         state.scenario.load_percent = 40.0
     assert not page.is_due
-
-
-def test_a_number_knows_what_the_address_calls_it(state: Workbench) -> None:
-    assert NumberField(state.scenario, "recuperation_percent").key == "recuperation_percent"
-    assert NumberField(state.robustness, "coordinate_error_m").key == "robustness.coordinate_error_m"
-    # one of a list has no name of its own there
-    assert NumberField(state.speed_limits.sections[0], "to_m").key == ""

@@ -22,15 +22,36 @@ def test_pages_are_awaited_until_they_open_or_are_left(monkeypatch: pytest.Monke
     one = Opening(TOKEN)
     one.html("first")
     one.html("second")
-    assert one.awaited == 2
+    assert one.taken_places == 2
     asyncio.run(opened(one))
-    assert one.awaited == 1
-    # in the process where a page opens that another one has answered
+    assert one.taken_places == 1
+    # a server behind a proxy, where a page opens that another server has answered
     other = Opening(TOKEN)
     asyncio.run(opened(other))
-    assert other.awaited == -1
+    assert other.taken_places == 0
     monkeypatch.setattr(opening, "OPENS_WITHIN_S", -1.0)
-    assert (one.awaited, other.awaited) == (0, 0)
+    assert one.taken_places == 0
+
+
+def test_a_connection_finds_the_place_that_was_kept_for_its_page() -> None:
+    open_pages = [2]
+    one = Opening(TOKEN, most=3, count_open=lambda: open_pages[0])
+    one.html("first")
+    assert one.taken_places == 3
+    open_pages[0] = 3
+    assert one.has_place
+
+
+def test_a_connection_without_a_place_is_refused() -> None:
+    open_pages = [2]
+    one = Opening(TOKEN, most=2, count_open=lambda: open_pages[0])
+    assert not one.has_place
+    open_pages[0] = 1
+    assert one.has_place
+
+
+def test_without_a_limit_there_is_always_a_place() -> None:
+    assert Opening(TOKEN, count_open=lambda: 1000).has_place
 
 
 def test_one_page_is_made_at_a_time_and_others_have_their_turns_between() -> None:

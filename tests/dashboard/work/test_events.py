@@ -2,8 +2,6 @@
 
 import logging
 import re
-import threading
-from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -11,7 +9,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.work import events
-from railjoule.dashboard.work.events import Tally
+from railjoule.dashboard.work.events import Waits
 
 SECRET = "a-session-of-forty-letters-and-more-secret"
 LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Speed-limits duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
@@ -24,10 +22,9 @@ class SessionDocument(Document):
 
 
 def test_each_event_is_one_line(caplog: pytest.LogCaptureFixture) -> None:
-    document, before = SessionDocument(), events.TALLY.sessions
+    document = SessionDocument()
     with caplog.at_level(logging.INFO, "railjoule"):
         events.begin(document, lambda: "Speed limits", 0.0)
-        assert events.TALLY.sessions == before + 1
         events.worked(document, "compute_runs", 0.04, SimpleNamespace(cell_count=460))
         events.worked(document, "compute_runs", 0.01, RailjouleError("too slow\nnext line"))
         events.end(document)
@@ -43,39 +40,18 @@ def test_each_event_is_one_line(caplog: pytest.LogCaptureFixture) -> None:
         ("closed", None, "ok"),
     ]
     assert SECRET not in caplog.text
-    assert events.TALLY.sessions == before
-
-
-def test_the_percentile_is_of_the_last_pieces_alone() -> None:
-    tally = Tally()
-    for _ in range(events.MOST_REMEMBERED):
-        tally.took("slow", "ok", 9.0)
-    for number in range(events.MOST_REMEMBERED):
-        tally.took("slow", "ok", number / events.MOST_REMEMBERED)
-    assert tally.percentiles_s(0.95) == {"slow": 0.95}
-    assert tally.counts["slow", "ok"] == 2 * events.MOST_REMEMBERED
-
-
-def test_work_is_in_the_queue_until_it_is_done() -> None:
-    tally, gate = Tally(), threading.Event()
-    with ThreadPoolExecutor(1) as pool:
-        for _ in range(3):
-            tally.queue(pool.submit(gate.wait, 20))
-        assert tally.queued == 3
-        gate.set()
-    assert tally.queued == 0
 
 
 def test_who_has_waited_too_long_is_taken_for_gone(monkeypatch: pytest.MonkeyPatch) -> None:
-    tally, page, now_s = Tally(), SimpleNamespace, [100.0]
+    waits, page, now_s = Waits(), SimpleNamespace, [100.0]
     monkeypatch.setattr(events.time, "monotonic", lambda: now_s[0])
-    tally.wait(page)
+    waits.wait(page)
     now_s[0] += 0.4
-    assert tally.someone_waits(0.5)
+    assert waits.someone_waits(0.5)
     now_s[0] += 0.2
-    assert not tally.someone_waits(0.5)
-    tally.wait(page)
-    assert tally.someone_waits(0.5)
-    tally.settle(page)
-    tally.settle(page)
-    assert not tally.someone_waits(0.5)
+    assert not waits.someone_waits(0.5)
+    waits.wait(page)
+    assert waits.someone_waits(0.5)
+    waits.settle(page)
+    waits.settle(page)
+    assert not waits.someone_waits(0.5)

@@ -270,7 +270,7 @@ def test_who_waits_for_short_work_is_known_until_it_is_taken(slow: bool) -> None
     worker = Worker(gate, lambda _: None, pytest.fail, is_slow=lambda _: slow)
     with set_curdoc(page.document):
         worker.ask(1)
-    assert events.TALLY.someone_waits(PATIENCE_S) is not slow
+    assert events.WAITS.someone_waits(PATIENCE_S) is not slow
     gate.open.set()
     page.take_turn()
-    assert not events.TALLY.someone_waits(PATIENCE_S)
+    assert not events.WAITS.someone_waits(PATIENCE_S)
