@@ -17,6 +17,7 @@ import subprocess
 import sys
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -26,7 +27,12 @@ SMOKE, PAGES = f"{BROWSER}test_pages.py", "dashboard/pages/"
 
 def changed_files(base: str = "main") -> list[str]:
     """List the files that differ from the merge base with a branch, and new files."""
-    since = _git("merge-base", "HEAD", base)[0]
+    try:
+        since = _git("merge-base", "HEAD", base)[0]
+    except (subprocess.CalledProcessError, FileNotFoundError):
+        sys.exit(
+            f"run: --changed compares with the branch {base}, which is not in this copy of railjoule; use ./run test."
+        )
     return sorted({*_git("diff", "--name-only", since), *_git("ls-files", "--others", "--exclude-standard")})
 
 
@@ -35,6 +41,7 @@ def _git(*words: str) -> list[str]:
     return answer.stdout.splitlines()
 
 
+@cache
 def module_paths() -> dict[str, str]:
     """Return the path of each Python file of the product and its tests by the name of its module."""
     found = {}
@@ -46,12 +53,14 @@ def module_paths() -> dict[str, str]:
     return found
 
 
-def importers(paths: dict[str, str]) -> dict[str, set[str]]:
+@cache
+def importers() -> dict[str, set[str]]:
     """Return the files that import each file.
 
     A package whose names come from its modules is imported by files that take such a name from it, but does not hand on
     the changes of its modules to them: those files are listed under the module of the name.
     """
+    paths = module_paths()
     names = {path: list(_imported(path)) for path in paths.values()}
     sources = {
         module: {alias: f"{source}.{name}" for source, name, alias in names[path]} for module, path in paths.items()
@@ -81,8 +90,7 @@ def _imported(path: str) -> Iterator[tuple[str, str, str]]:
 
 def reached_tests(changed: list[str]) -> list[str]:
     """List the test files that changes can reach."""
-    paths = module_paths()
-    users = importers(paths)
+    users = importers()
     reached: set[str] = set()
     waiting = [*changed, *(f"names of {path}" for path in changed)]
     while waiting:
@@ -90,7 +98,7 @@ def reached_tests(changed: list[str]) -> list[str]:
         if path not in reached:
             reached.add(path)
             waiting += [user for user in users[path] if path.startswith(TESTS) or not user.startswith(BROWSER)]
-    tests = {path for path in paths.values() if Path(path).name.startswith("test_")}
+    tests = {path for path in module_paths().values() if Path(path).name.startswith("test_")}
     return sorted((tests & reached).union(*(_tests_by_name(path, tests) for path in changed)))
 
 

@@ -42,6 +42,8 @@ class Scheduling(LoadFileScheduling):
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> Scheduling:
+    # files stay in the order of `pytest_collection_modifyitems`, not in that of their numbers of tests
+    config.option.loadscopereorder = False
     return Scheduling(config, log)
 
 
@@ -58,13 +60,15 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """Write the durations of each folder and the slowest steps of tests to a file."""
+    """Write the durations of each folder and file, and the slowest steps of tests, to a file."""
     reports = [one for some in terminalreporter.stats.values() for one in some if hasattr(one, "duration")]
-    folders: defaultdict[str, float] = defaultdict(float)
+    totals: defaultdict[str, float] = defaultdict(float)
     for one in reports:
-        folders["/".join(one.nodeid.split("/")[:2])] += one.duration
+        file = one.nodeid.split("::")[0]
+        for name in {file, "/".join(file.split("/")[:2])}:
+            totals[name] += one.duration
     reports.sort(key=lambda one: one.duration, reverse=True)
-    lines = [f"{seconds:8.2f}s {folder}" for folder, seconds in sorted(folders.items())]
+    lines = [f"{seconds:8.2f}s {name}" for name, seconds in sorted(totals.items())]
     lines += ["", *(f"{one.duration:8.2f}s {one.when:<8} {one.nodeid}" for one in reports[:SLOWEST])]
     DURATIONS.parent.mkdir(exist_ok=True)
     DURATIONS.write_text("\n".join(lines) + "\n", encoding="utf-8")

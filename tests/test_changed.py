@@ -53,3 +53,9 @@ def test_commits_the_working_tree_and_new_files_are_changes(tmp_path: Path, monk
     (tmp_path / "new").touch()
     monkeypatch.setattr(changed, "ROOT", tmp_path)
     assert changed_files() == ["committed", "edited", "new"]
+
+
+def test_without_the_branch_main_a_sentence_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(changed, "ROOT", tmp_path)
+    with pytest.raises(SystemExit, match="compares with the branch main, which this copy of railjoule lacks"):
+        changed_files()
