@@ -30,9 +30,7 @@ def changed_files(base: str = "main") -> list[str]:
     try:
         since = _git("merge-base", "HEAD", base)[0]
     except (subprocess.CalledProcessError, FileNotFoundError):
-        sys.exit(
-            f"run: --changed compares with the branch {base}, which is not in this copy of railjoule; use ./run test."
-        )
+        sys.exit(f"run: --changed compares with the branch {base}, which this copy of railjoule lacks; use ./run test.")
     return sorted({*_git("diff", "--name-only", since), *_git("ls-files", "--others", "--exclude-standard")})
 
 

@@ -8,13 +8,13 @@ from browser.user import User
 
 
 def test_a_session_without_an_address_begins_with_start(server: Server, chromium: Browser) -> None:
-    page = chromium.new_page(color_scheme="light")
-    page.goto(server.url)
-    expect(page.get_by_role("heading", name="How little energy does a train need", level=1)).to_be_visible()
-    expect(page.get_by_role("img", name="Speed over distance of the optimum of Metro, profile II + I")).to_be_visible()
-    assert_nothing_grave(User(page, server.url))
-    page.get_by_role("button", name="Tram, flat 950 m", exact=True).click()
-    expect(User(page, server.url).scenario("Tram, flat 950 m")).to_be_visible()
-    expect(page.get_by_role("button", name="Drive", exact=True)).to_have_attribute("aria-current", "page")
-    expect(page.locator(".rj-chart-speed:visible canvas").first).to_be_visible()
-    page.close()
+    with User.at(chromium, server.url, on_drive=False) as user:
+        page = user.page
+        expect(page.get_by_role("heading", name="How little energy does a train need", level=1)).to_be_visible()
+        sketch = page.get_by_role("img", name="Speed over distance of the optimum of Metro, profile II + I")
+        expect(sketch).to_be_visible()
+        assert_nothing_grave(user)
+        page.get_by_role("button", name="Tram, flat 950 m", exact=True).click()
+        expect(user.scenario("Tram, flat 950 m")).to_be_visible()
+        expect(page.get_by_role("button", name="Drive", exact=True)).to_have_attribute("aria-current", "page")
+        expect(page.locator(".rj-chart-speed:visible canvas").first).to_be_visible()
