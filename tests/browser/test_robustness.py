@@ -38,6 +38,7 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
 
 
 def test_chance_draws_and_can_be_stopped(user: User) -> None:
+    user.choose("Metro, profile I")
     note = user.page.get_by_text("runs, seed 1.")
     expect(note).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
     user.page.get_by_role("button", name="Run 10").click()

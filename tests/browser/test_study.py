@@ -23,6 +23,7 @@ CHOSEN = re.compile(r"^Chosen: ([\d\s]+) runs")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who begins at Start and stays for all tests of this file."""
     with User.on(window, server.url, on_drive=False) as someone:
+        open_page(someone, "Study")
         yield someone
 
 
