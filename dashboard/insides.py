@@ -332,7 +332,13 @@ def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
     they are copied, then their list is replaced, and Bokeh notes turns in that list too. So the event loop asks for it,
     between its own turns. To be called in the loop; without one, the document is asked directly.
     """
-    ask: Callable[[Callable[[], None]], object] = document.add_next_tick_callback
+
+    def ask(turn: Callable[[], None]) -> None:
+        # a page may be closed before the loop gets here, and its document then takes no callbacks
+        context = document.session_context
+        if context is None or not context.destroyed:
+            document.add_next_tick_callback(turn)
+
     try:
         loop = asyncio.get_running_loop()
     except RuntimeError:

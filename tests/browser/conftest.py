@@ -1,5 +1,6 @@
 """A served dashboard, a real browser, and pages that fail on any error or foreign request."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,10 +14,22 @@ from browser.user import User
 expect.set_options(timeout=60_000)
 
 
+QUIET = re.compile(
+    r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
+    r"|(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+"
+    # Bokeh sends the browser a model twice when Study opens after other pages; nothing is lost
+    r"|BokehUserWarning: reference already known '\w+'"
+)
+"""What the server writes when nothing fails."""
+
+
 @pytest.fixture(scope="package")
-def server() -> Iterator[Server]:
-    with serving("-m", "railjoule.dashboard", "serve") as running:
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """The server of all tests that neither configure nor end it; its log is quiet to the end."""
+    log = tmp_path_factory.mktemp("server") / "log"
+    with serving("-m", "railjoule.dashboard", "serve", log=log) as running:
         yield running
+    assert [line for line in log.read_text().splitlines() if not QUIET.fullmatch(line)] == []
 
 
 @pytest.fixture(scope="package")

@@ -1,11 +1,9 @@
 """What axe-core finds on a page that is serious, but for what is listed here with its reason."""
 
-import time
-
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
-from browser.user import GROUND, GROUNDS, User
+from browser.user import User
 
 GRAVE = {"serious", "critical"}
 STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
@@ -13,31 +11,17 @@ EXCUSED: dict[str, str] = {}
 """Rules that a library makes impossible to keep, and why; it may only shrink."""
 
 
-OF_COLOURS = ["color-contrast", "link-in-text-block"]
-"""Rules that may be kept in one set of colours and broken in another."""
-
-
-SETTLED_WITHIN_S = 20
-
-
 def assert_nothing_grave(user: User) -> None:
-    """Hold what is in sight to all rules, then to those of colours once the system asks for the other colours."""
-    user.rest()
+    """Check what is in sight by all rules."""
+    user.settled()
     found = grave_findings(user.page)
     assert found == {}, found
-    light = user.page.evaluate(GROUND, GROUNDS["light"])
-    user.prefer("dark" if light else "light")
-    deadline = time.monotonic() + SETTLED_WITHIN_S
-    # the library's colours take some time to change, and no sign tells when they have
-    while (found := grave_findings(user.page, colours_alone=True)) and time.monotonic() < deadline:
-        user.rest()
-    assert found == {}, found
 
 
-def grave_findings(page: Page, colours_alone: bool = False) -> dict[str, list[str]]:
-    """Return what is serious or critical on a page and not excused, by rule; perhaps by rules of colours alone."""
-    rules = {"type": "rule", "values": OF_COLOURS} if colours_alone else {"type": "tag", "values": STANDARDS}
-    options = {"runOnly": rules, "resultTypes": ["violations"]}
+def grave_findings(page: Page) -> dict[str, list[str]]:
+    """Return what is serious or critical on a page and not excused, by rule."""
+    # without `preload`, axe loads no style sheet again: each of hundreds of shadow roots links to some
+    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"], "preload": False}
     found = Axe().run(page, options=options).response["violations"]
     grave = {
         violation["id"]: [node["html"][:200] for node in violation["nodes"]]

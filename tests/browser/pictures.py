@@ -26,7 +26,7 @@ def main() -> None:
                         user.choose("Suburban, flat 5 km")
                     if name != "Drive":
                         user.turn_to(name)
-                    user.rest(SETTLE_MS)
+                    user.page.wait_for_timeout(SETTLE_MS)
                     user.page.screenshot(path=FOLDER / f"{name.lower().replace(' ', '-')}-{colours}.png")
         browser.close()
 

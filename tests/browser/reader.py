@@ -40,3 +40,7 @@ class Reader:
 
     def picture(self, name: str) -> bytes:
         return self.page.locator(f"[data-plot={name}]").screenshot()
+
+    def drawn(self) -> None:
+        """Wait until the browser has drawn two more frames, as a surface is drawn with the next frame."""
+        self.page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")

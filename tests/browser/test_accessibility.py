@@ -1,27 +1,10 @@
-"""Each page is held to axe-core, and its colours are those that the system prefers."""
-
-import re
-from pathlib import Path
+"""The colours of a page are those that the system prefers, until a user chooses others."""
 
 from playwright.sync_api import Browser
 
 from browser.server import Server
 from browser.user import GROUND, GROUNDS, User
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.page_list import PAGES
-
-PARTS = {"Start": "first_pages", "Learn": "first_pages", "Papers": "first_pages", "Import": "own_line"}
-"""Pages that are tested together with others."""
-
-
-def test_every_page_is_held_to_the_rules_of_axe() -> None:
-    asked = {
-        path.stem.removeprefix("test_"): len(re.findall(r"^    assert_nothing_grave\(", path.read_text(), re.MULTILINE))
-        for path in Path(__file__).parent.glob("test_*.py")
-    }
-    files = [PARTS.get(page, page.lower().replace(" ", "_").replace("-", "_")) for page in PAGES]
-    for file in set(files):
-        assert asked[file] >= files.count(file), file
 
 
 def test_colours_follow_the_system_until_they_are_chosen(server: Server, chromium: Browser) -> None:

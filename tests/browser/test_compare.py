@@ -49,15 +49,6 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
     expect(told).to_have_text(["1 Optimal, 170.0 s, load 50 %, recuperation 40 %: load 50 % instead of 70 %."])
 
 
-def test_another_run_becomes_the_reference(user: User) -> None:
-    user.page.get_by_role("combobox", name="Reference run").click()
-    user.page.get_by_role("menuitem", name="Optimal", exact=True).click()
-    told = user.page.locator(".differences li")
-    expect(told).to_have_count(2)
-    expect(told.nth(1)).to_contain_text("travel time 170.0 s instead of 180.0 s")
-    assert row(user, "Bellman")[3] in {"0.00", "+0.01"}
-
-
 def test_the_table_is_sorted_by_a_column(user: User) -> None:
     table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
     sort = table.get_by_role("button", name="kWh", exact=True)
@@ -65,14 +56,6 @@ def test_the_table_is_sorted_by_a_column(user: User) -> None:
         sort.click()
         energies = [number(text) for text in table.locator("tbody td:nth-child(2)").all_inner_texts()]
         assert energies == sorted(energies, reverse=not upwards)
-
-
-def test_only_ticked_strategies(user: User) -> None:
-    table = user.page.get_by_role("table").filter(has_text="vs ref., kWh")
-    user.page.get_by_role("button", name="Selected only", exact=True).click()
-    expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(0)
-    user.page.get_by_role("button", name="All strategies", exact=True).click()
-    expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(1)
 
 
 def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
@@ -83,19 +66,4 @@ def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
     expect(table).to_contain_text(f"1 {CANARY}")
     expect(user.page.locator(".differences")).to_contain_text(CANARY)
     assert user.page.evaluate("window.canary") is None
-
-
-def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
-    for load in (10, 20, 30, 40, 50):
-        user.type("Load, % of capacity", str(load))
-        user.page.get_by_role("button", name="Pin run", exact=True).click()
-        user.rest()
-    assert user.alert() == "At most 6 runs can be pinned; unpin one first."
-    unpin = user.page.get_by_role("button", name="Unpin run 3", exact=True)
-    unpin.click()
-    expect(unpin).to_be_hidden()
-    user.see_no_alert()
-
-
-def test_nothing_grave(user: User) -> None:
     assert_nothing_grave(user)

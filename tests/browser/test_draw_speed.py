@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -82,6 +83,7 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
         expect(outcome).to_contain_text("less than 29.41")
 
 
+@pytest.mark.nightly
 def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
     context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     try:

@@ -2,12 +2,14 @@
 
 import re
 
+import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User, open_page
 
 ARRIVES_MS = 60_000
+DRIVE_MS = 300
 # within this a new frame comes at 60 a second
 FRAME_MS = 16
 MOST_WORDS = 150
@@ -70,19 +72,20 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
         keys.press("Enter")
         keys.press("ArrowUp")
         expect(drive.get_by_role("button", name="Power")).to_have_attribute("aria-pressed", "true")
-        user.rest(1500)
+        user.page.wait_for_timeout(DRIVE_MS)
         keys.press(" ")
         expect(drive.get_by_role("button", name="Coast")).to_have_attribute("aria-pressed", "true")
-        user.rest(1500)
+        user.page.wait_for_timeout(DRIVE_MS)
         keys.press("ArrowDown")
         expect(drive.get_by_role("button", name="Brake")).to_have_attribute("aria-pressed", "true")
-        user.rest(300)
+        user.page.wait_for_timeout(DRIVE_MS)
         keys.press("ArrowUp")
         expect(drive.locator(".outcome")).to_be_focused(timeout=ARRIVES_MS)
         # the address takes note of it by way of the server
         expect(user.page).to_have_url(re.compile(r"driven=p0c\d+b\d+p\d+"))
 
 
+@pytest.mark.nightly
 def test_by_touch_in_a_narrow_window_three_times(chromium: Browser, server: Server) -> None:
     context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     try:
@@ -94,7 +97,7 @@ def test_by_touch_in_a_narrow_window_three_times(chromium: Browser, server: Serv
                 drive.get_by_role("button", name="Power").tap()
                 if number == 2:
                     # from some 50 km/h on it coasts: late, with little energy
-                    user.rest(300)
+                    user.page.wait_for_timeout(DRIVE_MS)
                     drive.get_by_role("button", name="Coast").tap()
                 expect(drive.get_by_text(f"Arrived: try {number} of 3.")).to_be_visible(timeout=ARRIVES_MS)
                 again = drive.get_by_role("button", name=re.compile(r"Drive again \("))

@@ -70,7 +70,7 @@ def test_the_draws_are_explored_only_once_asked_for(user: User) -> None:
 
 
 def test_what_lies_within_all_brushes_is_counted_and_stands_out(user: User) -> None:
-    user.rest(2000)
+    user.settled()
     late = user.picture("draws_late")
     drag(user, "draws", (0.3, 0.1), (0.6, 0.7))
     expect(told(user)).to_be_visible()
@@ -93,7 +93,7 @@ def test_a_brush_outlasts_another_axis_and_goes_with_a_click(user: User) -> None
     user.page.get_by_role("menuitem", name="Delay at the stop, s").click()
     expect(chart(user, "draws_load")).to_be_visible()
     expect(chart(user, "draws")).to_be_visible()
-    user.rest(1000)
+    user.settled()
     assert held(user) == count
     box = chart(user, "draws_resistance").bounding_box()
     assert box is not None
@@ -102,18 +102,10 @@ def test_a_brush_outlasts_another_axis_and_goes_with_a_click(user: User) -> None
     assert_nothing_grave(user)
 
 
-def test_other_draws_are_other_figures_and_closed_is_gone(user: User) -> None:
-    user.type("Seed", "2")
-    expect(user.page.get_by_text("runs, seed 2.")).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
-    expect(chart(user, "draws")).to_be_visible()
-    user.page.get_by_role("button", name="Close the draws").click()
-    expect(user.page.locator(".rj-chart-draws")).to_have_count(0)
-
-
 def test_a_dot_of_papers_tells_its_row(user: User) -> None:
     user.turn_to("Papers")
     expect(chart(user, "differences")).to_be_visible()
-    user.rest(1000)
+    user.settled()
     x, y = user.page.evaluate(DOT, 0)
     user.page.mouse.move(x - 4, y)
     user.page.mouse.move(x, y)
@@ -122,4 +114,3 @@ def test_a_dot_of_papers_tells_its_row(user: User) -> None:
     expect(tip.get_by_text("v_max").first).to_be_visible()
     expect(tip.get_by_text("86.094 km/h").first).to_be_visible()
     user.page.mouse.move(5, 5)
-    assert_nothing_grave(user)

@@ -49,11 +49,6 @@ def test_a_good_file(user: User, tmp_path: Path) -> None:
 
 BAD = {
     "title = 'x": "not a valid TOML file",
-    bad("travel_time_s = 150", "travel_time_s = nan"): "timetable.travel_time_s = nan must be a finite number.",
-    bad("[timetable]", "[timetabel]"): "unknown key timetabel, did you mean 'timetable'?",
-    bad("gradient_permille = 2", "gradient_permille = 190"): "on a gradient of 190 per mille",
-    bad("[{ length_m = 900, gradient_permille = 2 }]", "[]"): "line.sections is empty.",
-    GOOD + "[solver]\nmesh_m = 0.001\n": "the page takes at most 20,000. Use 0.046 m or more.",
     "#" * 2_500_000: "it is larger than the 2 MB of a scenario or the 10 MB of a report. Only scenarios",
 }
 """Files that cannot be opened, and what the page says."""
@@ -72,25 +67,6 @@ def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> 
     expect(alert).to_be_hidden()
     user.push("Travel time, s", 4)
     expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
-
-
-def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path: Path) -> None:
-    alert = user.page.get_by_role("alert")
-    path = tmp_path / "run.csv"
-    path.write_text("time_s,speed_kmh\n0,0\n1,3.6\n")
-    user.page.locator("input[type=file]").set_input_files(path)
-    expect(alert).to_contain_text(
-        "run.csv: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html)"
-    )
-    path = tmp_path / "picture.png"
-    path.write_bytes(b"\x89PNG\r\n\x1a\n")
-    user.page.locator("input[type=file]").set_input_files(path)
-    expect(alert).to_contain_text("picture.png: it is not UTF-8 text. Only scenarios")
-    colours = "element => [getComputedStyle(element).borderColor, getComputedStyle(element.firstChild).color]"
-    border, words = alert.evaluate(colours)
-    assert border == words != user.page.evaluate("getComputedStyle(document.body).color")
-    user.page.get_by_role("button", name="Close the message").click()
-    expect(alert).to_be_hidden()
 
 
 def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_a_dark_page_is_dark_from_its_first_paint(server: Server, chromium: Brow
     # the second time the server knows from the first which colours are asked for
     for _ in range(2):
         with User.on(context, server.drive_url) as user:
-            user.rest(1000)
+            user.settled()
             seen = user.page.evaluate("window.seen")
         assert seen["grounds"] == [GROUNDS["dark"]]
         assert len(seen["contrasts"]) > 0
@@ -100,5 +100,5 @@ def test_a_lost_server_leaves_few_lines_in_the_console(chromium: Browser) -> Non
             user.load()
         user.errors.clear()
         expect(user.page.get_by_text("The connection to the server is lost")).to_be_visible()
-        user.rest(1000 * QUIET_S)
+        user.page.wait_for_timeout(1000 * QUIET_S)
         assert len(user.errors) <= MOST_ERRORS, user.errors

@@ -1,7 +1,6 @@
 """From every page to every other, as a user goes: what belongs there is there, in sight and further down."""
 
 import itertools
-import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,15 +9,15 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, expect
 
+from browser.findings import grave_findings
 from browser.layout import layout_faults
 from browser.server import Server, serving
 from browser.sight import Sight
-from browser.user import User, open_page
+from browser.user import LOOK_MS, User, open_page
 from railjoule.core.scenario import preset_names
 from railjoule.dashboard.page_list import PAGES
 
 THERE_WITHIN_S = 45.0
-LOOK_MS = 40
 FIRST_RUN_WITHIN_MS, COMPILED_WITHIN_MS = 30_000, 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
 WITHOUT_NUMBER = {"Compare", "Disturbances", "Study", "Measured runs", "Import", "Help"}
@@ -36,10 +35,6 @@ SCROLLED = """() => {
   main.scrollBy({top: 0.8 * main.clientHeight, behavior: "instant"});
   return main.scrollTop > before;
 }"""
-OF_A_SESSION = re.compile(
-    r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
-)
-OF_THE_SERVER = re.compile(r"(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+")
 
 
 def every_pair(names: tuple[str, ...]) -> Iterator[str]:
@@ -66,19 +61,6 @@ def test_the_walk_goes_from_every_page_to_every_other() -> None:
     assert {name for pair in pairs for name in pair} == set(NAMES)
 
 
-@pytest.fixture(scope="module")
-def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """What the server writes down."""
-    return tmp_path_factory.mktemp("walk") / "log"
-
-
-@pytest.fixture(scope="module")
-def own_server(log: Path) -> Iterator[Server]:
-    """One process for the whole walk."""
-    with serving(*COMMAND, log=log) as running:
-        yield running
-
-
 def arrive(user: User, name: str, preset: str = SUBURBAN) -> None:
     """Go to a page, and wait for its large number and for a chart."""
     open_page(user, name)
@@ -91,7 +73,7 @@ def arrive(user: User, name: str, preset: str = SUBURBAN) -> None:
         if sight.heading and counted and charted:
             return
         assert time.monotonic() < deadline, (name, sight.heading, sight.number, sight.undrawn)
-        user.rest(LOOK_MS)
+        user.page.wait_for_timeout(LOOK_MS)
 
 
 def scroll_to_the_end(user: User, name: str) -> None:
@@ -100,7 +82,7 @@ def scroll_to_the_end(user: User, name: str) -> None:
         deadline = time.monotonic() + THERE_WITHIN_S
         while undrawn := Sight(user.page, name).undrawn:
             assert time.monotonic() < deadline, (name, undrawn)
-            user.rest(LOOK_MS)
+            user.page.wait_for_timeout(LOOK_MS)
         if not user.page.evaluate(SCROLLED):
             return
 
@@ -115,9 +97,9 @@ def faults_down_to_the_end(user: User, name: str) -> dict[str, Any]:
 
 
 @pytest.mark.nightly
-def test_from_every_page_to_every_other(own_server: Server, chromium: Browser) -> None:
+def test_from_every_page_to_every_other(server: Server, chromium: Browser) -> None:
     faults: dict[str, Any] = {}
-    with User.at(chromium, f"{own_server.url}?v=1&preset={SUBURBAN}", on_drive=False) as user:
+    with User.at(chromium, f"{server.url}?v=1&preset={SUBURBAN}", on_drive=False) as user:
         known = set()
         for name in whole_walk()[1:]:
             arrive(user, name, SUBURBAN)
@@ -127,18 +109,16 @@ def test_from_every_page_to_every_other(own_server: Server, chromium: Browser) -
     assert faults == {}
 
 
-def test_dark_from_start_to_every_page(own_server: Server, chromium: Browser) -> None:
+@pytest.mark.nightly
+def test_dark_from_start_to_every_page(server: Server, chromium: Browser) -> None:
     faults: dict[str, Any] = {}
-    with User.at(chromium, f"{own_server.url}?v=1&preset={STATIONS}", dark=True, on_drive=False) as user:
+    with User.at(chromium, f"{server.url}?v=1&preset={STATIONS}", dark=True, on_drive=False) as user:
         for name in NAMES[1:]:
             arrive(user, name, STATIONS)
             faults |= faults_down_to_the_end(user, name)
+            if grave := grave_findings(user.page):
+                faults[f"{name}, axe"] = grave
     assert faults == {}
-
-
-def test_the_log_is_quiet(log: Path) -> None:
-    lines = log.read_text().splitlines()
-    assert [line for line in lines if not (OF_A_SESSION.fullmatch(line) or OF_THE_SERVER.fullmatch(line))] == []
 
 
 @pytest.mark.cold
@@ -153,7 +133,7 @@ def test_a_fresh_machine_shows_runs_while_the_solver_compiles(chromium: Browser,
         assert cards.count() == len(preset_names("scenarios"))
         expect(user.page.locator(".hero .key b").first).to_be_visible(timeout=FIRST_RUN_WITHIN_MS)
         # a page that needs compiled code says so, and fills itself
-        user.turn_to("Compare")
+        open_page(user, "Compare")
         expect(note).to_be_visible()
         expect(note).to_have_count(0, timeout=COMPILED_WITHIN_MS)
         arrive(user, "Compare")

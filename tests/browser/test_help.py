@@ -33,7 +33,7 @@ def test_a_press_opens_an_explanation_in_the_flow(user: User) -> None:
     before = chart.bounding_box()
     sign(user, "Above the optimum").click()
     expect(told).to_contain_text("Above the optimum, now 0.00 %")
-    user.rest()
+    user.settled()
     box, after = told.bounding_box(), chart.bounding_box()
     assert box is not None
     assert before is not None

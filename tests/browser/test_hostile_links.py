@@ -12,11 +12,11 @@ from dataclasses import dataclass
 import psutil
 import pytest
 
-from browser.server import Server, serving
+from browser.server import Server
 from browser.visitor import Visitor
 
-MOST_MEMORY_BYTES = 6_000_000_000
-"""Address space of the server: a link that gets through ends it, not the machine."""
+MOST_MEMORY_BYTES = 4_000_000_000
+"""Address space that the server may take in addition: a link that gets through ends it, not the machine."""
 LONGER_S, LARGER_MB, LATER_S = 0.5, 50.0, 0.5
 """What a hostile link may take beyond a plain one: time of all pages' one thread, memory, and wait of another page."""
 SETTLE_S, MOVES = 1.0, 12
@@ -69,12 +69,14 @@ def in_a_loop_of_its_own(opening: Coroutine[None, None, Cost]) -> Cost:
 
 
 @pytest.fixture(scope="module")
-def guarded() -> Iterator[Server]:
-    """A server of its own, whose memory is bounded."""
-    with serving("-m", "railjoule.dashboard", "serve") as server:
-        psutil.Process(server.process.pid).rlimit(psutil.RLIMIT_AS, (MOST_MEMORY_BYTES, MOST_MEMORY_BYTES))
-        in_a_loop_of_its_own(opened(server, ""))  # what the first page alone has to load
-        yield server
+def guarded(server: Server) -> Iterator[Server]:
+    """The shared server, with bounded memory."""
+    process = psutil.Process(server.process.pid)
+    _, hard = process.rlimit(psutil.RLIMIT_AS)
+    process.rlimit(psutil.RLIMIT_AS, (process.memory_info().vms + MOST_MEMORY_BYTES, hard))
+    in_a_loop_of_its_own(opened(server, ""))  # the first page loads more than the others
+    yield server
+    process.rlimit(psutil.RLIMIT_AS, (hard, hard))
 
 
 @pytest.fixture(scope="module")

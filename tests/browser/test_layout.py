@@ -14,7 +14,8 @@ from browser.user import User
 from railjoule.dashboard.page_list import PAGES
 
 
-@pytest.mark.parametrize("width", [390, pytest.param(1920, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("width", [390, 1920])
 def test_nothing_is_cut_off(chromium: Browser, server: Server, width: int) -> None:
     faults: dict[str, Any] = {}
     with User.at(chromium, server.drive_url + "&preset=ftorek-300s", width=width, height=1000) as user:

@@ -8,7 +8,6 @@ import pytest
 from measured_example import DRIVERS, FOLDER
 from playwright.sync_api import BrowserContext, expect
 
-from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User, open_page
 
@@ -47,17 +46,6 @@ def test_the_example_tells_what_could_be_saved(user: User) -> None:
     expect(user.page.get_by_text("Drop the file of a run here")).to_be_hidden()
 
 
-def test_fitted_values_are_one_step(user: User) -> None:
-    modelled = user.figure_value("Modelled")
-    before = modelled.inner_text()
-    press(user, "Use fitted values")
-    expect(modelled).not_to_have_text(before)
-    expect(user.page.get_by_role("button", name="fields changed")).to_be_visible()
-    press(user, "Undo")
-    expect(modelled).to_have_text(before)
-    expect(user.page.get_by_text("Unchanged")).to_be_visible()
-
-
 def test_a_question_about_a_unit_is_answered_by_a_press(user: User, tmp_path: Path) -> None:
     path = tmp_path / "own.csv"
     path.write_text(EXAMPLE.read_text().replace("line_power_kw", "power_w").replace("outside_degc", CANARY))
@@ -77,28 +65,6 @@ def test_a_question_about_a_unit_is_answered_by_a_press(user: User, tmp_path: Pa
     assert user.page.evaluate("window.pwned") is None
 
 
-def test_a_file_that_is_no_run_says_why(user: User, tmp_path: Path) -> None:
-    path = tmp_path / "broken.xlsx"
-    path.write_bytes(b"PK\x03\x04 no workbook")
-    bring(user, path)
-    assert "broken.xlsx: not a workbook that can be read" in user.alert()
-    path = tmp_path / "words.csv"
-    path.write_text("a,b\n1,2\n")
-    bring(user, path)
-    expect(user.page.get_by_role("alert").locator("visible=true")).to_contain_text("no column holds the speed")
-    press(user, "Remove this run")
-    user.see_no_alert()
-
-
-def test_nothing_grave_and_nothing_too_wide(user: User) -> None:
-    assert_nothing_grave(user)
-    user.page.set_viewport_size({"width": 390, "height": 844})
-    user.rest(1000)
-    assert user.page.evaluate("document.documentElement.scrollWidth") <= 390
-    user.page.set_viewport_size({"width": 1280, "height": 900})
-    user.prefer("light")
-
-
 def test_a_run_is_dropped_on_any_page_and_the_example_survives_a_reload(user: User) -> None:
     open_page(user, "Drive")
     user.page.evaluate(
@@ -112,7 +78,7 @@ def test_a_run_is_dropped_on_any_page_and_the_example_survives_a_reload(user: Us
     expect(user.question("Measured runs")).to_be_visible()
     expect(user.page.get_by_text("dropped.csv, run").first).to_be_visible()
     expect(user.figure_value("Could save")).to_have_text(re.compile(r"17\.\d%"))
-    user.rest(1000)
+    user.settled()
     user.page.reload()
     expect(user.question("Measured runs")).to_be_visible()
     expect(user.page.get_by_text(f"{DRIVERS[-1].file}, run 2 of 2")).to_be_visible()

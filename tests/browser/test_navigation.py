@@ -30,7 +30,7 @@ def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
     open_page(user, "Drive")
     group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("What if", "Robustness"))
     group.hover()
-    user.rest()
+    user.settled()
     expect(entry).to_be_hidden()
     group.click()
     expect(entry).to_be_visible()
@@ -69,7 +69,7 @@ def test_keys_open_pages_pin_and_help_but_not_while_typing(user: User) -> None:
     user.page.keyboard.press("End")
     for key in ("2", "?", "p"):
         user.page.keyboard.press(key)
-    user.rest()
+    user.settled()
     question(user, "Drive")
     expect(field).to_have_value(f"{before}2?p")
     field.fill(before)
@@ -92,27 +92,6 @@ def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
     expect(box).to_be_hidden()
     open_page(user, "Line")
     expect(radio).to_be_hidden()
-
-
-def test_changes_are_counted_and_undone(user: User) -> None:
-    open_page(user, "Drive")
-    user.choose("Metro, profile II")
-    expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
-    user.type("Load, % of capacity", "60")
-    user.type("Recuperation, %", "10")
-    user.page.get_by_role("button", name="2 fields changed").click()
-    user.page.get_by_role("button", name="Undo vehicle.load_factor").click()
-    expect(user.page.get_by_role("button", name="1 field changed")).to_be_visible()
-    user.page.get_by_role("button", name="Undo all").click()
-    expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
-
-
-def test_an_old_address_opens_its_page(server: Server, chromium: Browser) -> None:
-    for name in ("Robustness", "Speed limits"):
-        page = chromium.new_page()
-        page.goto(f"{server.url}?page={name}")
-        expect(User(page, server.url).question(name)).to_be_visible()
-        page.close()
 
 
 def test_one_menu_on_narrow_screens(server: Server, chromium: Browser) -> None:

@@ -57,7 +57,7 @@ def test_keys_move_a_slider_to_its_ends_and_back(user: User) -> None:
     slider.press("ArrowLeft")
     slider.press("Control+z")
     expect(user.page).not_to_have_url(re.compile("load_percent=10"))
-    user.rest(1000)
+    user.settled()
     expect(text).not_to_have_value("10")
     expect(slider).to_be_focused()
 

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import BrowserContext, Locator, expect
 
-from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User, open_page
 from railjoule.core.scenario import parse_scenario
@@ -18,10 +17,7 @@ from railjoule.dashboard.pages.imports.compute import examples
 CANARY = "</style><img src=x onerror='window.pwned=true'>"
 LONGEST_WALK_S = 300.0
 """What a new user is to need at most; the mouse of a test is faster, the machine may be slower."""
-STEPS_OF_WALK = 3
-"""From the line to the pin, at most: a run that is shown is one."""
 ASSETS = Path(__file__).parents[2] / "assets"
-FILES = Path(__file__).parents[1] / "core" / "imports" / "files"
 
 
 @pytest.fixture(scope="module")
@@ -112,39 +108,6 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     assert scenario.vehicle.name == "Metro 81-7036, 5 cars"
 
 
-def test_undo_takes_it_back_step_by_step(user: User) -> None:
-    """First the pin, then the choice of the run, and the whole line at once."""
-    undo, scenario = (
-        user.page.get_by_role("button", name="Undo").first,
-        user.page.get_by_role("combobox", name="Scenario"),
-    )
-    undo.click()
-    expect(user.page.get_by_role("button", name="Unpin run 1")).to_have_count(0)
-    for _ in range(STEPS_OF_WALK):
-        expect(scenario).to_contain_text("Line of example-limits")
-        undo.click()
-        user.rest(1000)
-        if "Line of example-limits" not in scenario.inner_text():
-            break
-    expect(scenario).not_to_contain_text("Line of example-limits")
-
-
-def test_the_example_by_one_button_and_columns_by_hand(user: User) -> None:
-    page = user.page
-    open_page(user, "Import")
-    page.get_by_role("button", name="Load the example").click()
-    # the cards of the files that were there before have gone once the track is asked for again
-    expect(card(user, "example-gradients.csv").get_by_role("alert")).to_contain_text("choose one.")
-    page.get_by_label("Value: example-limits.csv").select_option("lib_ligne")
-    limits = card(user, "example-limits.csv")
-    expect(limits.get_by_role("alert")).to_contain_text("row 2: lib_ligne = 'Invented example line'")
-    page.get_by_label("Value: example-limits.csv").select_option("v_max")
-    expect(limits.get_by_role("alert")).to_have_count(0)
-    for name in ("limits", "gradients", "curves"):
-        page.get_by_role("button", name=f"Remove example-{name}.csv").click()
-    expect(page.get_by_role("button", name="Take this line")).to_have_count(0)
-
-
 def test_hostile_files_get_a_sentence(user: User, tmp_path: Path) -> None:
     page = user.page
     open_page(user, "Import")
@@ -158,14 +121,3 @@ def test_hostile_files_get_a_sentence(user: User, tmp_path: Path) -> None:
     expect(page.get_by_text("large.csv: larger than the 4 MB allowed for one file.")).to_be_visible()
     assert page.evaluate("window.pwned === undefined")
     page.get_by_role("button", name="Remove limits.csv").click()
-
-
-def test_a_train_and_a_track_are_taken_together(user: User) -> None:
-    page = user.page
-    open_page(user, "Import")
-    bring(user, FILES / "ttobench-track.json", FILES / "ttobench-train.json", FILES / "ttobench-journey.json")
-    expect(page.get_by_role("button", name="Take this train")).to_be_visible()
-    expect(page.get_by_role("heading", name="Example_Track: ")).to_be_visible()
-    assert_nothing_grave(user)
-    page.get_by_role("button", name="Take both").click()
-    expect(user.scenario("Example_Track, Example_Train")).to_be_visible()

@@ -58,35 +58,3 @@ def test_the_bound_tightens_further_when_asked_and_stops(server: Server, chromiu
     assert_nothing_grave(user)
     assert user.errors == [], user.errors
     page.close()
-
-
-CURVE = {
-    "title": "Curve of effort",
-    "vehicle.traction.curve": [[0.0, 283.0], [25.0, 283.0], [40.0, 170.0], [70.0, 85.0], [120.0, 34.0]],
-    "vehicle.traction.max_power_kw": None,
-    "timetable.travel_time_s": 71.5,
-}
-"""Of effort over speed and close to the shortest time, of which the first bound leaves 15 % of the energy open."""
-
-
-def test_a_smooth_drive_with_a_loose_bound_is_proven_alike(server: Server, chromium: Browser, tmp_path: Path) -> None:
-    file = tmp_path / "curve.toml"
-    file.write_text(format_scenario(load_scenario("liashenko-i", CURVE)))
-    page = chromium.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
-    user = User(page, server.url)
-    user.load()
-    user.open_file(file)
-    user.turn_to("Drive")
-    proof = page.locator(".proof-row:visible")
-    expect(proof).to_contain_text("No run with one effort in each cell of up to 5 m needs less than")
-    expect(proof).not_to_contain_text("switches")
-    user.wait_until(lambda: share_above(user) < 1)
-    assert_nothing_grave(user)
-    assert user.errors == [], user.errors
-    page.close()
-
-
-def test_a_run_that_is_proven_has_nothing_to_prove_further(user: User) -> None:
-    expect(user.figure_value("Above the optimum")).to_have_text("0.00%")
-    expect(user.page.get_by_text("proven", exact=False).first).to_be_visible()
-    expect(user.page.get_by_role("button", name="Prove further", exact=True)).to_be_hidden()

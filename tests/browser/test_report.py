@@ -50,7 +50,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return written(tmp_path_factory.mktemp("report"), load_scenario("metro-with-limit", changes), contents)
 
 
-@pytest.fixture(scope="module", params=["light", "dark"])
+@pytest.fixture(scope="module", params=["light", pytest.param("dark", marks=pytest.mark.nightly)])
 def reader(request: pytest.FixtureRequest, chromium: Browser, file: Path) -> Iterator[Reader]:
     context = chromium.new_context(
         viewport={"width": 1280, "height": 900}, color_scheme=request.param, offline=True, reduced_motion="reduce"
@@ -117,7 +117,7 @@ def test_the_mouse_writes_values_into_the_captions(reader: Reader) -> None:
 def test_a_surface_is_turned_by_mouse_and_keyboard(reader: Reader) -> None:
     surface = reader.page.locator("canvas[data-surface=costs]")
     surface.scroll_into_view_if_needed()
-    reader.page.wait_for_timeout(300)
+    reader.drawn()
     first = surface.screenshot()
     box = surface.bounding_box()
     assert box is not None
@@ -125,11 +125,11 @@ def test_a_surface_is_turned_by_mouse_and_keyboard(reader: Reader) -> None:
     reader.page.mouse.down()
     reader.page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.6 * box["height"], steps=4)
     reader.page.mouse.up()
-    reader.page.wait_for_timeout(300)
+    reader.drawn()
     turned = surface.screenshot()
     assert turned != first
     surface.press("ArrowLeft")
-    reader.page.wait_for_timeout(300)
+    reader.drawn()
     assert surface.screenshot() != turned
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
-from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -38,42 +37,22 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     expect(field).to_have_value("\u221225")
 
 
-def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
-    user.choose("Metro, profile I")
-    user.page.get_by_role("button", name="Both directions").click()
-    table = user.page.get_by_role("table").filter(has_text="load 25 %")
-    expect(user.page.get_by_text("Table 5 of Liashenko 2025")).to_be_visible()
-    expect(table).to_have_count(1)
-
-
 def test_chance_draws_and_can_be_stopped(user: User) -> None:
+    user.choose("Metro, profile I")
     note = user.page.get_by_text("runs, seed 1.")
     expect(note).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
     user.page.get_by_role("button", name="Run 10").click()
     stop = user.page.get_by_role("button", name="Stop", exact=True)
     expect(stop).to_be_visible()
     expect(note).to_contain_text("of 10\u202f000 runs")
-    # the page stays live meanwhile
+    # the page stays live in the meantime
     before = user.number("Load 100 %")
-    user.push("Actual load, % of capacity", -30)
+    slider = user.slider("Actual load, % of capacity")
+    for _ in range(30):
+        slider.press("ArrowLeft")
     expect(user.figure_value("Load 70 %")).not_to_have_text(before)
     stop.click()
     expect(stop).to_be_hidden()
     stopped = note.inner_text()
-    user.rest(800)
+    user.settled()
     assert note.inner_text() == stopped
-
-
-def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
-    user.type("Position error, m", "5000")
-    alert = user.alert()
-    assert "less than the shortest distance between two stops" in alert
-    user.type("Position error, m", "0")
-    user.see_no_alert()
-    user.type("Actual load, % of capacity", "121")
-    alert = user.alert()
-    assert alert == "At most 120, the vehicle's crush load. Kept: 70 %."
-
-
-def test_nothing_grave(user: User) -> None:
-    assert_nothing_grave(user)

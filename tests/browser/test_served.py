@@ -41,7 +41,7 @@ def test_every_page_works_below_a_path(below: Server, chromium: Browser) -> None
             expect(user.question(name)).to_be_visible()
         # with the components that load what they draw with only where a page needs it
         open_page(user, "Trade-off")
-        user.rest(1000)
+        user.settled()
         beside = [url for url in asked if not url.startswith((below.url, "blob:", "data:")) and "/ws" not in url]
         assert beside == []
 

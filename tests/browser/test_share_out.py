@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -75,6 +76,7 @@ def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Serv
         expect(share.get_by_text("it does not pay")).to_be_visible(timeout=READY_MS)
 
 
+@pytest.mark.nightly
 def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
     context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     try:

@@ -24,7 +24,7 @@ def advised(user: User) -> User:
 
 def see_orders(user: User) -> None:
     expect(user.page.get_by_role("list", name="Simpler advice", exact=True).locator("li").first).to_be_visible()
-    user.rest()
+    user.settled()
 
 
 def see_scenario(user: User, scenario: Scenario, listed: str, address: str) -> None:

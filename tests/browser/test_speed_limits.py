@@ -5,7 +5,6 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
-from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX
@@ -47,19 +46,6 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
     expect(user.page.get_by_text("release the step to compare")).to_be_hidden()
 
 
-def test_the_search_and_its_cost(user: User) -> None:
-    # 8.43 kWh in 1 % more than 216 s, as `railjoule solve kharkiv-like-40kmh` has it
-    expect(user.figure_value("from the supply")).to_have_text("8.43kWh")
-    expect(user.figure_value("Travel time")).to_have_text("218.2s")
-    for chart in ("limit_speed", "limit_effort", "limit_energy"):
-        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
-    for chart in ("search_plane", "search_path", "motor_map", "storage"):
-        place = user.page.locator(f".rj-chart-{chart}:visible")
-        place.scroll_into_view_if_needed()
-        expect(place.locator("canvas").first).to_be_visible()
-    user.page.locator(".rj-chart-limit_speed:visible").scroll_into_view_if_needed()
-
-
 def test_a_step_and_a_border_are_dragged(user: User) -> None:
     before, limit = user.number("Extra energy of set speeds"), user.page.get_by_label(f"{LIMIT}, as a number")
     end = user.page.get_by_label("Section 1: ends at, m, as a number")
@@ -70,24 +56,3 @@ def test_a_step_and_a_border_are_dragged(user: User) -> None:
     user.see_number(end, 900.0, within=4.0)
     user.page.get_by_role("button", name="Search set speeds").click()
     expect(limit).not_to_have_value("60.0")
-
-
-def test_limits_are_typed_and_bad_ones_told(user: User) -> None:
-    user.type(LIMIT, "60")
-    expect(user.page.get_by_text("s too early")).to_be_visible()
-    user.type(LIMIT, "500")
-    alert = user.alert()
-    assert alert == "At most 80. Kept: 60.0 km/h."
-    user.type(LIMIT, "60")
-    user.type("Section 1: ends at, m", "5000")
-    alert = user.alert()
-    assert "must lie before the end of the line" in alert
-    user.type("Section 1: ends at, m", "1200")
-    user.see_no_alert()
-    user.type("Storage, kWh", "-1")
-    alert = user.alert()
-    assert alert.startswith("At least 0.")
-
-
-def test_nothing_grave(user: User) -> None:
-    assert_nothing_grave(user)

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.findings import assert_nothing_grave
 from browser.layout import layout_faults
@@ -31,6 +31,7 @@ CHOSEN = re.compile(r"^Chosen: ([\d\s]+) runs")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who begins at Start and stays for all tests of this file."""
     with User.on(window, server.url, on_drive=False) as someone:
+        open_page(someone, "Study")
         yield someone
 
 
@@ -55,19 +56,6 @@ def button(user: User, name: str) -> Locator:
 
 def chart(user: User, name: str) -> Locator:
     return user.page.locator(f".rj-chart-study_{name}:visible canvas").first
-
-
-def test_a_wrong_range_is_told_beside_it_and_the_page_goes_on(user: User) -> None:
-    open_page(user, "Study")
-    expect(user.page.get_by_text("Choose fields and a number of runs")).to_be_visible()
-    load = user.page.get_by_role("textbox", name="Load factor: to", exact=True)
-    load.fill("seven")
-    load.press("Enter")
-    expect(user.page.get_by_role("alert").get_by_text("Not a number.")).to_be_visible()
-    load.fill("0.9")
-    load.press("Enter")
-    user.see_no_alert()
-    expect(load).to_have_value("0.9")
 
 
 def test_a_field_is_added_dragged_and_left_out(user: User) -> None:
@@ -99,7 +87,7 @@ def test_it_runs_is_stopped_and_goes_on(user: User) -> None:
     expect(user.figure_value("decides")).to_contain_text("%")
     expect(chart(user, "map")).to_be_visible()
     expect(chart(user, "along_x")).to_be_visible()
-    user.rest(1500)
+    user.settled()
     assert layout_faults(user, "Study") == {}
     assert_nothing_grave(user)
 
@@ -127,7 +115,7 @@ def test_other_axes_are_drawn_and_a_point_tells_its_run(user: User) -> None:
     user.page.get_by_role("menuitem", name="Recuperation factor", exact=True).click()
     axis = user.page.locator(".legend:visible").get_by_text("Energy, kWh, over recuperation factor")
     expect(axis).to_be_visible()
-    user.rest(1000)
+    user.settled()
     x, y = user.page.evaluate(
         """() => {
           const [view] = Bokeh.index.query(({model}) => model.type === "Figure"
@@ -184,49 +172,3 @@ def test_a_run_opens_on_drive_and_one_step_takes_it_back(user: User) -> None:
     expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
     open_page(user, "Study")
     expect(status(user).get_by_text("done", exact=True)).to_be_visible()
-
-
-def test_moves_on_drive_while_a_study_runs(
-    user: User, server: Server, chromium: Browser, record_property: object
-) -> None:
-    with User.at(chromium, server.drive_url) as other:
-        at_rest = moves_ms(other)
-        user.type("Seed", "2")
-        # as many as no machine gets done with meanwhile
-        user.type("Runs", "40000")
-        button(user, "Change and start again").click()
-        expect(status(user)).to_contain_text("left", timeout=RUN_MS)
-        while_it_runs = moves_ms(other)
-        button(user, "Stop").click()
-        expect(button(user, "Resume")).to_be_visible(timeout=RUN_MS)
-    record_property("at rest, ms", at_rest)  # type: ignore[operator]
-    record_property("while a study runs, ms", while_it_runs)  # type: ignore[operator]
-    print(f"moves on Drive, ms: at rest {at_rest}, while a study runs {while_it_runs}")
-    # what is timed is told, not held to: the machine has other work. All moves were answered
-    assert len(at_rest) == len(while_it_runs) == MOVES
-
-
-MOVES = 12
-MOVE = """
-async () => {
-  const energy = () => railjoule.deep(".figure.main .value").find((one) => one.checkVisibility())?.textContent;
-  const before = energy(), began = performance.now();
-  while (energy() === before && performance.now() - began < 20000) {
-    await new Promise((resolve) => requestAnimationFrame(resolve));
-  }
-  return performance.now() - began;
-}
-"""
-
-
-def moves_ms(user: User) -> list[int]:
-    """Return how long moves of a slider take, from the key to the new energy on the page, the fastest first [ms]."""
-    slider = user.slider("Travel time, s")
-    slider.focus()
-    times = []
-    for _ in range(MOVES):
-        waiting = user.page.evaluate_handle(f"() => {{ const one = ({MOVE})(); return {{one}}; }}")
-        user.page.keyboard.press("ArrowRight")
-        times.append(round(user.page.evaluate("async ({one}) => await one", waiting)))
-        user.rest(300)
-    return sorted(times)

@@ -16,7 +16,7 @@ from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.page_list import PAGES
 
 PATIENCE_MS = 90_000
-REST_MS = 400
+LOOK_MS = 50
 FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 """What a new page shows."""
 GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
@@ -91,15 +91,19 @@ class User:
         """Wait for the first numbers and figures of Drive."""
         expect(self.figure_value("Energy from the supply")).not_to_be_empty(timeout=PATIENCE_MS)
         expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
-        self.rest()
+        self.settled()
 
     def slow_down(self, times: float) -> None:
         """Let the browser compute this many times slower, as on an old computer."""
         self.page.context.new_cdp_session(self.page).send("Emulation.setCPUThrottlingRate", {"rate": times})
 
-    def rest(self, milliseconds: int = REST_MS) -> None:
-        """Wait until the page has come to rest."""
+    def rest(self, milliseconds: int = 400) -> None:
+        """Wait for a fixed time."""
         self.page.wait_for_timeout(milliseconds)
+
+    def settled(self) -> None:
+        """Wait until the server has answered, nothing is computed, and the charts in sight are drawn."""
+        idle.wait_until_idle(self.page, PATIENCE_MS)
 
     def figure_value(self, label: str) -> Locator:
         """Return the number under a label."""
@@ -118,14 +122,14 @@ class User:
         self.slider(name).focus()
         for _ in range(abs(steps)):
             self.page.keyboard.press("ArrowRight" if steps > 0 else "ArrowLeft")
-        self.rest(1200)
+        self.settled()
 
     def type(self, name: str, text: str) -> None:
         """Type into the text field of a number."""
         field = self.page.get_by_role("textbox", name=f"{name}, as a number", exact=True)
         field.fill(text)
         field.press("Enter")
-        self.rest(1000)
+        self.settled()
 
     def see_number(self, field: Locator, number: float, within: float) -> None:
         """Wait until a field shows a number, as it does some time after the drag that sets it."""
@@ -153,7 +157,7 @@ class User:
         self.page.get_by_role("combobox").first.click()
         self.page.get_by_role("menuitem", name=title, exact=True).click()
         expect(self.scenario(title)).to_be_visible()
-        self.rest(1000)
+        self.settled()
 
     def question(self, page: str) -> Locator:
         """Return the question of a page while it is in sight; its sketch has the same before."""
@@ -178,7 +182,7 @@ class User:
             if box.is_enabled():
                 box.set_checked(name in FIRST_TICKED)
         self.page.mouse.move(5, 5)
-        self.rest(800)
+        self.settled()
 
     def let_go_of_pins(self) -> None:
         """Unpin all runs, on the page where each of them has its button."""
@@ -188,19 +192,19 @@ class User:
         unpin = self.page.get_by_role("button", name="Unpin run").first
         while unpin.is_visible():
             unpin.click()
-            self.rest()
+            self.settled()
         self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
         """Turn to another page, and wait until all charts in sight are drawn and nothing moves into place any more."""
         open_page(self, page)
+        self.settled()
         self.wait_until(lambda: not Sight(self.page, page).undrawn)
-        self.rest()
 
     def open_file(self, path: Path) -> None:
         """Open a scenario file."""
         self.page.locator("input[type=file]").set_input_files(path)
-        self.rest(1000)
+        self.settled()
 
     def press(self, chart: str, tool: str) -> None:
         """Press a tool of a chart with the mouse, which makes its toolbar visible."""
@@ -226,7 +230,7 @@ class User:
         """Wait until something holds, but not longer than for anything else."""
         deadline = time.monotonic() + PATIENCE_MS / 1000
         while not holds() and time.monotonic() < deadline:
-            self.rest()
+            self.page.wait_for_timeout(LOOK_MS)
 
     def alert(self) -> str:
         """Wait for the only message in sight; return it."""

@@ -45,6 +45,7 @@ from railjoule.dashboard.insides import (
     thaw,
     thaw_unsearched,
     token_of,
+    turns_of,
     write_all_messages,
     written_down,
 )
@@ -286,3 +287,13 @@ def test_a_message_that_came_while_another_was_written_is_written_too(monkeypatc
     asyncio.run(main())
     assert written == ["first", "second"]
     assert document not in messages._WRITE_BLOCK
+
+
+def test_a_closed_page_takes_no_turn() -> None:
+    document = Document()
+    turn = turns_of(document)
+    turn(lambda: None)
+    assert len(document.session_callbacks) == 1
+    document._session_context = lambda: SimpleNamespace(destroyed=True)
+    turn(lambda: None)
+    assert len(document.session_callbacks) == 1
