@@ -6,12 +6,12 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
 
-from railjoule.core.errors import RailjouleError, ScenarioError
+from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import sentence_of, shorten, show
 from railjoule.core.scenario.csv_table import Folder
 from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.map_csv import read_map
-from railjoule.core.scenario.presets import OwnPresets, preset_document, preset_names, require_name
+from railjoule.core.scenario.presets import preset_document
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.sections_csv import read_sections
 from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
@@ -32,7 +32,6 @@ def scenario_from_document(
     document: Mapping[str, Any],
     source: str = "scenario",
     folder: Folder | None = None,
-    own: OwnPresets | None = None,
 ) -> Scenario:
     """Return the scenario that a nested dictionary describes.
 
@@ -44,9 +43,6 @@ def scenario_from_document(
         What errors call the document, such as its file's name.
     folder : Path or callable, optional
         Where `line.file` is looked for; without it that key is refused.
-    own : OwnPresets, optional
-        Vehicles and lines that presets may name beside the shipped ones. The scenario has them whole: what becomes of
-        their files later does not change it.
 
     Raises
     ------
@@ -56,8 +52,8 @@ def scenario_from_document(
     # presets are filled in in place, and the document is the caller's
     filled = deepcopy(dict(document))
     try:
-        _fill_vehicle(filled, folder, own)
-        _fill_line(filled, folder, own)
+        _fill_vehicle(filled, folder)
+        _fill_line(filled, folder)
     except ScenarioError as error:
         raise ScenarioError(f"{source}: {error}") from None
     try:
@@ -66,23 +62,15 @@ def scenario_from_document(
         raise ScenarioError(sentence_of(error, Scenario, source)) from None
 
 
-def document_of(scenario: Scenario, own: OwnPresets | None = None) -> Document:
-    """Return the shortest document that gives `scenario` back: only what differs from presets and defaults.
-
-    With presets of a user's own, a vehicle or line of the name of one of them is told by what differs from it.
-    """
+def document_of(scenario: Scenario) -> Document:
+    """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
     document = _dump(scenario)
-    vehicle, drive = _shorten_vehicle(scenario.vehicle, own)
+    vehicle, drive = _shorten_vehicle(scenario.vehicle)
     document["vehicle"] = vehicle
     if drive:
         document["drive"] = drive
-    document["line"] = _shorten_line(scenario.line, own)
+    document["line"] = _shorten_line(scenario.line)
     return document
-
-
-def whole_vehicle(vehicle: Vehicle) -> Document:
-    """Return a vehicle without a preset, as the file of one has it; its load is that of a run, and is left out."""
-    return _dump(vehicle.model_copy(update={"preset": None, "load_factor": 0.0}))
 
 
 def whole_line(line: Line) -> Document:
@@ -148,13 +136,13 @@ def _drop_alternatives(table: Document, key: str) -> None:
                 table.pop(other, None)
 
 
-def _fill_vehicle(document: Document, folder: Folder | None, own: OwnPresets | None) -> None:
+def _fill_vehicle(document: Document, folder: Folder | None) -> None:
     vehicle = document.get("vehicle")
     if not isinstance(vehicle, dict):
         return
     # The order matters: first the preset, then the drive of the document over that of the preset, then the map's file,
     # as either of the two may name it.
-    vehicle = _filled("vehicles", vehicle, own)
+    vehicle = _filled("vehicles", vehicle)
     drive = document.pop("drive", None)
     if isinstance(drive, dict):
         vehicle["drive"] = _merged_drive(vehicle.get("drive", {}), drive)
@@ -178,11 +166,11 @@ def fill_map(drive: Document, folder: Folder | None) -> None:
     drive["points"] = read_map(name, folder)
 
 
-def _fill_line(document: Document, folder: Folder | None, own: OwnPresets | None) -> None:
+def _fill_line(document: Document, folder: Folder | None) -> None:
     line = document.get("line")
     if isinstance(line, dict):
         fill_sections(line, folder)
-        document["line"] = _filled("lines", line, own)
+        document["line"] = _filled("lines", line)
 
 
 def fill_sections(line: Document, folder: Folder | None) -> None:
@@ -197,17 +185,13 @@ def fill_sections(line: Document, folder: Folder | None) -> None:
         line["sections"] = read_sections(name, folder)
 
 
-def _filled(kind: Literal["vehicles", "lines"], table: Document, own: OwnPresets | None) -> Document:
+def _filled(kind: Literal["vehicles", "lines"], table: Document) -> Document:
     preset = table.get("preset")
     if preset is None:
         return table
     if not isinstance(preset, str):
         raise ScenarioError(f"preset = {show(preset)} must be the name of one of the {kind}.")
-    # a shipped one wins: a file that names it means the same on every machine
-    if own is None or preset in preset_names(kind):
-        return merged(preset_document(kind, preset), table)
-    require_name(kind, preset, (*preset_names(kind), *own.names(kind)))
-    return merged(own.document(kind, preset), {key: value for key, value in table.items() if key != "preset"})
+    return merged(preset_document(kind, preset), table)
 
 
 def _dump(part: BaseModel) -> Document:
@@ -215,25 +199,23 @@ def _dump(part: BaseModel) -> Document:
     return part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
 
 
-def _shorten_vehicle(vehicle: Vehicle, own: OwnPresets | None) -> tuple[Document, Document]:
+def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
     """Return the tables `vehicle` and `drive` of a document."""
     full = vehicle.model_dump(mode="json", exclude_none=True)
+    short = None
     if vehicle.preset is not None:
         short = _over(full, Vehicle.model_validate(preset_document("vehicles", vehicle.preset)))
-    else:
-        short = _over_own("vehicles", full, own)
     if short is not None:
         drive = short.pop("drive", {})
         return short, full["drive"] if drive.get("model") else drive
     return _dump(vehicle.model_copy(update={"preset": None})), {}
 
 
-def _shorten_line(line: Line, own: OwnPresets | None) -> Document:
-    full = line.model_dump(mode="json", exclude_none=True)
+def _shorten_line(line: Line) -> Document:
+    short = None
     if line.preset is not None:
+        full = line.model_dump(mode="json", exclude_none=True)
         short = _over(full, Line.model_validate(preset_document("lines", line.preset)))
-    else:
-        short = _over_own("lines", full, own)
     return whole_line(line) if short is None else short
 
 
@@ -242,23 +224,6 @@ def _over(full: Document, base: BaseModel) -> Document | None:
     table = base.model_dump(mode="json", exclude_none=True)
     short = _difference(full, table)
     return short if merged(table, short) == full else None
-
-
-def _over_own(kind: Literal["vehicles", "lines"], full: Document, own: OwnPresets | None) -> Document | None:
-    """Return the name of a user's own preset with what is to be laid over it; None where none bears the name."""
-    if own is None:
-        return None
-    for name in own.names(kind):
-        try:
-            document = own.document(kind, name)
-            if document["name"] != full["name"]:
-                continue
-            short = _over(full, (Vehicle if kind == "vehicles" else Line).model_validate(document))
-        except (RailjouleError, ValidationError):  # a file with a mistake in it is no base for another
-            continue
-        if short is not None:
-            return {"preset": name, **short}
-    return None
 
 
 def _difference(full: Document, base: Document) -> Document:

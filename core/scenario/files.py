@@ -9,17 +9,15 @@ import tomli_w
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.csv_table import Folder
 from railjoule.core.scenario.document import change_document, document_of, scenario_from_document
-from railjoule.core.scenario.presets import OwnPresets, preset_names, preset_text
+from railjoule.core.scenario.presets import preset_names, preset_text
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, read_text
 from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY, read_toml
 from railjoule.core.written import write_text
 
 
-def load_scenario(
-    path: str | Path, changes: Mapping[str, Any] | None = None, own: OwnPresets | None = None
-) -> Scenario:
-    """Read a scenario file, or by its name a shipped scenario or one of a user's own.
+def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
+    """Read a scenario file, or by its name a shipped scenario.
 
     Parameters
     ----------
@@ -27,9 +25,6 @@ def load_scenario(
         A TOML file, or the name of a shipped scenario such as `liashenko-ii`.
     changes : mapping, optional
         Keys to set before it is checked, named by dotted path.
-    own : OwnPresets, optional
-        Vehicles, lines and scenarios known by name beside the shipped ones, such as those of a
-        `railjoule.core.workspace.Workspace`.
 
     Raises
     ------
@@ -39,11 +34,9 @@ def load_scenario(
     path = Path(path)
     # a user's own file of the same name wins, or a file on disk could not be read
     shipped = str(path) in preset_names("scenarios") and not path.exists()
-    if own is not None and not shipped and not path.exists() and str(path) in own.names("scenarios"):
-        return parse_scenario(own.text("scenarios", str(path)), str(path), own.beside("scenarios"), changes, own)
     # a shipped scenario names no files, so it needs no folder; one on disk may name others beside it
     text = preset_text("scenarios", str(path)) if shipped else read_text(path)
-    return parse_scenario(text, path.name, None if shipped else path.parent, changes, own)
+    return parse_scenario(text, path.name, None if shipped else path.parent, changes)
 
 
 def parse_scenario(
@@ -51,7 +44,6 @@ def parse_scenario(
     source: str = "scenario",
     folder: Folder | None = None,
     changes: Mapping[str, Any] | None = None,
-    own: OwnPresets | None = None,
 ) -> Scenario:
     """Return the scenario that a TOML text describes.
 
@@ -65,8 +57,6 @@ def parse_scenario(
         Where files that it names are looked for; without it such keys are refused.
     changes : mapping, optional
         Keys to set before it is checked, named by dotted path.
-    own : OwnPresets, optional
-        Vehicles and lines that presets may name beside the shipped ones.
 
     Raises
     ------
@@ -79,14 +69,14 @@ def parse_scenario(
     document = read_toml(text, source)
     try:
         # the changes come before the checks: keys that only fit together can be changed together
-        return scenario_from_document(change_document(document, changes or {}), source, folder, own)
+        return scenario_from_document(change_document(document, changes or {}), source, folder)
     except RecursionError:
         raise ScenarioError(f"{source}: {NESTED_TOO_DEEPLY}") from None
 
 
-def format_scenario(scenario: Scenario, own: OwnPresets | None = None) -> str:
-    """Return the TOML text that gives exactly `scenario` when it is read again, with the same `own` presets."""
-    return tomli_w.dumps(document_of(scenario, own))
+def format_scenario(scenario: Scenario) -> str:
+    """Return the TOML text that gives exactly `scenario` when it is read again."""
+    return tomli_w.dumps(document_of(scenario))
 
 
 def save_scenario(scenario: Scenario, path: str | Path) -> None:

@@ -1,32 +1,15 @@
 """Vehicles, lines and scenarios that come with railjoule, read from its assets."""
 
 import tomllib
-from collections.abc import Callable
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import show, suggestion
 
 PresetKind = Literal["vehicles", "lines", "scenarios"]
-
-
-class OwnPresets(Protocol):
-    """Vehicles, lines and scenarios of a user's own, known by name beside the shipped ones."""
-
-    def names(self, kind: PresetKind) -> tuple[str, ...]:
-        """Return the names of all of a kind, sorted."""
-
-    def text(self, kind: PresetKind, name: str) -> str:
-        """Return the text of one; raises ScenarioError if there is none."""
-
-    def document(self, kind: Literal["vehicles", "lines"], name: str) -> dict[str, Any]:
-        """Return a vehicle or line as a whole, without `preset` or `file`; raises ScenarioError if there is none."""
-
-    def beside(self, kind: PresetKind) -> Callable[[str], str]:
-        """Return what reads a file that one of this kind names; raises ScenarioError if it lies elsewhere."""
 
 
 def preset_names(kind: PresetKind) -> tuple[str, ...]:

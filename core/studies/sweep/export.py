@@ -102,7 +102,7 @@ def _write_netcdf(results: Done, place: Path) -> None:
     if table.reasons:
         # of their own: beside each row its format would keep room for the longest sentence
         columns["row_without_run"] = "refused", np.array(list(table.reasons), dtype=np.int32)
-        columns["reason"] = "refused", np.array(list(table.reasons.values()), dtype="S")
+        columns["reason"] = "refused", np.array([reason.encode() for reason in table.reasons.values()])
     coordinates = {"row": table.index.astype(np.int32)}
     xarray.Dataset(columns, coords=coordinates, attrs=origin_of(results)).to_netcdf(place, engine="scipy")
 

@@ -137,11 +137,6 @@ class SweepFile:
                 raise StudyFileError(f"{shorten(self.path.name)} holds another study, whose {name} differs{told}.")
 
     @property
-    def same_solver(self) -> bool:
-        """Whether this version made its rows, so that it can go on with them."""
-        return bool(self._identity["solver"] == self.study.identity["solver"])
-
-    @property
     def done(self) -> int:
         """How many rows are kept."""
         return int(self._asked("SELECT COALESCE(SUM(count), 0) FROM chunks")[0][0])
