@@ -68,23 +68,5 @@ def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium
     user.see_no_alert()
     changed(user, now)
     assert_nothing_grave(user)
-    same_number_on_the_deeper_pages(user)
     assert user.errors == [], user.errors
     page.close()
-
-
-def same_number_on_the_deeper_pages(user: User) -> None:
-    """Check the number of Drive against Disturbances, and without stops against Robustness."""
-    cost, late = user.number("Actual run costs"), user.page.locator(".figure:visible", has_text="Travel time")
-    seconds = number_of(late.locator(".detail").inner_text())
-    user.turn_to("Disturbances")
-    expect(user.page.locator(".figure.main:visible")).to_contain_text("Extra energy, driver")
-    shown = user.page.locator(".figure.main:visible").inner_text()
-    assert re.search(r"\+?([\d.]+) %", cost).group(1) in shown  # type: ignore[union-attr]
-    expect(user.figure_value("Driver arrives")).to_contain_text(seconds)
-    user.turn_to("Drive")
-    user.page.get_by_role("button", name="Remove stop 1").click()
-    expect(user.page.locator(".figure:visible", has_text="Largest cause")).not_to_contain_text("stop")
-    cost = extra(user)
-    user.turn_to("Robustness")
-    expect(user.figure_value("Against the plan")).to_contain_text(cost)

@@ -59,22 +59,15 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         keys, draw = user.page.keyboard, lesson(user.page)
 
-        def reach(target: Locator) -> None:
-            for _ in range(80):
-                if target.evaluate("one => one.getRootNode().activeElement === one"):
-                    return
-                keys.press("Tab")
-            raise AssertionError("the keyboard does not reach it")
-
         canvas = draw.get_by_role("slider")
-        reach(canvas)
+        user.reach(canvas)
         for _ in range(4):
             keys.press("PageDown")
         for _ in range(POINTS - 1):
             keys.press("Shift+ArrowRight")
         keys.press("ArrowUp")
         expect(canvas).to_have_attribute("aria-valuetext", "61 km/h at 1700 m")
-        reach(draw.get_by_role("button", name=BUTTON))
+        user.reach(draw.get_by_role("button", name=BUTTON))
         keys.press("Enter")
         outcome = draw.locator(".outcome")
         expect(outcome).to_be_focused(timeout=READY_MS)

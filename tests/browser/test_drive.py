@@ -126,18 +126,6 @@ def test_on_a_slow_machine_slider_number_and_run_stay_together(user: User) -> No
     expect(user.slider("Travel time, s")).to_have_value("174")
 
 
-def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.drive_url, width=360) as user:
-        for width in (360, 390, 768, 2560):
-            user.page.set_viewport_size({"width": width, "height": 900})
-            # the menu of pages shows that the server has heard of the width
-            menu = user.page.get_by_role("button", name="Pages, Drive", exact=True)
-            expect(menu).to_be_visible(visible=width < 700)
-            expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)
-            user.settled()
-            assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
-
-
 def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser, server: Server) -> None:
     find = """(label) => {
       const name_of = ({html_attributes: a}) => a instanceof Map ? a.get("aria-label") : a["aria-label"];

@@ -1,6 +1,5 @@
 """From every page to every other, as a user goes: what belongs there is there, in sight and further down."""
 
-import itertools
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -50,15 +49,6 @@ def whole_walk() -> tuple[str, ...]:
     """Return a walk from Start: from every page with results to every other, then to each form and back to Drive."""
     with_results = tuple(name for name in NAMES if name not in FORMS)
     return (NAMES[0], *every_pair(with_results), *(name for form in FORMS for name in (form, "Drive")))
-
-
-def test_the_walk_goes_from_every_page_to_every_other() -> None:
-    pairs = list(itertools.pairwise(whole_walk()))
-    with_results = len(NAMES) - len(FORMS)
-    assert len(pairs) == with_results * (with_results - 1) + 2 * len(FORMS)
-    assert len(set(pairs)) == len(pairs)
-    assert all(one != other for one, other in pairs)
-    assert {name for pair in pairs for name in pair} == set(NAMES)
 
 
 def arrive(user: User, name: str, preset: str = SUBURBAN) -> None:

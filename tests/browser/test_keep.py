@@ -69,14 +69,6 @@ def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium:
         other.see_no_alert()
 
 
-def test_a_changed_key_is_taken_back(user: User) -> None:
-    user.begin_anew()
-    user.type("Load, % of capacity", "20")
-    press(user, "1 field changed")
-    press(user, "Undo vehicle.load_factor")
-    expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("50")
-
-
 def test_save_and_drop(user: User, tmp_path: Path) -> None:
     user.begin_anew()
     user.type("Travel time, s", "190")

@@ -11,8 +11,6 @@ from browser.findings import grave_findings
 from browser.reader import Reader, written
 from browser.user import User
 from railjoule.core import load_scenario
-from railjoule.core.scenario import parse_scenario
-from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.report.contents import Contents
 
@@ -231,16 +229,3 @@ def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
     assert "<p>One</p><p>Two</p>" in text
-
-
-def test_the_button_makes_a_report_of_what_is_in_sight(user: User, tmp_path: Path) -> None:
-    user.type("Travel time, s", "181.5")
-    with user.page.expect_download() as saved:
-        user.page.get_by_role("button", name="Report", exact=True).click()
-        user.page.get_by_role("button", name="Make the report").click()
-    assert saved.value.suggested_filename == "railjoule-metro-profile-ii-i.html"
-    path = tmp_path / "report.html"
-    saved.value.save_as(path)
-    text = path.read_text(encoding="utf-8")
-    assert parse_scenario(scenario_in_report(text, "report.html")).travel_time_s == 181.5
-    expect(user.page.get_by_role("button", name="Report", exact=True)).to_be_visible()

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
 from railjoule.core.units import J_PER_KWH, J_PER_WH
-from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
+from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson
 from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
 from railjoule.dashboard.pages.learn.slack import driven_line, line_tables
@@ -20,6 +20,10 @@ ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
 MODULES = [name for name in NAMES if re.search(r"^export ", source(name), re.MULTILINE)]
 COMPONENTS = [name for name in MODULES if "export function render(" in source(name)]
+LISTENING_OUTSIDE = [
+    name for name in COMPONENTS if re.search(r"\b(window|document)\.addEventListener|matchMedia", module(name))
+]
+"""Components that listen to the window, the document or the system."""
 KNOWS_ALL_ROOTS = "first"
 """The one script that leaves something on the window."""
 
@@ -75,29 +79,10 @@ def test_a_module_is_sent_as_one(page: Page, name: str) -> None:
     assert set(exports) == exports_of(name)
 
 
-def test_a_component_of_which_there_are_many_is_sent_once(page: Page) -> None:
-    page.evaluate("text => { new Function(text)(); }", lent("number_field"))
-    code = f"""
-      {MODEL}
-      const text = {borrowed("number_field")!r};
-      const m = await import(URL.createObjectURL(new Blob([text], {{type: "text/javascript"}})));
-      return shown(m.render({{model}})).querySelector("[type=text]").value;
-    """
-    assert page.evaluate(f"async (a) => {{ {code} }}", NUMBER) == "170.0"
-
-
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(MODULES)))
 def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
     assert '"use strict";' in source(name)
     page.evaluate("text => { new Function(text); }", source(name))
-
-
-def test_each_module_stands_once_and_after_what_it_needs() -> None:
-    assert imported("drag_heights") == ["drag", "numbers"]
-    assert imported("guess") == ["dom", "files"]
-    assert module("lifeline").count("const make = ") == 1
-    assert function("ticks", "tick_words(tick, digits)").endswith("\nreturn tick_words(tick, digits);\n")
-    assert "export" not in function("cursor", "follow({charts, range}, cb_obj)")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -160,7 +145,6 @@ NUMBER: dict[str, Any] = {
 }
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
-    "columns_form": {"columns": [], "quantities": [], "units": {}, "version": 0},
     "draw_speed": {
         "course": {
             "position": [0, 2],
@@ -192,59 +176,17 @@ VALUES: dict[str, dict[str, Any]] = {
         "refusals": 0,
         "course": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
     },
-    "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False, "level": 3},
     "editor_head": {"status": "", "open": False},
-    "energy_bars": {"places": [], "runs": []},
-    "fields_form": {"fields": [], "version": 0},
-    "guess": {
-        "lesson": "load",
-        "title": "What a wrong load costs",
-        "asked": {"question": "How much?", "unit": "%", "low": 0, "high": 30, "step": 1, "choices": []},
-        "verdict": {},
-        "guessed": False,
-        "opened": False,
-    },
     "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "largest_bytes": 1, "version": 0},
-    "import_take": {
-        "offers": [],
-        "stretch": {"begin": "", "end": "", "reverse": False},
-        "has_stretch": True,
-        "status": "",
-        "refusal": "",
-        "version": 0,
-    },
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
-    "report_form": {"sections": [["result", "Result"]], "longest_note": 2000, "refusal": "", "open": False},
-    "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
-    "share_out": {
-        "lines": {
-            "uneven": {
-                "legs": [
-                    {"from": "A", "to": "B", "length_m": 9.0, "energy_kwh": [3, 2, 1], "price_wh_s": [3, 2, 1]},
-                    {"from": "B", "to": "C", "length_m": 9.0, "energy_kwh": [3, 2, 1], "price_wh_s": [3, 2, 1]},
-                ],
-                "standing_kwh": 0,
-                "least_s": 1,
-                "slack_s": 4,
-            }
-        },
-        "begun": {"line": "uneven", "seconds": [2, 2], "linked": False},
-        "verdict": {},
-        "refusals": 0,
-    },
-    "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
-    "study_fields": {"fields": [], "groups": [], "note": "", "version": 0},
-    "study_files": {},
-    "study_rows": {"title": "", "note": "", "head": [], "rows": [], "more": "", "is_chosen": False},
-    "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
 }
-"""What each component needs to be drawn at all."""
+"""Properties that each of the listening components needs to be drawn."""
 
 
-@pytest.mark.parametrize("name", COMPONENTS)
+@pytest.mark.parametrize("name", LISTENING_OUTSIDE)
 def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> None:
     """Whether it is removed or only drawn anew: the library does not tell of the second."""
     view = "view: {model: {document: {on_event() {}}}}"
@@ -262,37 +204,6 @@ def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> N
     first, second, left = run(page, name, code, VALUES[name])
     assert first == second
     assert left == 0
-
-
-def test_a_field_tells_what_was_typed_and_takes_it_back_by_escape(page: Page) -> None:
-    field = {"key": "tare_kg", "kind": "number", "label": "Tare, kg", "help": "", "text": "160000", "was": "160000"}
-    code = f"""
-      {MODEL}
-      const host = shown(m.render({{model}})), input = host.querySelector("input");
-      input.value = "2e5";
-      const key = (name) => input.dispatchEvent(new KeyboardEvent("keydown", {{key: name, bubbles: true}}));
-      let closes = 0;
-      document.body.addEventListener("keydown", () => closes++, {{once: true}});
-      key("Escape");
-      const kept = input.value;
-      input.value = "2e5";
-      input.dispatchEvent(new Event("change"));
-      change({{fields: [{{...a.fields[0], text: "2e5", changed: true, sentence: "At most 1e5."}}], version: 1}});
-      await drawn();
-      const error = host.querySelector("[role=alert]");
-      return {{kept, closes, told, invalid: input.ariaInvalid, error: error.textContent,
-        name: host.querySelector("button").ariaLabel, described: input.getAttribute("aria-describedby")}};
-    """
-    seen = run(page, "fields_form", code, {"fields": [field], "version": 0})
-    assert seen == {
-        "kept": "160000",
-        "closes": 0,
-        "told": [{"what": "type", "key": "tare_kg", "text": "2e5"}],
-        "invalid": "true",
-        "error": "At most 1e5.",
-        "name": "Reset Tare, kg to 160000",
-        "described": "field0-help field0-error",
-    }
 
 
 def test_what_can_be_taken_is_drawn_whatever_comes_first_of_it(page: Page) -> None:
@@ -396,55 +307,6 @@ def test_a_slider_writes_its_number_and_sends_the_first_and_the_last_of_many(pag
     }
 
 
-def test_ten_steps_of_a_slider_by_the_shift_key(page: Page) -> None:
-    code = f"""
-      {FIELD}
-      const moved = ["ArrowUp", "ArrowLeft", "ArrowLeft", "Home"].map((name) => {{
-        const taken = !key(slider, name, {{shiftKey: true}});
-        return [taken, model.value, text.value];
-      }});
-      await rest(100);
-      return [...moved, model.value];
-    """
-    assert run(page, "number_field", code, NUMBER) == [
-        [True, 175, "175.0"],
-        [True, 175, "170.0"],
-        [True, 175, "165.0"],
-        [False, 175, "165.0"],
-        165,
-    ]
-
-
-def test_a_text_is_told_and_a_refused_one_stays(page: Page) -> None:
-    code = f"""
-      {FIELD}
-      type("9999");
-      change({{refusal: "At most 300.", answers: 1}});
-      const refused = [text.value, error.textContent, text.ariaInvalid, error.hidden, slider.value];
-      type("2:30");
-      change({{value: 150, refusal: "", answers: 2}});
-      const taken = [text.value, error.hidden, text.ariaInvalid, slider.value];
-      text.value = "15";
-      change({{value: 160, answers: 2}});
-      const typing = [text.value, slider.value];
-      let closes = 0;
-      document.body.addEventListener("keydown", () => closes++);
-      key(text, "Escape");
-      const back = text.value;
-      key(text, "Escape");
-      return {{refused, taken, typing, back, closes, told, name: text.ariaLabel}};
-    """
-    assert run(page, "number_field", code, NUMBER) == {
-        "refused": ["9999", "At most 300. Kept: 170.0 s.", "true", False, "170"],
-        "taken": ["150.0", True, "false", "150"],
-        "typing": ["15", "160"],
-        "back": "160.0",
-        "closes": 1,
-        "told": [{"text": "9999"}, {"text": "2:30"}],
-        "name": "Travel time, s, as a number",
-    }
-
-
 def test_the_server_does_not_move_a_thumb_that_is_held(page: Page) -> None:
     code = f"""
       {FIELD}
@@ -519,22 +381,6 @@ def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
     assert seen["now"] == 2
     assert seen["told"] == [{"what": "cell", "row": 1, "column": 1, "text": "5"}, {"what": "remove", "row": 1}]
     assert seen["names"] == ["length, row 1", "gradient, row 1", "length, row 2", "gradient, row 2"]
-
-
-def test_the_bar_opens_a_page_for_whoever_asks(page: Page) -> None:
-    code = f"""
-      {MODEL}
-      const host = shown(m.render({{model}}));
-      window.dispatchEvent(new CustomEvent("rj-open", {{detail: {{page: "Drive"}}}}));
-      const turned = new Promise((resolve) => {{
-        window.addEventListener("rj-turn", (event) => resolve(event.detail.page), {{once: true}});
-      }});
-      const now = host.querySelector("[aria-current]").textContent;
-      const answer = [now, told[0].page, await turned];
-      remove();
-      return answer;
-    """
-    assert run(page, "navigation", code, VALUES["navigation"]) == ["Drive", "Drive", "Drive"]
 
 
 # --- what they compute
@@ -669,6 +515,7 @@ def test_a_table_is_sorted_by_its_numbers(page: Page) -> None:
 
 def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
     code = """
+      document.body.replaceChildren();
       const areas = [], {execCommand} = document;
       document.execCommand = (what) => { areas.push([what, document.activeElement.value]); return true; };
       const done = await m.copy_text("3.2 kWh");
@@ -676,39 +523,6 @@ def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
       return {secure: isSecureContext, done, areas, left: document.querySelectorAll("textarea").length};
     """
     assert run(page, "files", code) == {"secure": False, "done": True, "areas": [["copy", "3.2 kWh"]], "left": 0}
-
-
-def test_elements_and_what_is_around_them(page: Page) -> None:
-    code = """
-      const inner = m.make("input", {type: "text", hidden: true, class: null, title: false});
-      const host = m.make("div", {class: "host"}, "text"), place = m.make("div", {}, host);
-      host.attachShadow({mode: "open"}).append(inner);
-      document.body.append(place);
-      inner.hidden = false;
-      inner.focus();
-      const answer = [inner.outerHTML, m.within(inner, place), m.within(place, inner), m.focused() === inner];
-      place.remove();
-      return answer;
-    """
-    assert run(page, "dom", code) == ['<input type="text">', True, False, True]
-
-
-def test_all_roots_are_searched_and_changes_told(page: Page) -> None:
-    code = """
-      const host = document.createElement("div"), inside = document.createElement("p");
-      inside.className = "rj-chart rj-chart-speed";
-      document.body.append(host);
-      let calls = 0;
-      const called = new Promise((resolve) => {
-        const stop = m.listen(() => { calls++; stop(); resolve(); });
-      });
-      host.attachShadow({mode: "open"}).append(inside);
-      await called;
-      const answer = [m.deep(".rj-chart").length, m.chart_of(m.deep(".rj-chart")[0]), calls];
-      host.remove();
-      return [...answer, m.deep(".rj-chart").length];
-    """
-    assert run(page, "page", code) == [1, "speed", 1, 0]
 
 
 # --- what is driven by hand

@@ -2,7 +2,6 @@
 
 import re
 
-import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -52,45 +51,18 @@ def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Serv
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         keys, share = user.page.keyboard, lesson(user.page)
 
-        def reach(target: Locator) -> None:
-            for _ in range(60):
-                if target.evaluate("one => one.getRootNode().activeElement === one"):
-                    return
-                keys.press("Tab")
-            raise AssertionError("the keyboard does not reach it")
-
-        reach(share.get_by_role("slider").first)
+        user.reach(share.get_by_role("slider").first)
         keys.press("PageDown")
         for _ in range(3):
             keys.press("ArrowLeft")
         expect(share.get_by_role("slider").first).to_have_attribute("aria-valuenow", "12")
-        reach(share.get_by_role("button", name="Show the best sharing"))
+        user.reach(share.get_by_role("button", name="Show the best sharing"))
         keys.press("Enter")
         expect(share.locator(".outcome")).to_be_focused(timeout=READY_MS)
-        reach(share.get_by_role("button", name="Next: a line with legs alike"))
+        user.reach(share.get_by_role("button", name="Next: a line with legs alike"))
         keys.press("Enter")
         expect(share.get_by_role("slider").first).to_be_focused()
         keys.press("ArrowRight")
-        reach(share.get_by_role("button", name="Show the best sharing"))
+        user.reach(share.get_by_role("button", name="Show the best sharing"))
         keys.press("Enter")
         expect(share.get_by_text("it does not pay")).to_be_visible(timeout=READY_MS)
-
-
-@pytest.mark.nightly
-def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
-    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    try:
-        address = f"{server.url}?v=1&page=Learn&learn.shared=even:30,15,15"
-        with User.on(context, address, on_drive=False) as user:
-            share = lesson(user.page)
-            expect(share.get_by_text("30 s", exact=True)).to_be_visible()
-            # a link for a class opens at its lesson
-            expect(share.get_by_role("heading").first).to_be_in_viewport()
-            share.get_by_role("button", name="1 s earlier").first.tap()
-            expect(share.get_by_text("29 s", exact=True)).to_be_visible()
-            share.get_by_role("button", name="Show the best sharing").tap()
-            expect(share.locator(".outcome")).to_be_visible(timeout=READY_MS)
-            wide = user.page.evaluate("document.documentElement.scrollWidth")
-            assert wide <= 390
-    finally:
-        context.close()

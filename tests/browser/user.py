@@ -124,6 +124,14 @@ class User:
             self.page.keyboard.press("ArrowRight" if steps > 0 else "ArrowLeft")
         self.settled()
 
+    def reach(self, target: Locator, most_steps: int = 80) -> None:
+        """Move the focus to an element with the Tab key."""
+        for _ in range(most_steps):
+            if target.evaluate("one => one.getRootNode().activeElement === one"):
+                return
+            self.page.keyboard.press("Tab")
+        raise AssertionError(f"the Tab key does not reach {target}")
+
     def type(self, name: str, text: str) -> None:
         """Type into the text field of a number."""
         field = self.page.get_by_role("textbox", name=f"{name}, as a number", exact=True)
