@@ -1,6 +1,5 @@
 """What the page takes of the insides of its libraries is there in the installed releases; no browser is needed."""
 
-import ast
 import asyncio
 import inspect
 import re
@@ -15,39 +14,28 @@ import panel_material_ui as pmui
 import param
 import pytest
 from bokeh.document import Document
-from bokeh.document.locking import UnlockedDocumentProxy
 from bokeh.models import Div
 from bokeh.protocol import Protocol
 from bokeh.server.connection import ServerConnection
 from panel.io import document as messages
 from panel.reactive import Syncable
-from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
 
 from railjoule.dashboard.app import make_page, make_server
 from railjoule.dashboard.insides import (
     LightComponent,
-    PageAnswer,
     SmallFile,
     Words,
-    application_of,
     attach,
-    begin_as,
     first_html,
     freeze,
     frozen,
     leave_busy,
     models_of,
-    name_sheets,
-    page_of_token,
-    server_context,
-    session_document,
     tell_no_insides,
     thaw,
     thaw_unsearched,
-    token_of,
     turns_of,
     write_all_messages,
-    written_down,
 )
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import empty_page
@@ -60,18 +48,11 @@ def script(name: str) -> str:
     return (SCRIPTS / f"{name}.js").read_text(encoding="utf-8")
 
 
-def test_follow_finds_each_text_that_it_mends_once() -> None:
-    source = (PANEL / "models" / "react_component.ts").read_text(encoding="utf-8")
-    code = source[source.index("_render_code(") :]
-    texts = [ast.literal_eval(found) for found in re.findall(r'^ {4}\[("[^"]+"), ', script("follow"), re.M)]
-    assert len(texts) == 3
-    assert {text: code.count(text) for text in texts} == dict.fromkeys(texts, 1)
-
-
-def test_the_bundle_of_panel_holds_the_same_texts() -> None:
+def test_the_bundle_of_panel_holds_each_text_that_follow_replaces_once() -> None:
     bundle = (PANEL / "dist" / "panel.min.js").read_text(encoding="utf-8")
-    for text in re.findall(r'^ {4}\["([^"]+)", ', script("follow"), re.M):
-        assert bundle.count(text) == 1, text
+    texts = re.findall(r'^ {4}\["([^"]+)", ', script("follow"), re.M)
+    assert len(texts) == 3
+    assert {text: bundle.count(text) for text in texts} == dict.fromkeys(texts, 1)
 
 
 def needed_names() -> list[str]:
@@ -107,19 +88,6 @@ def test_a_page_listens_to_the_process_until_it_leaves() -> None:
     assert "busy" not in page._param__private.refs
 
 
-def test_a_page_may_leave_colours_to_others() -> None:
-    root = pmui.Page().get_root(Document())
-    assert "_custom_theme" in root.data.properties()
-    source = Path(pmui.__file__).parent / "utils.js"
-    assert "_custom_theme" in source.read_text(encoding="utf-8")
-
-
-def test_a_document_is_told_where_style_sheets_are() -> None:
-    document = Document()
-    name_sheets(document)
-    assert document.template_variables["dist_url"].endswith("static/extensions/panel/")
-
-
 def test_a_file_that_is_too_large_is_told_by_status() -> None:
     told: list[bool] = []
     SmallFile(lambda: told.append(True))._handle_msg({"status": "error"})
@@ -139,12 +107,6 @@ def test_a_pane_sends_its_text_alone() -> None:
     assert root.text == "<plaintext><b>2</b>"
     assert sent in ([], [{"text"}])
     assert root.stylesheets[-1] is same.stylesheets[-1]
-
-
-def test_events_are_no_longer_counted() -> None:
-    names = "_add_busy_event", "_remove_busy_event"
-    assert all(f"state.{name}(" in inspect.getsource(Syncable._process_events) for name in names)
-    assert all(callable(getattr(type(pn.state), name)) for name in names)
 
 
 def test_a_light_component_is_heard_sooner_than_others() -> None:
@@ -173,42 +135,6 @@ def test_a_frozen_document_finds_new_models_when_it_thaws() -> None:
     assert document.get_model_by_id(later.id) is later
 
 
-def test_a_light_component_has_its_script_at_hand() -> None:
-    class Light(LightComponent):
-        _esm = "export function render() { return null }"
-
-    assert (Light._bundle_path, Light._esm_path()) == (None, None)
-    assert Light._render_esm() == Light._esm
-
-
-def test_a_pane_of_words_has_no_row_of_its_own() -> None:
-    words = Words("here", visible=False)
-    assert words.layout is None
-    words.visible, words.margin = True, 3
-    model = pn.Column(words).get_root()
-    assert (model.children[0].visible, model.children[0].margin) == (True, 3)
-
-
-def request(address: str) -> HTTPServerRequest:
-    line = RequestStartLine("GET", address, "HTTP/1.1")
-    return HTTPServerRequest(start_line=line, headers=HTTPHeaders({"Host": "localhost"}), connection=Mock())
-
-
-def test_what_a_page_asks_for_is_in_its_token() -> None:
-    server = make_server(ServerOptions(port=0))
-    try:
-        asked = request("/?v=1&page=Drive")
-        context = server_context(server)
-        handler = PageAnswer(application_of(server), asked, application_context=context, bokeh_websocket_path="/ws")
-        token = token_of(handler)
-        assert page_of_token(token) == "/?v=1&page=Drive"
-        begun = request("/ws")
-        begin_as(begun, page_of_token(token))
-        assert (begun.path, begun.query, begun.uri) == ("/", "v=1&page=Drive", "/?v=1&page=Drive")
-    finally:
-        server.stop()
-
-
 def test_what_a_browser_gets_first_does_not_depend_on_the_page() -> None:
     server = make_server(ServerOptions(port=0))
     try:
@@ -219,26 +145,6 @@ def test_what_a_browser_gets_first_does_not_depend_on_the_page() -> None:
     plain, whole = (ids.sub("ID", text) for text in texts)
     assert plain == whole
     assert plain.count('"token":"@"') == 1
-
-
-def test_what_stands_for_a_document_names_it() -> None:
-    document = Document()
-    assert session_document(UnlockedDocumentProxy(document)) is session_document(document) is document
-
-
-def test_a_document_is_written_down_with_its_roots() -> None:
-    document = Document()
-    root = Div(text="here")
-    document.add_root(root)
-    docs, item = written_down(document)
-    assert len(docs) == 1
-    assert list(item.to_json()["roots"]) == [root.id]
-    # the process has defined dozens of components by now, none of which stands in this document
-    assert [doc["defs"] for doc in docs.values()] == [[]]
-    drawn = Document()
-    drawn.add_root(pmui.Button(label="here").get_root())
-    docs, _ = written_down(drawn)
-    assert "Button1" in {one["name"] for doc in docs.values() for one in doc["defs"]}
 
 
 @pytest.mark.parametrize("library", [bokeh, pn, param, pmui])

@@ -11,24 +11,19 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 import pytest
-from bokeh.core.has_props import HasProps, MetaHasProps, is_DataModel
-from bokeh.core.property.descriptors import PropertyDescriptor, UnsetValueError
+from bokeh.core.has_props import HasProps
+from bokeh.core.property.descriptors import PropertyDescriptor
 from bokeh.core.serialization import Serializer
-from bokeh.document import Document
 from bokeh.model import Model
 from bokeh.model import util as searching
-from bokeh.models import Button, Column, ColumnDataSource, CustomJS, DatePicker, Div, GlyphRenderer, Plot, Slider, Span
+from bokeh.models import Button, Column, ColumnDataSource, CustomJS, DatePicker, Div, Plot, Slider, Span
 from bokeh.models.widgets import Slider as FloatSlider
 from bokeh.plotting import figure
-from panel.io.state import set_curdoc
-from panel.reactive import Syncable
 from panel.viewable import Viewable
-from panel_material_ui.theme import MaterialDesign
 
 # puts the shortcuts in their places
 import railjoule.dashboard.app  # noqa: F401
 from railjoule import dashboard
-from railjoule.dashboard import shortcuts
 from railjoule.dashboard.shortcuts import LONGEST_REMEMBERED, MOST_REMEMBERED, READ
 
 
@@ -48,19 +43,6 @@ def plain_defaults(model: Model) -> dict[str, object]:
     """Return what a model has by default, without what is made for each anew."""
     found = model.properties_with_values(include_undefined=True)
     return {name: value for name, value in found.items() if not isinstance(value, Model | list | dict)}
-
-
-def test_a_theme_goes_before_a_default_that_is_remembered() -> None:
-    before = Div().visible
-    themed = Div()
-    themed.apply_theme({"visible": not before})
-    assert (themed.visible, Div().visible) == (not before, before)
-
-
-def test_defaults_that_can_be_changed_are_not_shared() -> None:
-    one, other = Div(), Div()
-    one.tags.append("mine")
-    assert other.tags == Div().tags == []
 
 
 def library(ours: Any) -> Any:
@@ -99,11 +81,6 @@ def written(model: Model) -> str:
     text = json.dumps(Serializer(deferred=False).encode(model))
     ids = {found: str(place) for place, found in enumerate(dict.fromkeys(re.findall(r"p\d{4,}", text)))}
     return re.sub(r"p\d{4,}", lambda found: ids[found[0]], text)
-
-
-def test_a_model_that_lacks_something_is_told_as_the_library_does() -> None:
-    with pytest.raises(UnsetValueError, match="glyph"):
-        written(GlyphRenderer(data_source=ColumnDataSource()))
 
 
 def test_a_search_finds_the_models_that_the_library_finds() -> None:
@@ -151,20 +128,6 @@ def test_values_without_end_are_not_remembered() -> None:
     assert (str, long) not in vars(other).get("_railjoule_valid", set())
 
 
-def test_kinds_of_components_are_defined_as_the_library_does() -> None:
-    kinds = [kind for kind in Model.model_class_reverse_map.values() if is_DataModel(kind)]
-    assert len(kinds) > 20
-    ours = Serializer._encoders[MetaHasProps]
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(Serializer._encoders, MetaHasProps, library(ours))
-        expected = Serializer(deferred=False).encode(kinds)
-    for _ in range(2):
-        serializer = Serializer(deferred=False)
-        assert serializer.encode(kinds) == expected
-        # the second time in a message, a name will do
-        assert serializer.encode(kinds[0]) == {"id": kinds[0].__qualified_model__}
-
-
 def test_a_part_is_written_down_without_copies_of_its_parameters() -> None:
     part = pmui.Select(label="here", options=["a", "b"], value="a")
     before = set(part._param__private.params)
@@ -176,26 +139,6 @@ def test_a_part_is_written_down_without_copies_of_its_parameters() -> None:
     part.param.value.constant = True
     assert not pmui.Select.param.value.constant
     assert set() == READ
-
-
-def test_what_one_part_says_of_a_parameter_counts_where_it_is_written_down(monkeypatch: pytest.MonkeyPatch) -> None:
-    own, other = pmui.Button(), pmui.Button()
-    own.param.href.precedence = -1
-    for part in (own, other):
-        monkeypatch.setitem(vars(shortcuts), "READ", {id(part)})
-        assert part.param["href"].precedence == (-1 if part is own else pmui.Button.param.href.precedence)
-
-
-@pytest.mark.parametrize("kind", [pn.Column, pn.pane.HTML, pmui.Button])
-def test_style_sheets_of_a_part_are_those_of_the_library(kind: type[Syncable]) -> None:
-    design, part = MaterialDesign(theme="default"), kind()
-    ours = MaterialDesign._get_modifiers.__func__
-    expected = library(ours)(MaterialDesign, part, design.theme)
-    for _ in range(2):
-        found = MaterialDesign._get_modifiers(part, theme=design.theme)
-        assert found == expected
-        # what asks changes what it is given
-        found[0].clear()
 
 
 def test_a_parameter_of_one_object_is_the_copy_of_the_library() -> None:
@@ -216,29 +159,8 @@ def test_a_parameter_of_one_object_is_the_copy_of_the_library() -> None:
     assert "_instantiate_param_obj(" in inspect.getsource(library(param.parameterized._instantiated_parameter))
 
 
-@pytest.mark.parametrize("kind", [pn.Column, pn.pane.HTML, pmui.Button, pmui.Select])
-def test_what_a_part_shares_with_the_browser_is_what_the_library_shares(kind: type[Syncable]) -> None:
-    part = kind(margin=3)
-    # the library's own words: all that is shared and is not None
-    names = [name for name in part.param if name in part._synced_params]
-    expected = {name: getattr(part, name) for name in names if getattr(part, name) is not None}
-    assert list(Syncable._init_params(part).items()) == list(expected.items())
-    assert expected["margin"] == 3
-
-
 def test_nobody_searches_the_page_for_what_it_never_has() -> None:
     searched = {hook.__name__ for hook in Viewable._preprocessing_hooks}
     assert searched.isdisjoint({"link_param_method", "link_axes", "find_links"})
     sources = [path.read_text(encoding="utf-8") for path in Path(dashboard.__file__).parent.rglob("*.py")]
     assert not [word for word in ("pn.Param", "ParamMethod", "pane.HoloViews", "pn.bind") if word in "".join(sources)]
-
-
-def test_a_script_is_asked_for_below_the_path_of_its_page() -> None:
-    path = pmui.Button._bundle_path
-    found = []
-    for below in ("", "/tools", ""):
-        with set_curdoc(Document()):
-            pn.state.rel_path = below
-            found.append(pmui.Button._component_resource_path(path, True))
-    assert found[0] == found[2]
-    assert found[1] == f"/tools/{found[0]}"
