@@ -17,7 +17,6 @@ from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
-from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
@@ -103,19 +102,6 @@ def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
     assert keeping.state.scenario.base.title == "Mine"
     keeping.undo()
     assert keeping.state.scenario.opened is None
-
-
-def test_changed_fields_are_marked_against_the_preset(keeping: Keeping) -> None:
-    scenario = keeping.state.scenario
-    field = NumberField(scenario, "recuperation_percent")
-    (original,) = field.original
-    assert original == scenario.recuperation_percent
-    scenario.recuperation_percent = original / 2
-    keeping.note()
-    assert field.original == [original]
-    scenario.choose("liashenko-i")
-    keeping.note()
-    assert field.original == [scenario.recuperation_percent] != [original]
 
 
 def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:

@@ -43,22 +43,6 @@ def test_a_link_names_what_differs_and_can_be_read() -> None:
     }
 
 
-def test_a_link_opens_the_same_page() -> None:
-    state = Workbench()
-    lay(state, {"preset": "liashenko-ii"})
-    state.scenario.edit(
-        {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]}
-    )
-    state.scenario.load_percent = 10.0
-    state.disturbances.drop("stop", 500.0)
-    state.ticked = []
-    read = read_link(link_of(state))
-    assert read.refusal == ""
-    other = Workbench()
-    assert lay(other, read.snapshot) == ()
-    assert snapshot_of(other) == snapshot_of(state)
-
-
 def test_a_long_state_stands_behind_the_hash() -> None:
     state = Workbench()
     lay(state, {})

@@ -36,16 +36,6 @@ def save(saving: SaveScenario, name: str, what: str = "save") -> str:
     return str(saving.form.refusal or saving.form.status)
 
 
-def test_without_a_folder_the_scenario_is_downloaded(monkeypatch: pytest.MonkeyPatch) -> None:
-    sent: list[tuple[str, str]] = []
-    monkeypatch.setattr(Lifeline, "save", lambda _, name, text: sent.append((name, text)))
-    saving = make()
-    assert not saving.place.visible
-    [(name, text)] = sent
-    assert name == "metro-profile-ii-i.toml"
-    assert "travel_time_s = 170" in text
-
-
 def test_a_scenario_is_saved_with_its_changes_and_the_page_keeps_its_own(folder: ScenarioFolder) -> None:
     saving = make()
     state, keeping = saving.state, saving.keeping

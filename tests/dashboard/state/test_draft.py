@@ -18,25 +18,11 @@ def draft_of(edits: Mapping[str, Any], **sliders: float | None) -> ScenarioDraft
     return ScenarioDraft(Edited(base, edits), {**own, **sliders})
 
 
-def test_without_changes_it_is_the_base():
-    draft = draft_of({})
-    assert dict(draft.changes) == {}
-    assert draft.scenario is draft.edited is draft.base
-
-
 def test_what_follows_is_derived_once():
     draft = draft_of({"vehicle.auxiliary_power_kw": 30.0}, load_percent=40.0)
     assert draft.scenario is draft.scenario
     assert draft.changes is draft.changes
     assert draft.scenario == draft.base.with_(**{"vehicle.auxiliary_power_kw": 30.0, "vehicle.load_factor": 0.4})
-
-
-def test_sliders_leave_the_edited_scenario_as_it_is():
-    draft = draft_of({"vehicle.auxiliary_power_kw": 30.0})
-    moved = draft.slid({**draft.sliders, "travel_time_s": 111.0})
-    assert moved.edited is draft.edited
-    assert moved.scenario.travel_time_s == 111.0
-    assert draft.scenario.travel_time_s == draft.base.travel_time_s
 
 
 def test_the_changes_cannot_be_changed_from_outside():

@@ -35,12 +35,6 @@ def test_nothing_is_asked_for_twice_until_the_scenario_is_another(work: Work) ->
     assert work.is_new(2)
 
 
-def test_a_page_is_in_sight_or_not(work: Work) -> None:
-    assert not work.in_sight
-    work.state.page = "Motor"
-    assert work.in_sight
-
-
 def test_quiet_ends_where_it_began_whatever_happens(work: Work) -> None:
     def fail() -> None:
         with work.quiet():

@@ -35,15 +35,6 @@ def test_a_failure_keeps_the_runs(plans: Plans) -> None:
     assert not plans.state.stale
 
 
-def test_only_short_runs_are_waited_for() -> None:
-    plans = Plans(Workbench(ticked=["optimal", "bellman"]))
-    plans.take_first()
-    assert plans.state.runs is None
-    plans.state.ticked = ["optimal"]
-    plans.take_first()
-    assert plans.state.runs is not None
-
-
 def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("railjoule.dashboard.state.plan_work.FIRST", FirstRuns())
     # as while a session is made, whose event loop others wait for

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from railjoule.core import load_scenario
+from railjoule.core import load_scenario, solve
+from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.studies.sweep import study_of, sweep
 from railjoule.dashboard.actual.model import as_planned
 from railjoule.dashboard.actual.work import Actual
@@ -25,7 +26,7 @@ from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.state.programs import PAGE_RUNS, Program, page_run
-from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, recipe_of
+from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, recipe_of, toml_value
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -195,8 +196,7 @@ def test_all_that_leaves_a_page_gives_its_number(
     case: Case, state: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     energy_kwh, recipe = case.number(state).energy_kwh, recipe_of(state)
-    exec(compile(as_python(recipe), "program", "exec"), {})
-    assert float(capsys.readouterr().out) == pytest.approx(energy_kwh, rel=1e-9)
+    assert energy_of_program(as_python(recipe), capsys) == pytest.approx(energy_kwh, rel=1e-9)
     asked: list[ReportRequest] = []
     reporting = Reporting(state)
     monkeypatch.setattr(reporting.report, "ask", asked.append)
@@ -210,6 +210,12 @@ def test_all_that_leaves_a_page_gives_its_number(
     assert recipe.untold == request.note == ""
     assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy_kwh, rel=1e-9)
     assert reported(request)[-1] == pytest.approx(energy_kwh, rel=1e-9)
+
+
+def energy_of_program(text: str, capsys: pytest.CaptureFixture[str]) -> float:
+    """Return the energy that a program prints [kWh]."""
+    exec(compile(text, "program", "exec"), {})
+    return float(capsys.readouterr().out)
 
 
 def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> float:
@@ -265,3 +271,48 @@ def test_the_papers_are_a_command() -> None:
     assert as_command(recipe_of(state)) == "railjoule validate\n"
     assert not page_run(state).program.of_scenario
     compile(as_python(recipe_of(state)), "program", "exec")
+
+
+@pytest.fixture
+def slid() -> Workbench:
+    """Return a workbench whose sliders were moved."""
+    state = Workbench()
+    state.scenario.choose("liashenko-i")
+    state.scenario.param.update(travel_time_s=100.0, load_percent=30.0)
+    return state
+
+
+def test_an_edited_preset(slid: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    slid.scenario.edit(
+        {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 300.0, "to_m": 500.0, "limit_kmh": 50.0}]}
+    )
+    recipe = recipe_of(slid)
+    energy = solve(slid.scenario.scenario()).energy_kwh
+    assert energy_of_program(as_python(recipe), capsys) == energy
+    # the command reads changes over the file, not over the scenario: the same to rounding
+    assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)
+    assert solve(parse_scenario(as_toml(recipe))).energy_kwh == pytest.approx(energy, rel=1e-9)
+
+
+def test_the_scenario_of_a_file(slid: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    title = 'It\'s "mine" \\ $HOME """ `x`'
+    slid.scenario.open(format_scenario(load_scenario("liashenko-i").with_(title=title)), "x")
+    slid.scenario.load_percent = 40.0
+    recipe = recipe_of(slid)
+    energy = solve(slid.scenario.scenario()).energy_kwh
+    assert energy_of_program(as_python(recipe), capsys) == energy
+    assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)
+    assert parse_scenario(as_toml(recipe)).title == title
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (True, "true"),
+        (0.3, "0.3"),
+        ('a"b\x7f', '"a\\"b\\u007f"'),
+        ([1.0, {"a b": None, "c": [False]}], "[1.0, {c = [false]}]"),
+    ],
+)
+def test_values_as_toml(value: object, text: str) -> None:
+    assert toml_value(value) == text

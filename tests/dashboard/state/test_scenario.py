@@ -10,11 +10,6 @@ def model() -> ScenarioModel:
     return ScenarioModel()
 
 
-def test_it_begins_with_a_shipped_scenario_unchanged(model: ScenarioModel) -> None:
-    assert model.scenario() == load_scenario(model.preset)
-    assert dict(model.changes) == {}
-
-
 def test_sliders_change_the_keys_of_the_file(model: ScenarioModel) -> None:
     model.param.update(travel_time_s=140.0, load_percent=30.0, recuperation_percent=70.0)
     assert dict(model.changes) == {
@@ -26,12 +21,6 @@ def test_sliders_change_the_keys_of_the_file(model: ScenarioModel) -> None:
     assert scenario.travel_time_s == 140.0
     assert scenario.vehicle.load_factor == 0.3
     assert scenario.vehicle.drive.recuperation_factor == 0.7
-
-
-def test_restoring_takes_changes_back(model: ScenarioModel) -> None:
-    model.load_percent = 80.0
-    model.restore()
-    assert dict(model.changes) == {}
 
 
 def test_a_file_is_opened_and_left_again(model: ScenarioModel) -> None:
@@ -76,13 +65,6 @@ def test_edited_keys_lie_under_the_sliders(model: ScenarioModel) -> None:
     assert model.scenario().vehicle.auxiliary_power_kw == 40.0
     model.take_back("vehicle.auxiliary_power_kw")
     assert dict(model.changes) == {"vehicle.load_factor": 0.6}
-
-
-def test_a_table_replaces_what_was_edited_in_it(model: ScenarioModel) -> None:
-    model.edit({"line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]})
-    model.edit({"line": {"preset": "liashenko-i"}})
-    assert dict(model.edits) == {"line": {"preset": "liashenko-i"}}
-    assert model.scenario().line == load_scenario("liashenko-i").line
 
 
 @pytest.mark.parametrize("changes", [{"vehicle.load_factor": 2.0}, {"vehicle.tare_kg": 1e9}, {"vehicle.wings": 2}])

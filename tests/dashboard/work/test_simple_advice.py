@@ -6,12 +6,10 @@ from typing import Any
 
 import pytest
 
-from railjoule.core import load_scenario
 from railjoule.core.studies.simple_advice import FREE_SHARE, MOST_CHANGES, SimpleAdvice
 from railjoule.dashboard.work.simple_advice import (
     LITTLE_ENERGY_SHARE,
     by_changes,
-    compute_simple_advice,
     first_told,
     more_changes,
     not_in_time,
@@ -67,10 +65,3 @@ def test_where_no_run_is_in_time() -> None:
     assert not_in_time(advice(12.0)) == ""
     assert not_in_time(advice(12.0, refused=(2,))) == "With at most 2 changes no run is in time."
     assert not_in_time(advice(12.0, refused=(2, 3, 4))) == "With at most 2, 3 or 4 changes no run is in time."
-
-
-def test_a_scenario_whose_optimum_has_three_regimes_needs_no_more() -> None:
-    """Liashenko's profile II: power, coast, brake is the optimum, as tests/core/studies holds."""
-    found = compute_simple_advice(load_scenario("liashenko-ii"))
-    assert [*by_changes(found)] == [2]
-    assert more_changes(found) == "More than 2 changes would gain less than 0.1 %."

@@ -145,14 +145,6 @@ def test_a_page_is_asked_for_its_turn_by_the_event_loop_alone(kind: str) -> None
     assert set(asked_by) == {threading.current_thread()}
 
 
-def test_without_a_page_work_is_done_at_once() -> None:
-    gate = Gate()
-    gate.open.set()
-    taken: list[int] = []
-    Worker(gate, taken.append, pytest.fail).ask(5)
-    assert taken == [50]
-
-
 class Counting:
     """A study that counts up to its request, each step when the test lets it."""
 
