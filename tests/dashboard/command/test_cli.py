@@ -85,13 +85,6 @@ def test_solve_tells_how_far_a_strategy_is_from_the_best(capsys):
     assert "ENOC accelerates and brakes for 31.0 s each" in text
 
 
-def test_solve_takes_a_file(capsys, tmp_path):
-    file = tmp_path / "run.toml"
-    file.write_text('title = "Mine"\nline.preset = "liashenko-0"\nvehicle.preset = "metro-81-7036"\n'
-                    "timetable.travel_time_s = 120\n")  # fmt: skip
-    assert json.loads(answer(capsys, "solve", str(file), "--json"))["title"] == "Mine"
-
-
 def test_the_strategy_of_the_command_goes_before_the_scenarios(capsys):
     words = ("solve", "ftorek-300s", "--set", "strategy=enoc", "--json")
     assert json.loads(answer(capsys, *words))["strategy"] == "enoc"
@@ -146,11 +139,6 @@ def test_changes_may_stand_anywhere(capsys, words):
 )
 def test_values_are_toml_or_texts(text, value):
     assert commands.parsed_changes([f"key={text}"]) == {"key": value}
-
-
-def test_a_value_may_hold_an_equals_sign():
-    limit = "line.speed_limits=[{from_m = 600, to_m = 900, limit_kmh = 50}]"
-    assert commands.parsed_changes([limit])["line.speed_limits"][0]["limit_kmh"] == 50
 
 
 # ---- --trajectory
@@ -594,13 +582,6 @@ def test_an_interrupt_is_silent(capsys, monkeypatch):
 
 def run_process(*words, **settings):
     return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=300, **settings)
-
-
-def test_the_module_runs_as_a_command():
-    process = run_process("solve", "liashenko-0", "--json")
-    assert process.stderr == ""
-    assert process.returncode == OK
-    assert json.loads(process.stdout)["strategy"] == "optimal"
 
 
 def test_titles_survive_a_terminal_without_unicode():

@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 from commands import complaint
 
-from railjoule.core.scenario import load_scenario, parse_scenario
+from railjoule.core.scenario import load_scenario
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.command.cli import OK, main
 
@@ -39,14 +39,6 @@ def test_tables_become_a_line(capsys, tmp_path):
     assert told == ["limits.csv: no unit is named for 'from': taken as m."]
     line = tomllib.loads(target.read_text())["line"]
     assert (line["name"], len(line["sections"])) == ("Example", 6)
-
-
-def test_the_line_can_be_solved(capsys, tmp_path):
-    scenario = tmp_path / "scenario.toml"
-    imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.csv")
-    scenario.write_text('line.file = "line.csv"\nvehicle.preset = "metro-81-7036"\ntimetable.travel_time_s = 150\n')
-    assert main(("solve", str(scenario), "--json")) == OK
-    assert json.loads(capsys.readouterr().out)["distance_m"] == 1500
 
 
 def limits_with(*words, target):
@@ -179,24 +171,13 @@ def test_a_line_is_not_written_while_one_of_its_files_is_refused(capsys, tmp_pat
     assert "limits.csv: no gradients are given: a level line." in told
 
 
-@pytest.mark.parametrize(
-    ("text", "page"),
-    [
-        ("Початок, км;Кінець, км;Ухил, \u2030", "cp1251"),
-        ("od (km);koniec (km);pochylenie pod\u0142u\u017cne, \u2030", "cp1250"),
-        ("起点(km);终点(km);坡度(\u2030)", "gbk"),
-    ],
-)  # fmt: skip
-def test_code_pages_are_found_or_named(capsys, tmp_path, text, page):
+def test_a_code_page_is_found_or_named(capsys, tmp_path):
     file, target = tmp_path / "g.csv", tmp_path / "line.toml"
-    file.write_bytes(f"{text}\n0;0,5;3,5\n".encode(page))
-    columns = () if page != "cp1250" else ("--columns", f"gradients.value={text.split(';')[2]}")
-    for words in ((), ("--encoding", page)):
-        out, told = imported(capsys, "intervals", "--gradients", file, *columns, *words, "-o", target)
+    file.write_bytes("Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n".encode("cp1251"))
+    for words in ((), ("--encoding", "cp1251")):
+        out, told = imported(capsys, "intervals", "--gradients", file, *words, "-o", target)
         assert out.endswith(": 0.50 km, 1 section\n")
         assert [line for line in told if "not UTF-8" in line][: not words] == told[: not words]
-        sections = tomllib.loads(target.read_text())["line"]["sections"]
-        assert sections == [{"length_m": 500, "gradient_permille": 3.5}]
 
 
 def test_a_code_page_is_told_where_a_file_is_refused(capsys, tmp_path):
@@ -271,15 +252,6 @@ def test_a_rolling_stock_becomes_a_vehicle(capsys, tmp_path):
     assert out == f"{target}: example, 200.0 t, 144.0 km/h\n"
     assert "not used: osrd-stock.json: the efforts of the supplies 1500V." in told
     assert tomllib.loads(target.read_text())["vehicle"]["length_m"] == 100
-
-
-def test_a_line_and_a_vehicle_are_half_a_scenario(capsys, tmp_path):
-    """Tables in files of their own: put one after the other they are those of one file."""
-    imported(capsys, "osrd-stock", FILES / "osrd-stock.json", "-o", tmp_path / "vehicle.toml")
-    imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.toml")
-    texts = [(tmp_path / name).read_text() for name in ("vehicle.toml", "line.toml")]
-    scenario = parse_scenario("\n".join([*texts, "[timetable]\ntravel_time_s = 300\n"]))
-    assert scenario.line.length_m == 1500
 
 
 def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
