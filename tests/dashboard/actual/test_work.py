@@ -3,19 +3,15 @@
 from itertools import pairwise
 
 import pytest
-from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.actual_run import actual_run
 from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, occupied_m
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.keep.snapshot import lay, snapshot_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.drive.view import DriveView
 from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.state.recipes import as_command, as_python, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -46,12 +42,6 @@ class Pages:
 @pytest.fixture
 def pages():
     return Pages()
-
-
-def test_it_is_off_until_it_is_switched_on(pages):
-    assert pages.run() is None
-    pages.state.actual.on = True
-    assert pages.run() is not None
 
 
 @pytest.mark.parametrize("preset", ["metro-with-limit", "liashenko-fig-3"])
@@ -111,16 +101,6 @@ def test_each_widget_acts(pages, model, field, value):
     assert after.extra_kwh != before.extra_kwh
 
 
-def test_a_stop_more_costs_more(pages):
-    state = pages.state
-    state.actual.on = True
-    before = pages.run().extra_kwh
-    add_stop(state)
-    assert pages.run().extra_kwh > before
-    state.disturbances.remove(state.disturbances.events[-1])
-    assert pages.run().extra_kwh == before
-
-
 def test_as_planned_there_is_nothing_extra(pages):
     state = pages.state
     state.actual.on = True
@@ -159,20 +139,6 @@ def test_a_stop_beyond_the_line_or_at_another_is_refused(pages):
     assert checked_place(state, second, second.position_m) == second.position_m
 
 
-def test_the_head_names_the_extra_energy_and_the_charts_have_the_dashed_line(pages):
-    pages.state.actual.on = True
-    run, view = pages.run(), pages.draw()
-    assert "Actual run costs" in view.figures.object
-    # a plan that brakes as the train will is no optimum: `simulate` plans 9.33 kWh here, `solve` 7.81
-    assert "keeps to the target braking curve: +19.4 %" in view.figures.object
-    assert "Heavier than planned" in view.causes.object
-    for name in ("speed", "energy", "current"):
-        chart = view.scenes[name]
-        chart.settle()
-        assert max(sent(chart, "actual")[0]) == run.actual.position_m[-1]
-    assert view.scenes["current"].caption == "Current from the supply, A, at 750 V"
-
-
 def test_a_failure_keeps_the_plan_and_says_why(pages):
     state = pages.state
     state.actual.on = True
@@ -181,26 +147,6 @@ def test_a_failure_keeps_the_plan_and_says_why(pages):
     view = pages.draw()
     assert "must lie before the end" in view.message.object
     assert "Energy from the supply" in view.figures.object
-
-
-def test_the_recipe_gives_the_same_number(pages):
-    state = pages.state
-    state.actual.on = True
-    recipe = recipe_of(state)
-    assert actual_run(recipe.scenario).actual.energy_kwh == pages.run().actual.energy_kwh
-    assert as_command(recipe).startswith("railjoule simulate metro-with-limit")
-    assert "actual_run" in as_python(recipe)
-
-
-def test_link_and_undo_keep_it(pages):
-    state = pages.state
-    state.actual.param.update(on=True, reaction="computer")
-    add_stop(state)
-    snapshot = snapshot_of(state)
-    other = Pages().state
-    assert lay(other, snapshot) == ()
-    assert (other.actual.on, other.actual.reaction) == (True, "computer")
-    assert [event.document for event in other.disturbances.events] == [e.document for e in state.disturbances.events]
 
 
 def test_a_preset_with_a_disturbance_opens_with_its_plan_and_shows_the_disturbance_once_switched_on():

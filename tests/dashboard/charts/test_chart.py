@@ -2,7 +2,6 @@ import gc
 import weakref
 
 import holoviews as hv
-import numpy as np
 import panel as pn
 import pytest
 from bokeh.core.property.descriptors import UnsetValueError
@@ -11,20 +10,9 @@ from bokeh.io.doc import patch_curdoc
 from bokeh.models import LinearColorMapper
 from bokeh.plotting import figure
 
-from railjoule.dashboard.charts.chart import Axis, Chart, check_complete, columns, nice_range
+from railjoule.dashboard.charts.chart import Axis, Chart, check_complete
 from railjoule.dashboard.charts.elements import figure_of
 from railjoule.dashboard.look.paint import Palette
-
-
-def test_ranges_leave_room_even_around_one_value() -> None:
-    low, high = nice_range(2.0, 2.0)
-    assert low < 2.0 < high
-    assert nice_range(0.0, 10.0, share=0.1) == pytest.approx((-1.0, 11.0))
-
-
-def test_short_columns_travel_as_lists() -> None:
-    assert columns(x=np.arange(3)) == {"x": [0, 1, 2]}
-    assert isinstance(columns(x=np.arange(1000))["x"], np.ndarray)
 
 
 def test_an_axis_keeps_its_zoom_until_its_end_changes() -> None:

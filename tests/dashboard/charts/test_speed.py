@@ -4,7 +4,7 @@ import pytest
 from railjoule.core import Trajectory, load_scenario, solve
 from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.charts.scene import RunScene
-from railjoule.dashboard.charts.speed import BRAKING, BRAKING_WORDS, SpeedChart, last_descent
+from railjoule.dashboard.charts.speed import BRAKING, BRAKING_WORDS, SpeedChart
 from railjoule.dashboard.look.paint import Palette
 
 CURVE = {"vehicle.braking.permitted_deceleration": [[0, 0.5]]}
@@ -45,17 +45,6 @@ def test_a_vehicle_without_one_takes_it_away_again() -> None:
     assert list(chart.sources[BRAKING].data["x"]) == []
     assert BRAKING_WORDS not in chart.sources["names"].data["text"]
     assert BRAKING_WORDS not in [told[0] for told in chart.told["sources"]]
-
-
-def test_the_name_of_a_braking_curve_stands_where_it_falls() -> None:
-    x = np.arange(6.0)
-    assert [part.tolist() for part in last_descent((x, np.array([9.0, 9.0, 5.0, 8.0, 4.0, 0.0])))] == [
-        [3, 4, 5],
-        [8, 4, 0],
-    ]
-    # a run that leaves the line at its limit
-    level = np.array([9.0, 7.0, 9.0, 9.0, 9.0, 9.0])
-    assert last_descent((x, level))[1].tolist() == level.tolist()
 
 
 @pytest.mark.parametrize("over_time", [False, True])

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core.scenario import load_scenario
 from railjoule.dashboard.editor.fields_of import Field, Table, parts_of
-from railjoule.dashboard.editor.model import GROUPS, EditorModel, drive_kinds, preset_options
+from railjoule.dashboard.editor.model import GROUPS, EditorModel, drive_kinds
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 
@@ -189,11 +189,6 @@ def test_rows_can_be_added_to_every_table(editor: EditorModel, key: str) -> None
     assert (editor.refused, len(editor.look().rows(one)) >= 2) == ({}, True)
 
 
-def test_shipped_vehicles_and_lines_are_offered_by_name() -> None:
-    assert preset_options("lines")["Flat, 5 km"] == "flat-5km"
-    assert "tram-105n" in preset_options("vehicles").values()
-
-
 def test_a_table_of_too_many_rows_is_refused() -> None:
     editor = EditorModel(ScenarioModel())
     table = next(part for part in parts_of("line") if isinstance(part, Table) and part.key == "line.sections")
@@ -217,18 +212,3 @@ def test_a_passing_point_is_added_away_from_the_stations(editor: EditorModel) ->
     assert editor.refused == {}
     (row,) = editor.look().rows(points)
     assert (row["position_m"], row["speed_kmh"]) in {(575.0, 30.0), (1725.0, 30.0)}
-
-
-def test_what_the_line_and_its_ends_ask_for_is_in_the_editor_in_plain_words() -> None:
-    fields = {field.key: field for table in ("line", "timetable", "vehicle") for field in parts_of(table)}
-    labels = {
-        "line.limits_hold_for": "Speed limits hold for",
-        "line.head_wind_kmh": "Head wind, km/h",
-        "line.passing_points": "Passing points",
-        "line.neutral_sections": "Neutral sections",
-        "timetable.entry_speed_kmh": "Entry speed, km/h",
-        "timetable.exit_speed_kmh": "Exit speed, km/h",
-        "vehicle.gradient_at": "Gradient acts on",
-    }
-    assert {key: fields[key].label for key in labels} == labels
-    assert all(fields[key].help for key in labels if key != "line.passing_points")

@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.editor.view import DriveGroup, EditorView, Group, LineGroup
+from railjoule.dashboard.editor.view import EditorView, Group, LineGroup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -69,16 +69,6 @@ def test_what_the_browser_cannot_ask_for_changes_nothing(
 ) -> None:
     group = opened(view, "Track")
     group._tables[0][0]._handle_msg(message)
-    assert dict(state.scenario.changes) == {}
-
-
-def test_the_fields_are_those_of_the_drive(state: Workbench, view: EditorView) -> None:
-    group = opened(view, "Powertrain")
-    assert isinstance(group, DriveGroup)
-    group._choices._handle_msg({"what": "type", "key": "drive", "text": "induction"})
-    assert shown(group, "drive.pole_pairs")["text"] == "2"
-    group._choices._handle_msg({"what": "back", "key": "drive"})
-    assert shown(group, "drive.traction_efficiency")["kind"] == "number"
     assert dict(state.scenario.changes) == {}
 
 

@@ -7,12 +7,10 @@ from needing import needing
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.best_known import with_best_known
-from railjoule.core.trajectory import Trajectory
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import Pin, Recipe
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 
 HOSTILE = '<img src=x onerror="alert(1)">'
@@ -73,13 +71,6 @@ def test_figures_of_the_optimum(runs: Runs) -> None:
     assert "Above the optimum 0.00 % \u2713 proven" in text
 
 
-def test_figures_of_another_strategy_name_its_distance(runs: Runs) -> None:
-    run = runs.runs["enoc"]
-    above = 100 * (run.energy_kwh / runs.runs["optimal"].energy_kwh - 1)
-    text = plain(parts.run_figures(runs, run, None, stale=False))
-    assert f"Above the optimum +{above:.1f} % optimum 4.181 kWh" in text
-
-
 def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
     runs = compute_runs(RunsRequest(load_scenario("tram-950m"), ("phases",)))
     best, phases = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "phases"))
@@ -102,57 +93,9 @@ def test_a_run_without_bound_says_so(runs: Runs) -> None:
     assert text == "Above the bound \u2013 no bound is known"
 
 
-def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
-    text = plain(parts.run_figures(runs, runs.runs["fastest"], None, stale=False))
-    assert "Travel time 198.7 s allowed 300.0 s" in text
-    assert "Fastest: 101.3 s earlier than the 300.0 s allowed." in plain(parts.runs_table(runs, "optimal"))
-
-
-def test_a_late_run_is_told_by_its_delay_before_its_energy() -> None:
-    """The metro with a limit: set speeds of 1.7 s more than the 170.0 s of the timetable (walk_engineer.md, F5)."""
-    runs = compute_runs(RunsRequest(load_scenario("metro-with-limit"), ("speed_limits", "fastest")))
-    late, best = runs.runs["speed_limits"], runs.best
-    assert late.travel_time_s - 170.0 == pytest.approx(1.7, abs=1e-3)
-    over = 100 * (late.energy_kwh / late.reference.energy_kwh - 1)
-    head = plain(parts.run_figures(runs, late, None, stale=False))
-    assert f"Late 1.7 s {over:.1f} % above the optimum in 171.7 s" in head
-    text = plain(parts.runs_table(runs, "optimal"))
-    assert f"Set speeds {late.energy_kwh:.2f} 1.7 s late 171.7 " in text
-    assert "Above the optimum in the 170.0 s allowed." in text
-    # what is early is measured by the time asked for
-    fastest = runs.runs["fastest"]
-    assert f"Fastest {fastest.energy_kwh:.2f} +{100 * (fastest.energy_kwh / best.energy_kwh - 1):.0f} 133.6 " in text
-
-
-def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
-    """At 9999 s this train rolls down to its end with 0.628 kWh given back; waiting any longer changes nothing."""
-    scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
-    runs = compute_runs(RunsRequest(scenario, ("fastest",)))
-    fastest = runs.runs["fastest"]
-    more = fastest.energy_kwh - runs.runs["optimal"].energy_kwh
-    assert plain(parts.proof_figure(fastest)) == f"Above the optimum +{more:.2f} kWh optimum \u22120.628 kWh"
-    assert f"+{more:.2f} kWh" in plain(parts.runs_table(runs, "optimal"))
-    text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
-    assert "for 5 767.0 s: more time saves nothing" in text
-    assert "Travel time 5 767.0 s allowed 9 999.0 s" in text
-
-
-def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
-    run = runs.runs["optimal"]
-    text = plain(parts.account(run))
-    assert text.endswith("Total: 4.181 kWh.")
-    assert "Copper loss" in text
-
-
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_loss_of_every_drive_has_words(drive: str) -> None:
     assert set(solve(train(drive), "fastest").energy.losses_j) <= set(words.LOSS_WORDS)
-
-
-def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
-    run = solve(load_scenario("liashenko-iii"))
-    text = plain(parts.account(run))
-    assert "From height lost" in text or "Height gained" in text
 
 
 def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
@@ -174,14 +117,6 @@ def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
 )
 def test_changes_against_the_pinned_run(now: float, before: float, text: str) -> None:
     assert plain(parts.change(now, before)) == text
-
-
-def test_advice_lists_the_instructions_in_order(runs: Runs) -> None:
-    run: Trajectory = runs.runs["optimal"]
-    text = plain(parts.advice(run, stale=False))
-    first, *others = (plain(text) for text in words.advice_in_words(run.advice))
-    lines = [first[0].upper() + first[1:], *others]
-    assert text == " ".join([*(f"{number} {line}" for number, line in enumerate(lines, 1)), "Copy Print"])
 
 
 def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
@@ -229,10 +164,6 @@ def test_tables_have_names_under_which_they_are_saved() -> None:
     markup = parts.table(parts.markup("Runs <b>here</b>"), ("Run",), [(("one",), False)])
     assert parts.plain_table(("Run",), [(("one",), False)], "Runs here") in markup
     assert "<table data-name='Runs here'>" in markup
-
-
-def test_a_new_page_has_no_run_yet() -> None:
-    assert Workbench().run is None
 
 
 def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(runs: Runs) -> None:

@@ -28,15 +28,6 @@ def test_the_field_is_as_the_model_declares_it(field: NumberField) -> None:
     assert "data-term" in field.info
 
 
-def test_slider_text_and_model_agree(model: ScenarioModel, field: NumberField) -> None:
-    field.value = 40
-    assert model.recuperation_percent == 40
-    field.type("55")
-    assert (model.recuperation_percent, field.value) == (55, 55)
-    model.recuperation_percent = 70
-    assert field.value == 70
-
-
 def test_all_that_follows_a_slider_goes_as_one_message(model: ScenarioModel, field: NumberField) -> None:
     document, held = Document(), []
     model.param.watch(lambda _: held.append(document.callbacks.hold_value), "recuperation_percent")
@@ -93,15 +84,6 @@ def test_a_suggestion_holds_until_a_number_is_set(model: ScenarioModel) -> None:
     model.acceleration_time_s = 40.0
     field.suggest(31.0)
     assert (field.value, field.suggested) == (40.0, 131.0)
-
-
-def test_a_travel_time_is_read_as_on_a_clock(model: ScenarioModel) -> None:
-    field = NumberField(model, "travel_time_s", ends=(50.0, 200.0))
-    field.type("2:30")
-    assert model.travel_time_s == 150.0
-    field.type("2:75")
-    assert model.travel_time_s == 150.0
-    assert field.refusal.startswith("Travel time: '2:75' is not a time: write seconds, min:s or h:min:s")
 
 
 def test_a_load_above_the_capacity_is_told_and_bounded_by_the_vehicle(model: ScenarioModel) -> None:

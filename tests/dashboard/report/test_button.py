@@ -3,7 +3,7 @@ import pytest
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.contents import Contents, ContentsError
-from railjoule.dashboard.report.form import ReportForm, contents_of
+from railjoule.dashboard.report.form import contents_of
 from railjoule.dashboard.report.model import ReportingModel
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
@@ -22,15 +22,6 @@ class Asked:
 
     def send(self, **message: object) -> None:
         self.button.form._handle_msg(message)
-
-
-def test_the_button_opens_the_form_alone() -> None:
-    asked = Asked()
-    assert asked.button.form.open
-    assert asked.button.place.objects == [asked.button.form]
-    asked.send(what="close")
-    assert not asked.button.form.open
-    assert asked.count == 0
 
 
 def test_a_report_is_made_as_it_was_asked_for() -> None:
@@ -64,9 +55,3 @@ def test_a_message_becomes_contents() -> None:
 def test_a_message_with_other_sections_is_refused(sections: object) -> None:
     with pytest.raises(ContentsError, match=r"^sections: "):
         contents_of({"sections": sections, "author": None, "note": None})
-
-
-def test_the_form_offers_all_sections() -> None:
-    form = ReportForm(lambda _: None)
-    assert dict(form.sections) == SECTION_TITLES
-    assert not form.open

@@ -92,16 +92,6 @@ def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
     assert not re.search(r"<script[^>]*\ssrc=", shown)
 
 
-def test_the_scripts_end_where_they_should(page: str) -> None:
-    # figures, data, surfaces, scenario, Bokeh's, our two
-    assert len(re.findall(r"<script\b[^>]*>", re.sub(r"(<script>).*?(</script>)", r"\1\2", page, flags=re.DOTALL))) == 7
-    assert page.rstrip().endswith("</html>")
-
-
-def test_the_scenario_can_be_loaded_again(page: str, findings: Findings) -> None:
-    assert parse_scenario(scenario_in_report(page, "report.html")) == findings.scenario
-
-
 def test_date_versions_and_refusals_are_told(page: str, findings: Findings) -> None:
     assert "9 March 2026, 14:05 UTC" in page
     for package in ("railjoule", "numpy", "numba", "Python"):

@@ -1,4 +1,3 @@
-import re
 from dataclasses import replace
 
 import pytest
@@ -6,7 +5,6 @@ import pytest
 from railjoule.core.scenario import parse_scenario
 from railjoule.core.trajectory import MEASURED
 from railjoule.dashboard.keep.embedded import scenario_in_report
-from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.work import Reporting, file_name
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -53,14 +51,6 @@ def test_a_failure_is_told_and_ends_with_the_next_report(reporting: Reporting) -
     model.param.trigger("wanted")
     assert model.failure is None
     assert model.text != ""
-
-
-def test_a_report_has_what_was_chosen(reporting: Reporting) -> None:
-    reporting.model.contents = Contents(("proof",), "A. Author", "Why.")
-    reporting.model.param.trigger("wanted")
-    text = reporting.model.text
-    assert re.findall(r"<section id=\"([\w-]+)\"", text) == ["note", "proof"]
-    assert ", by A. Author</p>" in text
 
 
 def test_pinned_runs_stand_beside_the_first_one(reporting: Reporting) -> None:

@@ -20,14 +20,6 @@ def state() -> Workbench:
     return state
 
 
-def test_the_page_brings_the_rides_and_what_later_arrivals_save(state: Workbench) -> None:
-    model = state.disturbances
-    assert list(model.rides.rides) == ["driver", "computer", "known"]
-    energy = model.late.energy_kwh["computer"]
-    assert np.all(np.isfinite(energy))
-    assert np.all(np.diff(energy) < 0)
-
-
 def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     model = state.disturbances
     before = model.rides
@@ -46,16 +38,6 @@ def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbenc
     assert model.rides is before
     model.events[0].position_m = place
     assert model.failure is None
-
-
-def test_a_dropped_limit_is_kept_to(state: Workbench) -> None:
-    model = state.disturbances
-    model.drop("limit", 900.0)
-    run = model.rides.rides["computer"].actual
-    inside = (run.position_m >= 900) & (run.position_m <= 1000)
-    assert run.speed_ms[inside].max() * 3.6 <= 30 * (1 + 1e-6)
-    model.remove(model.events[-1])
-    assert len(model.events) == 1
 
 
 def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:

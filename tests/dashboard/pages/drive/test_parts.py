@@ -10,10 +10,9 @@ from railjoule.core.energy_flow import EnergyFlow, energy_flow
 from railjoule.core.simulate.actual_run import ActualRun, actual_run
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.bellman import bellman_with_law
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import LIGHT
 from railjoule.dashboard.pages.drive.actual_parts import actual_figures, causes_block
-from railjoule.dashboard.pages.drive.law_chart import COLUMNS, ROWS, diverging, sampled
+from railjoule.dashboard.pages.drive.law_chart import COLUMNS, ROWS, sampled
 from railjoule.dashboard.pages.drive.sankey import BACK, BRAKE, DRIVE, LINE, TRAIN, links_of, sankey
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -61,14 +60,6 @@ def test_the_map_shows_the_law() -> None:
     assert np.nanmin(image) >= -1 - 1e-9
     assert np.nanmax(image) <= 1 + 1e-9
     assert run.strategy == "bellman"
-
-
-def test_colours_go_from_braking_over_coasting_to_traction() -> None:
-    palette = Palette(dark=True)
-    colours = diverging(palette)
-    assert colours[0].lower() == palette.tokens["driven"].lower()
-    assert colours[len(colours) // 2].lower() == palette.tokens["coast"].lower()
-    assert colours[-1].lower() == palette.tokens["accent"].lower()
 
 
 def plain(markup: str) -> str:

@@ -113,13 +113,6 @@ def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
     assert desk.state.run.bound.statement in desk.view.notes.object.replace("&#x27;", "'")
 
 
-def test_runs_that_come_again_keep_what_is_proven_of_them(desk: Desk, prover: Prover) -> None:
-    """As when another strategy is ticked."""
-    desk.run()
-    assert desk.closed == pytest.approx(0.6)
-    assert prover.asked == [FIRST_STAGE_BOXES]
-
-
 def test_a_looser_bound_replaces_none(desk: Desk, prover: Prover) -> None:
     prover.shares = [0.1, 0.2]
     desk.state.proof.param.trigger("go_on")
@@ -179,7 +172,7 @@ def test_smooth_drives_and_other_pages_need_no_proof(prover: Prover) -> None:
     assert not desk.view.proof.view.visible
 
 
-@pytest.mark.parametrize("how", ["scenario", "page", "stop", "end"])
+@pytest.mark.parametrize("how", ["stop", "end"])
 def test_what_comes_too_late_is_dropped(desk: Desk, prover: Prover, how: str) -> None:
     page = Page()
     prover.shares = [0.7, 0.9]
@@ -192,11 +185,7 @@ def test_what_comes_too_late_is_dropped(desk: Desk, prover: Prover, how: str) ->
         # a step is on its way when the work ends
         while not page.is_due:
             time.sleep(0.01)
-        if how == "scenario":
-            desk.state.scenario.travel_time_s += 5
-        elif how == "page":
-            desk.state.page = "Papers"
-        elif how == "stop":
+        if how == "stop":
             desk.view.proof.button.param.trigger("clicks")
         else:
             desk.proving.end()

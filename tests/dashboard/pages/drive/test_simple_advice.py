@@ -9,8 +9,7 @@ from typing import Any
 
 import pytest
 from bokeh.document import Document
-from panel.io.state import set_curdoc
-from turns import PATIENCE_S, Page
+from turns import PATIENCE_S
 
 from railjoule.core import Scenario, StrategyRefusedError, load_scenario
 from railjoule.dashboard.browser.browser import Browser
@@ -122,28 +121,6 @@ def test_opening_shows_the_fewest_orders_that_cost_little(desk: Desk, searcher: 
     assert len(searcher.asked) == 1
 
 
-def test_another_number_of_changes_has_its_own_orders(desk: Desk) -> None:
-    desk.open()
-    model, section = desk.state.simple, desk.section
-    other = next(changes for changes in model.found.runs if changes != model.changes)
-    before = section.orders.object
-    section.choice.value = other
-    assert model.changes == other
-    assert section.orders.object != before
-    assert f"at most {other} changes" in section.orders.object
-    assert section.table.object.count("<tr class=chosen>") == 1
-    assert f"<tr class=chosen><td>{other}<td>" in section.table.object
-
-
-def test_a_click_chooses_the_nearest_dot(desk: Desk) -> None:
-    desk.open()
-    model, chart = desk.state.simple, desk.section.chart
-    first, *_, last = model.found.runs
-    for place, changes in ((last + 0.4, last), (first - 0.3, first)):
-        chart._press(type("Event", (), {"x": place}))
-        assert model.changes == changes
-
-
 def test_the_chart_tells_what_the_table_does(desk: Desk) -> None:
     desk.open()
     found, chart = desk.state.simple.found, desk.section.chart
@@ -197,25 +174,6 @@ def test_a_refusal_is_told_and_can_be_tried_again(desk: Desk, searcher: Searcher
     desk.section._press()
     assert desk.section.results.visible
     assert desk.state.simple.failure is None
-
-
-def test_what_comes_for_a_former_scenario_is_dropped(desk: Desk, searcher: Searcher) -> None:
-    page, model = Page(), desk.state.simple
-    searcher.may_go_on.clear()
-    with set_curdoc(page.document):
-        desk.open()
-        assert model.computing
-        assert desk.told == "Computing"
-        time_s = desk.state.scenario.travel_time_s
-        desk.state.scenario.travel_time_s = time_s + 10
-        assert not model.computing
-    searcher.may_go_on.set()
-    page.take_turn()
-    assert model.found is None
-    with set_curdoc(page.document):
-        desk.section._press()
-    page.take_turn()
-    assert model.found.scenario.travel_time_s == time_s + 10
 
 
 def test_the_chosen_run_is_pinned_and_run_again_from_an_address(desk: Desk) -> None:

@@ -1,11 +1,9 @@
 """What files give together, and the scenarios that are made of it."""
 
-import io
 import json
 from dataclasses import replace
 from pathlib import Path
 
-import openpyxl
 import pytest
 
 from railjoule.core import Scenario, load_scenario
@@ -70,13 +68,6 @@ def test_the_example_becomes_a_scenario_with_the_vehicle_that_is_there(base: Sce
     assert scenario.vehicle == base.vehicle
     assert scenario.line == reading.line.line
     assert scenario.travel_time_s == offer.time_s
-
-
-def test_the_gap_of_the_example_is_told(base: Scenario) -> None:
-    files, _ = example()
-    card = card_of(files[1])
-    assert any("Nothing from 18,900 to 19,100 m, between rows 7 and 8" in one for one in card.findings)
-    assert card.unused == ("9 rows not of NOM_VOIE = V1.", "Columns not used: LIB_LIGNE.")
 
 
 def test_a_part_of_the_line_in_falling_chainage(base: Scenario) -> None:
@@ -151,26 +142,6 @@ def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -
     reading = read(base, files)
     assert reading.unused[0] == "limits.csv: sncf-limits.csv is taken for it."
     assert [table.source for table in reading.tables] == ["sncf-limits.csv"]
-
-
-def test_one_of_several_sheets_is_chosen_on_the_card() -> None:
-    book = openpyxl.Workbook()
-    book.active.title = "Gradients"
-    for row in [["from_m", "to_m", "gradient"], [0, 500, 2.5]]:
-        book.active.append(row)
-    sheet = book.create_sheet("Limits")
-    for row in [["from_m", "to_m", "limit"], [0, 500, 80]]:
-        sheet.append(row)
-    written = io.BytesIO()
-    book.save(written)
-    file = Brought.of(1, SourceFile("line.xlsx", written.getvalue()))
-    card = card_of(file)
-    assert card.failure == "line.xlsx: holds 2 sheets, Gradients, Limits; choose one sheet by its name."
-    (choice,) = card.choices
-    for name, kind in (("Limits", "limits"), ("Gradients", "gradients")):
-        card = card_of(file.told(choice.key, name))
-        assert (card.kind, card.failure) == (kind, "")
-        assert card.choices[0] == replace(choice, value=name)
 
 
 TWO_FAULTS = b"""PKD;PKF;VALEUR;TYPE;NOM_VOIE

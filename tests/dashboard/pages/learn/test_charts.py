@@ -30,13 +30,6 @@ def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
     assert slope == pytest.approx((energy[k] - energy[k - 1]) / (time[k] - time[k - 1]), rel=0.1)
 
 
-def test_both_runs_are_drawn_and_told_to_the_cursor(result: LessonResult) -> None:
-    chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
-    chart.show(lambda: chart.draw(result))
-    assert [name for name, *_ in chart.told["sources"]] == ["optimum", "a second later"]
-    assert chart.y_range.end > result.runs["optimum"].max_speed_kmh
-
-
 def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) -> None:
     chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
     first = chart.axis.columns("first").source

@@ -35,14 +35,6 @@ def test_what_is_no_guess_is_not_taken(message: object) -> None:
     assert taken == []
 
 
-def test_a_guess_is_taken_and_taken_back() -> None:
-    taken: list[float | None] = []
-    made = form(taken)
-    made._handle_msg({"what": "guess", "value": 20})
-    made._handle_msg({"what": "again"})
-    assert taken == [20.0, None]
-
-
 def test_the_bars_have_the_energies_of_the_account(result: LessonResult) -> None:
     bars = EnergyBars()
     bars.show(result.runs, "optimum")

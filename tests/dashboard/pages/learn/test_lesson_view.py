@@ -57,17 +57,3 @@ def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(lesson: Lesson) ->
         after = told(view, result, guess.ends[0])
         assert all(one in after for one in kept)
         assert curves() > 0
-
-
-def test_the_button_opens_the_scenario_of_the_optimum() -> None:
-    state = Workbench()
-    lesson = LESSONS[0]
-    view = LessonView(lesson, state, Palette(False))
-    result = compute_lesson(LessonRequest("coasting", 120.0))
-    view.show(result, True)
-    view.open.clicks += 1
-    assert (state.page, state.scenario.edited.title) == ("Drive", lesson.title)
-    opened = state.scenario.scenario()
-    assert opened.travel_time_s == 120.0
-    assert opened.vehicle == result.runs["optimum"].scenario.vehicle
-    assert opened.line.length_m == 1500.0

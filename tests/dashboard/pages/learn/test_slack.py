@@ -6,7 +6,6 @@ from railjoule.core import ScenarioError
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.pages.learn.slack import (
     SlackRequest,
-    best_line,
     judge_slack,
     line_tables,
     read_sharing,
@@ -30,12 +29,6 @@ def test_nothing_of_the_best_is_told_before_it_is_asked_for() -> None:
     assert found.verdict is None
     assert set(found.lines["uneven"]) == {"legs", "standing_kwh", "least_s", "slack_s"}
     assert found.begun == {"line": "uneven", "seconds": (20, 20, 20), "linked": False}
-
-
-def test_the_best_sharing_has_one_price_on_all_legs() -> None:
-    for name in ("uneven", "even"):
-        prices = [leg.price_of_time_w for leg in best_line(name).legs]
-        assert prices == pytest.approx([prices[0]] * 3, rel=1e-9)
 
 
 def test_sharing_out_pays_on_one_line_and_not_on_the_other() -> None:

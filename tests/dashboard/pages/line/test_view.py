@@ -43,18 +43,6 @@ def given() -> LineRuns:
     return runs_with(arrival_s=90.0)
 
 
-def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
-    palette = Palette(False)
-    bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
-    bars.show(lambda: bars.draw(runs, 900.0))
-    for sharing, line in runs.runs.items():
-        assert list(bars.sources[sharing].data["top"]) == pytest.approx([leg.supplement_s for leg in line.legs])
-    left, right = bars.sources["optimum"].data, bars.sources["equal"].data
-    assert all(a < b for a, b in zip(left["right"], right["left"], strict=True))
-    assert left["left"][0] > 0
-    assert right["right"][0] < 900 < left["left"][1]
-
-
 def test_a_given_timetable_is_a_fourth_bar_and_goes_again(runs: LineRuns, given: LineRuns) -> None:
     palette = Palette(False)
     bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)

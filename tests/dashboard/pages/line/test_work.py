@@ -14,12 +14,6 @@ def state() -> Workbench:
     return state
 
 
-def test_a_line_is_run_in_three_ways(state: Workbench) -> None:
-    runs = state.line.runs
-    assert list(runs.runs) == ["optimum", "proportional", "equal"]
-    assert min(line.run.energy_kwh for line in runs.runs.values()) == runs.best.run.energy_kwh
-
-
 def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
     before = state.line.runs
     state.line.inner_stations[1].dwell_s = 60.0

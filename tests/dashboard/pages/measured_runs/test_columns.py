@@ -133,17 +133,6 @@ def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
     assert "1 row without time_s or speed_kmh is left out: 8." in recording.notes
 
 
-def test_a_workbook_is_read_as_a_table() -> None:
-    book = openpyxl.Workbook()
-    for row in [["time_s", "speed_kmh"], *([0.5 * k, 3.6 * k] for k in range(12))]:
-        book.active.append(row)
-    written = io.BytesIO()
-    book.save(written)
-    table = read_run_file("run.xlsx", written.getvalue())
-    # 3.6 km/h more each half second
-    assert recording_of(*used_table(table, meanings_of(table, {}))).speed_ms[-1] == pytest.approx(11.0)
-
-
 def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
     book = openpyxl.Workbook()
     book.active.title = "About"

@@ -11,7 +11,6 @@ from railjoule.dashboard.pages.motor.compute import (
     RippleRequest,
     compute_detuning,
     compute_loop_run,
-    compute_machine_map,
     compute_ripple,
     compute_rivals,
     machine_refusal,
@@ -64,12 +63,6 @@ def test_strategies_that_refuse_a_line_are_told() -> None:
     assert set(rivals.refused) == {"eoc", "enoc"}
     with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):
         compute_loop_run(LoopRequest(hilly, "enoc", {}))
-
-
-def test_the_map_holds_the_run(loop: LoopRun) -> None:
-    found = compute_machine_map(loop.run)
-    assert found.points.torque_nm.max() <= found.map.torque_nm.max()
-    assert found.points.speed_rads.max() <= found.map.speed_rads.max()
 
 
 def test_ripple_is_asked_for_within_the_run(loop: LoopRun) -> None:

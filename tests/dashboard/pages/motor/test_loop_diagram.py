@@ -4,7 +4,7 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from railjoule.dashboard.pages.motor.loop_diagram import BLOCKS, DRAWINGS, Drawing, arrow_head, diagram
+from railjoule.dashboard.pages.motor.loop_diagram import BLOCKS, DRAWINGS, Drawing, diagram
 from railjoule.dashboard.pages.motor.view import HEIGHTS
 
 
@@ -31,8 +31,3 @@ def test_blocks_lie_apart_and_inside(drawing: Drawing) -> None:
 def test_every_figure_of_the_page_has_one_block() -> None:
     explained = [name for block in BLOCKS.values() for name in block.charts]
     assert sorted(explained) == sorted(HEIGHTS)
-
-
-def test_arrows_point_along_their_last_piece() -> None:
-    assert arrow_head("M0 10 H50") == '<polygon class="head" points="50,10 44,13 44,7"/>'
-    assert arrow_head("M50 90 H20 V40") == '<polygon class="head" points="20,40 17,46 23,46"/>'

@@ -41,38 +41,11 @@ def test_charts_draw_the_run(view: MotorView) -> None:
     assert 50 < len(view.map.sources["points"].data["x"]) <= 120
 
 
-def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
-    lines = view.loops["tracking"]
-    # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
-    lag = 0.3 * view.model.run.planned.speed_ms.max()
-    assert np.abs(sent(lines, "without pre-compensator")[1]).max() == pytest.approx(lag, rel=0.01)
-    assert np.abs(sent(lines, "with")[1]).max() < 0.05
-    _, fine = sent(view.loops["tracking_fine"], "")
-    assert np.abs(fine).max() < 50.0
-    assert "mm" in view.figures.object
-    view.model.precompensator = False
-    assert "<span>m</span></div><div class=detail>" in view.figures.object
-
-
-def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
-    currents = {name: sent(view.loops["rival_current"], name)[1] for name in ("EOC", "ENOC")}
-    # the optimum begins with more than a ramp needs
-    assert max(currents["EOC"]) > 1.2 * max(currents["ENOC"])
-    energies = {name: sent(view.loops["rival_energy"], name)[1] for name in ("EOC", "ENOC")}
-    assert energies["EOC"][-1] < energies["ENOC"][-1]
-
-
 def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
     assert view.held.object == ""
     view.model.max_phase_voltage_v = 400.0
     assert "The voltage limit</span> limited the motors from" in view.held.object
     assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
-
-
-def test_parts_of_the_energy_are_listed_with_the_magnetising_loss_by_name(view: MotorView) -> None:
-    assert "Stator copper, magnetising" in view.account.object
-    assert "Magnetising loss" in view.figures.object
-    assert "Input power, integrated" in view.account.object
 
 
 def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
@@ -84,17 +57,6 @@ def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     assert "13.2 % above the plan, 1.053 kWh" in main
     assert "<div class=value>1.042<" in at_motors
     assert "plan" not in at_motors
-
-
-def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None:
-    view.state.scenario.choose("liashenko-ii")
-    assert view.missing.visible
-    assert not view.body.visible
-    assert "simulates induction motors" in view.no_machine.object
-    view.open.clicks += 1
-    assert not view.missing.visible
-    assert view.body.visible
-    assert view.model.run is not None
 
 
 def test_the_study_shows_what_came(view: MotorView) -> None:

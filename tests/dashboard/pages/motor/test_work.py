@@ -6,15 +6,6 @@ from railjoule.dashboard.state.workbench import Workbench
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
 
 
-def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
-    model = state.motor
-    assert model.run is not None
-    assert model.rivals.run is model.run
-    assert model.machine_map is not None
-    assert model.ripple is not None
-    assert model.detuning is None
-
-
 def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Workbench) -> None:
     state.page = "Drive"
     chosen = state.chosen

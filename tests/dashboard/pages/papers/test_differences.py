@@ -42,12 +42,6 @@ def test_a_row_with_a_difference_is_a_dot() -> None:
     ]
 
 
-def test_the_scale_is_even_and_keeps_the_order() -> None:
-    heights = [scaled(percent) for percent in (-67.0, -1.0, 0.0, 0.5, 1.0, 30.0)]
-    assert heights == sorted(heights)
-    assert scaled(-3.0) == -scaled(3.0)
-
-
 @pytest.mark.parametrize("dark", [False, True])
 def test_the_shipped_numbers_are_drawn_by_paper(dark: bool) -> None:
     papers = list(shipped_tables().papers.values())

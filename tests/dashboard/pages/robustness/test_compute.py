@@ -1,14 +1,10 @@
-import numpy as np
 import pytest
 
 from railjoule.core import InfeasibleLineError, ScenarioError, load_scenario
 from railjoule.core.simulate.following import plan_for
 from railjoule.dashboard.pages.robustness.compute import (
     RealityRequest,
-    TableRequest,
-    compute_chance,
     compute_reality,
-    compute_table,
 )
 
 HEAVY = {"disturbance.actual_load_factor": 1.0, "disturbance.coordinate_error_m": 10.0}
@@ -38,11 +34,3 @@ def test_a_train_that_cannot_climb_is_told() -> None:
     changes = {"vehicle.capacity_passengers": 20_000, "disturbance.actual_load_factor": 1.0}
     with pytest.raises(InfeasibleLineError, match="comes to a stand"):
         compute_reality(RealityRequest(load_scenario("liashenko-iii").with_(**{"vehicle.load_factor": 0.0}), changes))
-
-
-def test_the_table_and_chance_come_step_by_step() -> None:
-    request = RealityRequest(load_scenario("liashenko-0"), {"montecarlo.runs": 90})
-    *_, table = compute_table(TableRequest(request, both_directions=False, knows="place"))
-    assert table.knows == "place"
-    assert np.all(np.isfinite(table.energy_kwh))
-    assert [step.done for step in compute_chance(request)][-1] == 90

@@ -1,7 +1,6 @@
 """Explore the draws: opened by hand, dropped when closed or when the draws are renewed; nothing of it stays."""
 
 import gc
-import json
 import subprocess
 import sys
 from typing import Any
@@ -70,29 +69,6 @@ def test_without_draws_it_says_so() -> None:
     explorer = explorer_of(None)
     press(explorer)
     assert list(explorer.place) == [explorer.waiting]
-
-
-def brushing_of(explorer: Explorer) -> Any:
-    assert explorer._brushing is not None
-    return explorer._brushing
-
-
-def test_a_brush_is_told_and_kept_with_another_axis(tables: tuple[Any, Any]) -> None:
-    explorer = explorer_of(tables[0])
-    press(explorer)
-    assert explorer.reset.disabled
-    rows = brushing_of(explorer).rows
-    # as the browser tells it
-    rows.tags = [json.dumps({"draws": {"load": [0, 50]}, "draws_energy": {"energy": [0, 1e6]}}), 1]
-    assert "load 0 to 50 %; energy 0.000 to 1\u202f000\u202f000.00 kWh" in str(explorer.words.object)
-    assert not explorer.reset.disabled
-    explorer.x.value = "resistance"
-    assert brushing_of(explorer).rows is not rows
-    assert brushing_of(explorer).brushes == {"draws_energy": {"energy": (0.0, 1e6)}}
-    assert "load" not in str(explorer.words.object).partition("Medians")[0]
-    explorer.reset.clicks += 1
-    assert brushing_of(explorer).brushes == {}
-    assert explorer.reset.disabled
 
 
 def test_axes_that_would_be_one_change_places(tables: tuple[Any, Any]) -> None:

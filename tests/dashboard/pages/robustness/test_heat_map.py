@@ -107,14 +107,6 @@ def test_a_histogram_marks_its_quantiles() -> None:
     assert chart.sources["bars"].data["top"] == []
 
 
-def test_the_table_says_how_many_runs_there_are() -> None:
-    empty, full = monte_carlo_steps(load_scenario("liashenko-0").with_(**{"montecarlo.runs": 30}))
-    assert "0 of 30 runs, seed 1." in chance_table(empty)
-    shown = chance_table(full)
-    assert "30 of 30 runs, seed 1." in shown
-    assert "Delay at the stop, s" in shown
-
-
 def test_the_table_tells_the_earliest_and_the_latest_arrival() -> None:
     _, full = monte_carlo_steps(load_scenario("liashenko-0").with_(**{"montecarlo.runs": 30}))
     assert full.delay_s.min() < -0.05

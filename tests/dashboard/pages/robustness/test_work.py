@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.robustness.model import PREVIEW_RUNS
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -15,14 +14,6 @@ def state() -> Workbench:
     Robustness(state)
     state.page = "Robustness"
     return state
-
-
-def test_the_page_brings_the_run_the_table_and_chance(state: Workbench) -> None:
-    model = state.robustness
-    assert model.reality is not None
-    assert model.table.done == model.table.energy_kwh.size
-    assert model.chance.done == PREVIEW_RUNS
-    assert not model.drawing
 
 
 def test_the_run_is_the_framed_cell(state: Workbench) -> None:

@@ -29,14 +29,6 @@ def test_given_limits_are_driven_and_compared_over_the_same_time(run: LimitRun) 
     assert run.limits_kmh == pytest.approx([50.0, 30.0])
 
 
-def test_the_quick_trip_is_the_run(run: LimitRun) -> None:
-    trip = compute_limit_trip(LimitsRequest(SCENARIO, GIVEN))
-    # the run has more nodes: effort and power bend between those of the trip
-    assert trip.energy_kwh == pytest.approx(run.run.energy_kwh, rel=1e-3)
-    assert trip.travel_time_s == pytest.approx(run.run.travel_time_s, rel=1e-3)
-    assert trip.position_m[-1] == pytest.approx(2400)
-
-
 @pytest.mark.parametrize("changes", [{"search.regulator": "literal"}, {"search.limits_kmh": None}])
 def test_no_quick_trip_for_a_relay_or_a_search(changes: dict[str, object]) -> None:
     assert compute_limit_trip(LimitsRequest(SCENARIO, {**GIVEN, **changes})) is None

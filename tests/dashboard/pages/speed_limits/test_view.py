@@ -55,19 +55,6 @@ def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
     assert search_words(path.search).startswith(f"{len(path.search.evaluations)} combinations tried")
 
 
-def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimitsView) -> None:
-    model, before = view.model, view.model.run
-    data = view.speed.sources["sections"].data
-    view.speed.sources["sections"].data = {**data, "limit": [60.0, 30.0], "right": [900.0, 2400.0]}
-    assert (model.limits_kmh, model.borders_m) == ((60.0, 30.0), (900.0,))
-    assert model.run is before
-    assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(model.trip.position_m)
-    assert "release the step to compare" in view.figures.object
-    view._release()
-    assert model.run is not before
-    assert "let the step go" not in view.figures.object
-
-
 def test_pairs_of_sections_can_be_chosen(view: SpeedLimitsView) -> None:
     assert not view.pair.visible
     view.model.section_count = 3

@@ -90,11 +90,3 @@ def test_a_storage_that_is_named_counts(state: Workbench) -> None:
     assert np.interp(0.5, model.storage.size_kwh, model.storage.saved_kwh) == pytest.approx(
         model.storage.chosen.saved_kwh, rel=0.02
     )
-
-
-def test_a_drive_without_a_map_says_so(state: Workbench) -> None:
-    state.scenario.choose("liashenko-ii")
-    model = state.speed_limits
-    assert model.motor_map is None
-    assert "there is no efficiency map" in model.no_map
-    assert model.run.points is None

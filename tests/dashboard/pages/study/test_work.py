@@ -8,10 +8,7 @@ import pytest
 from panel.io.state import set_curdoc
 from turns import Page
 
-from railjoule.core import load_scenario, solve
 from railjoule.core.studies.sweep import SweepTable
-from railjoule.dashboard.keep.history import History
-from railjoule.dashboard.keep.snapshot import lay, snapshot_of
 from railjoule.dashboard.pages.study import work
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.pages.study.work import Studies
@@ -42,16 +39,6 @@ class Desk:
 @pytest.fixture
 def desk() -> Desk:
     return Desk()
-
-
-def test_nothing_is_asked_for_before_the_page_is_in_sight() -> None:
-    state = Workbench()
-    Studies(state)
-    assert state.study.current is None
-    state.page = "Study"
-    assert state.study.current is not None
-    assert state.study.estimate is not None
-    assert state.study.study is None
 
 
 def test_a_study_is_run_looked_at_and_drawn(desk: Desk) -> None:
@@ -161,26 +148,6 @@ def test_a_study_that_cannot_be_begun_leaves_the_last_one(desk: Desk) -> None:
     assert desk.model.progress.done == 60
 
 
-def test_a_run_is_opened_on_drive_and_taken_back(desk: Desk) -> None:
-    state = desk.state
-    desk.run()
-    table = desk.work.table
-    assert table is not None
-    before = snapshot_of(state)
-    history = History(before)
-    desk.model.wanted_run = 7
-    assert state.page == "Drive"
-    energy = solve(state.scenario.scenario()).energy_kwh
-    # the load goes through percent, so that its last bits differ
-    assert energy == pytest.approx(float(table.columns["energy_kwh"][7]), rel=1e-7)
-    assert state.scenario.travel_time_s == table.samples[TIME][7]
-    history.note(snapshot_of(state))
-    back = history.undo()
-    assert back is not None
-    lay(state, back)
-    assert state.scenario.scenario() == load_scenario("liashenko-i")
-
-
 def test_a_run_is_opened_where_the_page_has_another_scenario_by_now(desk: Desk) -> None:
     desk.run()
     table, study = desk.work.table, desk.model.study
@@ -199,19 +166,6 @@ def test_a_row_that_is_not_there_opens_nothing(desk: Desk) -> None:
     assert desk.state.page == "Study"
 
 
-def test_the_table_is_written_for_the_browser_once(desk: Desk) -> None:
-    desk.run()
-    desk.model.wanted_file = ".csv"
-    saved = desk.model.saved
-    assert saved is not None
-    assert not desk.model.saving
-    token = saved.place.removeprefix("file/")
-    file = OFFERED.take(token)
-    assert file is not None
-    assert len(file.path.read_text(encoding="utf-8").splitlines()) == 61
-    file.drop()
-
-
 def saved_study(desk: Desk) -> bytes:
     """Return the file of a study as the browser fetches it."""
     desk.model.wanted_file = ".nc"
@@ -222,27 +176,6 @@ def saved_study(desk: Desk) -> bytes:
     content = file.path.read_bytes()
     file.drop()
     return content
-
-
-def test_a_saved_study_is_opened_again(desk: Desk) -> None:
-    desk.run()
-    content, table = saved_study(desk), desk.work.table
-    assert table is not None
-    other = Desk()
-    other.state.page = "Start"
-    other.state.show_study("study.nc", content)
-    assert other.state.page == "Study"
-    assert other.model.refusal == ""
-    assert (other.model.progress.state, other.model.progress.done) == ("done", 60)
-    assert other.model.look is not None
-    assert other.model.look.done == 60
-    read = other.work.table
-    assert read is not None
-    assert np.array_equal(read.columns["energy_kwh"], table.columns["energy_kwh"], equal_nan=True)
-    # and a run of it opens on Drive
-    other.model.wanted_run = 7
-    assert other.state.page == "Drive"
-    assert other.state.scenario.travel_time_s == pytest.approx(float(table.samples[TIME][7]), abs=0.06)
 
 
 def test_a_study_that_was_saved_before_its_end_goes_on(desk: Desk) -> None:
