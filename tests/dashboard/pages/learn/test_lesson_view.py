@@ -14,6 +14,7 @@ from railjoule.dashboard.pages.learn.guess_form import EnergyBars, GuessForm
 from railjoule.dashboard.pages.learn.guesses import GUESSES
 from railjoule.dashboard.pages.learn.lesson_view import LessonView
 from railjoule.dashboard.pages.learn.model import LESSONS, Lesson, guess_field
+from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -71,3 +72,12 @@ def test_the_button_opens_the_scenario_of_the_optimum() -> None:
     assert opened.travel_time_s == 120.0
     assert opened.vehicle == result.runs["optimum"].scenario.vehicle
     assert opened.line.length_m == 1500.0
+
+
+def test_a_slider_computes_its_lesson_again() -> None:
+    state = Workbench()
+    Learn(state)
+    state.page = "Learn"
+    state.learn.gradient = 30.0
+    # 57 % in the text of the answer
+    assert state.learn.shown["gradient"].saved_share == pytest.approx(0.571, abs=5e-4)

@@ -69,6 +69,14 @@ def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> Non
     assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
 
 
+def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: MotorView) -> None:
+    view.model.max_current_a = 100.0
+    assert view.message.visible
+    assert "max current = 100 A must be above" in view.message.object
+    view.model.max_current_a = 810.0
+    assert not view.message.visible
+
+
 def test_parts_of_the_energy_are_listed_with_the_magnetising_loss_by_name(view: MotorView) -> None:
     assert "Stator copper, magnetising" in view.account.object
     assert "Magnetising loss" in view.figures.object
