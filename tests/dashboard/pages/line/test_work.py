@@ -149,6 +149,7 @@ def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:
 def test_legs_are_downloaded_under_all_rules(state: Workbench) -> None:
     view = LineView(state, Browser(), Palette(dark=False))
     rows = list(csv.DictReader(view.download.callback()))
+    assert {row["sharing"] for row in rows} == set(state.line.runs.runs)
     for sharing, whole in state.line.runs.runs.items():
         legs = [row for row in rows if row["sharing"] == sharing]
         assert [row["from"] for row in legs][:2] == ["Harbour", "Old Town"]
