@@ -66,6 +66,8 @@ def test_a_setting_out_of_order_is_told_and_the_last_run_stays(state: Workbench)
     assert model.reality is reality
     model.stop_sensor_m = 15.0
     assert model.failure is None
+    with pytest.raises(ValueError, match=r"^At most 120, the vehicle's crush load\.$"):
+        model.parse("actual_load_percent", "121")
     assert model.table.done == model.table.energy_kwh.size
 
 
