@@ -94,7 +94,7 @@ def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
 
 def test_each_module_stands_once_and_after_what_it_needs() -> None:
     assert imported("drag_heights") == ["drag", "numbers"]
-    assert imported("guess") == ["dom", "files"]
+    assert imported("guess") == ["dom", "files", "played"]
     assert module("lifeline").count("const make = ") == 1
     assert function("ticks", "tick_words(tick, digits)").endswith("\nreturn tick_words(tick, digits);\n")
     assert "export" not in function("cursor", "follow({charts, range}, cb_obj)")
