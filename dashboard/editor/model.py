@@ -124,7 +124,8 @@ class EditorModel(param.Parameterized):
                 self._require_absent(field)
             self._set(field.key, {field.key: value})
         except (ValueError, RailjouleError) as error:
-            kept = f"{look.text(field)} {field.unit}".strip() or "nothing"
+            before = look.text(field)
+            kept = f"{before} {field.unit}".strip() if before else "nothing"
             self._refuse(field.key, Refusal(text, f"{sentence_of(error)} Kept: {kept}."))
 
     def take_back(self, key: str) -> None:

@@ -19,6 +19,9 @@ QUIET = re.compile(
     r"|(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+"
     # Bokeh sends the browser a model twice when Study opens after other pages; nothing is lost
     r"|BokehUserWarning: reference already known '\w+'"
+    r"|Scenario files: .*"
+    # tests connect from other origins, and without a token
+    r"|.* (403 GET /ws |Refusing websocket connection from Origin ).*"
 )
 """What the server writes when nothing fails."""
 
@@ -29,7 +32,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     log = tmp_path_factory.mktemp("server") / "log"
     with serving("-m", "railjoule.dashboard", "serve", log=log) as running:
         yield running
-    assert [line for line in log.read_text().splitlines() if not QUIET.fullmatch(line)] == []
+        assert [line for line in log.read_text().splitlines() if not QUIET.fullmatch(line)] == []
 
 
 @pytest.fixture(scope="package")

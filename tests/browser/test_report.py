@@ -137,7 +137,7 @@ def test_nothing_grave_is_found(reader: Reader) -> None:
 
 def test_a_figure_fills_the_screen_and_is_saved(reader: Reader) -> None:
     place = reader.page.locator("[data-plot=speed]")
-    place.locator("canvas").first.hover()
+    place.hover()
     with reader.page.expect_download() as download:
         place.get_by_title("Save", exact=True).click()
     assert download.value.suggested_filename == "speed-km-h.png"

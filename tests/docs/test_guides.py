@@ -130,6 +130,7 @@ def test_the_sidebar_lists_the_added_strategy(with_the_strategy: Path) -> None:
 GATE = ("tests/dashboard/look/test_glossary.py", "tests/dashboard/look/test_tokens.py")
 
 
+@pytest.mark.nightly
 def test_the_added_strategy_passes_the_tests_of_its_look(with_the_strategy: Path) -> None:
     """The gate's own tests, read from here, on the changed sources."""
     answer(with_the_strategy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(str(ROOT / name) for name in GATE))

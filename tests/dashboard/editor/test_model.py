@@ -61,6 +61,12 @@ def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, e
     ("key", "text", "sentence"),
     [
         ("vehicle.tare_kg", "0", "Above 0. Kept: 160000 kg."),
+        ("vehicle.tare_kg", "1e9", "At most 1e+07. Kept: 160000 kg."),
+        (
+            "vehicle.inertial_mass_kg",
+            "100",
+            "vehicle.inertial_mass_kg = 100 is below tare_kg = 160000, which it includes. Kept: nothing.",
+        ),
         (
             "vehicle.load_factor",
             "1,5",

@@ -104,3 +104,15 @@ def test_a_long_table_shows_its_beginning(state: Workbench, view: EditorView) ->
     group = opened(view, "Track")
     table = group._tables[0][0].table
     assert (len(table["rows"]), table["more"]) == (60, "40 more rows are not shown; paste a table to replace them all.")
+
+
+def test_a_pasted_table_is_refused_with_its_cell_or_replaces_all_rows(state: Workbench, view: EditorView) -> None:
+    group = opened(view, "Track")
+    paste = group._tables[0][0]._handle_msg
+    paste({"what": "paste_all", "text": "1200,5\t\u22123\n800\tsteep"})
+    refusal = group._tables[0][0].table["refusal"]
+    assert refusal["sentence"] == "Row 2, Gradient, \u2030: 'steep'. Not a number. Nothing is changed."
+    assert dict(state.scenario.changes) == {}
+    paste({"what": "paste_all", "text": "1200,5\t\u22123\n1099,5\t4"})
+    assert group._tables[0][0].table["refusal"] is None
+    assert [section.gradient_permille for section in state.scenario.scenario().line.sections] == [-3, 4]

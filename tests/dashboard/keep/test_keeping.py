@@ -100,6 +100,8 @@ def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
     keeping.open_file("other.toml", "railjoule = 99")
     assert keeping.state.notice.startswith("other.toml: ")
     assert keeping.state.scenario.base.title == "Mine"
+    keeping.lifeline._handle_msg({"kind": "no_text", "name": "picture.png"})
+    assert keeping.state.notice.startswith("picture.png: it is not UTF-8 text. Only scenarios")
     keeping.undo()
     assert keeping.state.scenario.opened is None
 

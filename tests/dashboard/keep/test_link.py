@@ -92,8 +92,18 @@ def test_what_cannot_be_opened_is_told(query: str, told: str) -> None:
 
 
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
-    read = read_link("?utm_source=mail&load_percent=20")
-    assert (read.snapshot, read.refusal) == ({"load_percent": 20}, "")
+    read = read_link("?utm_source=mail&page=Speed+limits&load_percent=20")
+    assert (read.snapshot, read.refusal) == ({"page": "Speed limits", "load_percent": 20}, "")
+
+
+def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:
+    stations = (
+        '[{"number":0,"station":"Old+Town","position_m":1150,"dwell_s":25,"fixed":false,"arrival_s":0},'
+        '{"number":1,"station":"Market","position_m":1950,"dwell_s":30,"fixed":true,"arrival_s":190}]'
+    )
+    state, read = Workbench(), read_link(f"?v=1&preset=metro-10-stations&line.stations={stations}")
+    assert (lay(state, read.snapshot), read.refusal) == ((), "")
+    assert state.scenario.scenario().line.stations[2].window_s == (190, 190)
 
 
 def test_nothing_grows_beyond_bounds_when_it_is_unpacked() -> None:

@@ -104,6 +104,8 @@ def test_a_load_above_the_capacity_is_told_and_bounded_by_the_vehicle(model: Sce
 def test_another_scenario_brings_its_own_ends() -> None:
     state = Workbench()
     sidebar = Sidebar(state, Keeping(state, Lifeline()))
+    fields = [field.field for field in sidebar.view.select(NumberField)]
+    assert fields[:3] == ["travel_time_s", "load_percent", "recuperation_percent"]
     for name in ("metro-10-stations", "metro-with-limit"):
         state.scenario.choose(name)
         assert (sidebar.travel_time.start, sidebar.travel_time.end) == state.scenario.travel_time_range_s

@@ -168,6 +168,7 @@ def test_every_field_of_every_page_is_held_to_the_file() -> None:
         (RobustnessModel(), "speed_error_percent", "-50", "Above -50."),
         (SpeedLimitsModel(), "time_window_percent", "0", "Above 0."),
         (SpeedLimitsModel(), "stop_deceleration_ms2", "0", "Above 0."),
+        (SpeedLimitsModel(), "storage_size_kwh", "-1", "At least 0."),
         (STOP, "position_m", "0", "Above 0."),
         (LIMIT, "limit_kmh", "0", "Above 0."),
         (VOLTAGE, "share_percent", "0", "Above 0."),

@@ -39,6 +39,14 @@ def test_runs_are_tightened_alike_whatever_is_run_beside_the_optimum() -> None:
     assert compute_runs(RunsRequest(load_scenario("liashenko-ii"), ())).to_prove is None
 
 
+def test_a_smooth_drive_with_a_loose_bound_is_proven_further():
+    curve = [[0.0, 283.0], [25.0, 283.0], [40.0, 170.0], [70.0, 85.0], [120.0, 34.0]]
+    changes = {"vehicle.traction": {"curve": curve}, "timetable.travel_time_s": 71.5}
+    runs = compute_runs(RunsRequest(load_scenario("liashenko-i", changes), ()))
+    assert runs.to_prove is runs.best
+    assert tightened_runs(runs).best.gap < runs.best.gap / 10
+
+
 def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
     runs = compute_runs(RunsRequest(load_scenario("liashenko-ii"), ("eoc", "fastest")))
     assert list(runs.runs) == ["optimal", "fastest"]

@@ -37,6 +37,7 @@ def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():
     same(table_of(results), table_of(here))
 
 
+@pytest.mark.nightly
 def test_a_lost_scheduler_ends_a_study_in_a_sentence_and_what_is_done_goes_on_elsewhere(monkeypatch):
     monkeypatch.setattr(module, "CONNECTING_S", 2)
     asked = study()

@@ -46,7 +46,8 @@ def test_the_table_and_the_words_follow_the_scenario(session: Session, view: Com
     assert "Bellman" in table
     assert "1 Optimal, 170.0 s, load 50 %, recuperation 40 %" in table
     assert "Four phases: needs a line whose gradient and curve stay the same." in table
-    session.state.reference = "optimal"
+    view.reference.value = "optimal"
+    assert session.state.reference == "optimal"
     assert "load 50 % instead of 60 %" in text(view.differences.object)
     session.state.reference = ""
 

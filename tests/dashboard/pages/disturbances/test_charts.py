@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -13,7 +14,9 @@ from railjoule.dashboard.pages.disturbances.compute import (
     compute_rides,
 )
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
-from railjoule.dashboard.pages.disturbances.view import drawn
+from railjoule.dashboard.pages.disturbances.view import DisturbancesView, drawn
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +49,19 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> No
     assert list(chart.sources["events"].data["text"]) == []
     chart._press(Press)
     assert dropped == [512.3]
+
+
+def test_the_table_has_the_energies_of_the_rides() -> None:
+    state = Workbench()
+    Disturbances(state)
+    state.scenario.choose("tram-950m-stop")
+    state.page = "Disturbances"
+    view = DisturbancesView(state, Browser(), Palette(dark=False))
+    rides = {name: ride.actual.energy_kwh for name, ride in state.disturbances.rides.rides.items()}
+    # 2.264 and 2.195 kWh with the tram of findings.md; the shipped one differs by half a per cent
+    assert [rides["driver"], rides["computer"]] == pytest.approx([2.264, 2.195], rel=0.01)
+    for name, word in words.REACTION_WORDS.items():
+        assert f"<td>{word}<td>{words.energy(rides[name])}<td>" in view.table.object
 
 
 def test_later_arrivals_save_and_the_price_falls(asked: RidesRequest) -> None:

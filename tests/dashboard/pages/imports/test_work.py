@@ -56,6 +56,20 @@ def test_a_line_is_taken_without_its_gradients_only_if_the_user_says_so(state: W
     assert all(section.gradient_permille == 0 for section in state.scenario.scenario().line.sections)
 
 
+def test_a_column_is_chosen_by_hand_and_files_are_removed(state: Workbench) -> None:
+    choose_track(state)
+    form = FilesForm(state.imports)
+    limits = next(file for file in state.imports.files if file.kind == "limits")
+    choose = {"what": "say", "number": limits.number, "key": "value"}
+    form._take({**choose, "value": "lib_ligne"})
+    assert "row 2: lib_ligne = 'Invented example line'" in state.imports.reading.cards[0].failure
+    form._take({**choose, "value": "v_max"})
+    assert [card.failure for card in state.imports.reading.cards] == ["", "", ""]
+    for file in state.imports.files:
+        form._take({"what": "remove", "number": file.number})
+    assert state.imports.reading.offers == ()
+
+
 def test_a_time_that_is_none_changes_nothing(state: Workbench) -> None:
     choose_track(state)
     before = snapshot_of(state)

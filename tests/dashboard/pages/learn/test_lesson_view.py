@@ -14,6 +14,7 @@ from railjoule.dashboard.pages.learn.guess_form import EnergyBars, GuessForm
 from railjoule.dashboard.pages.learn.guesses import GUESSES
 from railjoule.dashboard.pages.learn.lesson_view import LessonView
 from railjoule.dashboard.pages.learn.model import LESSONS, Lesson, guess_field
+from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -57,3 +58,12 @@ def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(lesson: Lesson) ->
         after = told(view, result, guess.ends[0])
         assert all(one in after for one in kept)
         assert curves() > 0
+
+
+def test_a_slider_computes_its_lesson_again() -> None:
+    state = Workbench()
+    Learn(state)
+    state.page = "Learn"
+    state.learn.gradient = 30.0
+    # 57 % in the text of the answer
+    assert state.learn.shown["gradient"].saved_share == pytest.approx(0.571, abs=5e-4)

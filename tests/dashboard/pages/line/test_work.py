@@ -1,6 +1,11 @@
+import csv
+
 import pytest
 
 from railjoule.core import ScenarioError
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.line.view import LineView
 from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -131,3 +136,15 @@ def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:
     state.scenario.choose("liashenko-ii")
     assert state.line.runs is None
     assert state.line.failure is None
+
+
+# Panel warns once of how panel-material-ui calls it
+@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+def test_legs_are_downloaded_under_all_rules(state: Workbench) -> None:
+    view = LineView(state, Browser(), Palette(dark=False))
+    rows = list(csv.DictReader(view.download.callback()))
+    assert {row["sharing"] for row in rows} == set(state.line.runs.runs)
+    for sharing, whole in state.line.runs.runs.items():
+        legs = [row for row in rows if row["sharing"] == sharing]
+        assert [row["from"] for row in legs][:2] == ["Harbour", "Old Town"]
+        assert sum(float(row["energy_kwh"]) for row in legs) == pytest.approx(whole.run.energy_kwh)

@@ -48,6 +48,14 @@ def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> Non
     assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
 
 
+def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: MotorView) -> None:
+    view.model.max_current_a = 100.0
+    assert view.message.visible
+    assert "max current = 100 A must be above" in view.message.object
+    view.model.max_current_a = 810.0
+    assert not view.message.visible
+
+
 def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     """The tram returns no braking energy: its motors' net 1.042 kWh is no number beside the plan's 1.053 kWh."""
     run = simulate_field_oriented(load_scenario("tram-950m").with_(**{"simulation.kind": "field_oriented"}))

@@ -3,9 +3,16 @@ from io import StringIO
 
 import pytest
 
-from railjoule.core.validation import Row, Table, Validation
+from railjoule.core.validation import Erratum, Row, Table, Validation
 from railjoule.dashboard.pages.papers.compute import PaperTables
-from railjoule.dashboard.pages.papers.view import difference_words, figure_cells, summary_words, table_html, tables_csv
+from railjoule.dashboard.pages.papers.view import (
+    difference_words,
+    errata_html,
+    figure_cells,
+    summary_words,
+    table_html,
+    tables_csv,
+)
 
 TABLE = Table(
     "Energies & <times>",
@@ -40,6 +47,13 @@ def test_a_table_says_how_close_it_is_and_escapes_its_texts() -> None:
     assert '<span class="open">+3.0 %</span>' in text
     assert "Energies &amp; &lt;times&gt;" in text
     assert "A &lt;b&gt;reason&lt;/b&gt;." in text
+
+
+def test_corrections_are_listed_and_escaped() -> None:
+    text = errata_html((Erratum("Eq. 3", "<", ">", "By its units."),))
+    assert "Corrections <span>1</span>" in text
+    assert "<li>Eq. 3: printed &lt;, corrected: &gt;. By its units.</li>" in text
+    assert errata_html(()) == ""
 
 
 PERCENTAGES = (Row("d", "more", "%", 0.1, 2.2), Row("e", "more", "%", 0.0, 0.4))

@@ -1,6 +1,8 @@
 from collections.abc import Iterator
 
 import pytest
+from panel.io.state import set_curdoc
+from turns import Page
 
 from railjoule.core import SolverError
 from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
@@ -73,3 +75,15 @@ def test_a_paper_stands_until_it_is_whole_again(state: Workbench) -> None:
     assert set(counts) <= {1, 2}
     assert len(state.papers.under_way["ftorek"].validation.tables) == 2
     assert state.papers.results["ftorek"].table_count == 2
+
+
+def test_a_stopped_paper_takes_nothing_more(state: Workbench) -> None:
+    page = Page()
+    with set_curdoc(page.document):
+        state.papers.compare = ["ftorek"]
+        assert state.papers.asked == ["ftorek"]
+        state.papers.param.trigger("stop")
+    assert state.papers.asked == []
+    while page.is_due:
+        page.take_turn()
+    assert state.papers.results == {}

@@ -42,6 +42,13 @@ def test_what_the_train_knows_changes_the_table_alone(state: Workbench) -> None:
     model.knows = "nothing"
 
 
+def test_the_table_covers_both_directions_on_request(state: Workbench) -> None:
+    model = state.robustness
+    for both in (True, False):
+        model.both_directions = both
+        assert model.table.both_directions == both
+
+
 def test_a_setting_out_of_order_is_told_and_the_last_run_stays(state: Workbench) -> None:
     model = state.robustness
     reality = model.reality
@@ -50,6 +57,8 @@ def test_a_setting_out_of_order_is_told_and_the_last_run_stays(state: Workbench)
     assert model.reality is reality
     model.stop_sensor_m = 15.0
     assert model.failure is None
+    with pytest.raises(ValueError, match=r"^At most 120, the vehicle's crush load\.$"):
+        model.parse("actual_load_percent", "121")
     assert model.table.done == model.table.energy_kwh.size
 
 

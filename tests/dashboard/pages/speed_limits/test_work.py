@@ -12,6 +12,8 @@ def test_the_search_sets_the_limits(state: Workbench) -> None:
     assert model.found
     # the latest arrival that the window allows: 2400 m at 40 km/h and 1 % more
     assert model.run.run.travel_time_s == pytest.approx(1.01 * 216, abs=1e-3)
+    # `railjoule solve kharkiv-like-40kmh`
+    assert model.run.run.energy_kwh == pytest.approx(8.43, abs=5e-3)
     assert model.storage is not None
     assert model.motor_map is not None
 

@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
+from railjoule.dashboard.app import Session
 from railjoule.dashboard.pages.trade_off.compute import TradeOffRequest, compute_trade_off
 from railjoule.dashboard.pages.trade_off.work import Frontiers
+from railjoule.dashboard.shell.sidebar import EnocField
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -48,3 +50,28 @@ def test_another_map_is_asked_for(state: Workbench) -> None:
     state.wide_map = True
     wide = state.trade_off.enoc_map
     assert wide.travel_time_s[-1] > near.travel_time_s[-1]
+
+
+def test_the_acceleration_time_is_the_best_until_it_is_set() -> None:
+    session = Session()
+    state = session.state
+    state.scenario.choose("ftorek-300s")
+    state.page = "Trade-off"
+    view, enoc = session.views["TradeOffView"], EnocField(state)
+    assert enoc.field.suggested == pytest.approx(31.0, abs=0.05)
+    assert not enoc.best.visible
+    state.scenario.acceleration_time_s = 62.7
+    assert "ENOC, as set" in view.table.object
+    assert enoc.best.label == "Best for 300.0 s: 31.0 s"
+    enoc.best.clicks += 1
+    assert state.scenario.acceleration_time_s is None
+    assert "ENOC, as set" not in view.table.object
+
+
+def test_a_line_with_limits_shows_its_frontier_and_why_there_is_no_enoc() -> None:
+    session = Session()
+    session.state.page = "Trade-off"
+    view = session.views["TradeOffView"]
+    assert "ENOC needs a line without limits." in view.notes.object
+    assert view.frontier.host.visible
+    assert not view.right.visible
