@@ -58,6 +58,7 @@ def test_by_mouse_from_the_front_page_to_the_workbench(chromium: Browser, server
         expect(user.page.get_by_label("Name of pinned run 2")).to_have_value(re.compile("^Driven by hand"))
 
 
+@pytest.mark.nightly
 def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
     with User.at(chromium, server.url, on_drive=False) as user:
         keys = user.page.keyboard

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.findings import assert_nothing_grave
@@ -20,6 +21,7 @@ def share_above(user: User) -> float:
     return float(re.match(r"\+([\d.]+)", user.number("Above the bound")).group(1))  # type: ignore[union-attr]
 
 
+@pytest.mark.nightly
 def test_the_bound_tightens_further_when_asked_and_stops(server: Server, chromium: Browser, tmp_path: Path) -> None:
     file = tmp_path / "slow.toml"
     file.write_text(format_scenario(load_scenario("kharkiv-like-20kmh", CHANGES)))

@@ -27,6 +27,7 @@ def is_smooth_and_short(name):
     return smooth and estimated_cells(scenario) < MOST_CELLS
 
 
+@pytest.mark.nightly
 def test_without_the_compiler_energies_and_gaps_are_those_of_compiled_kernels():
     """With NUMBA_DISABLE_JIT: no kernel may need the division by zero or the indices of compiled code."""
     names = [name for name in preset_names("scenarios") if is_smooth_and_short(name)]

@@ -47,10 +47,10 @@ def test_two_sections_with_a_regulator_that_coasts(scenario, optimum):
 
 
 def test_no_pair_of_limits_on_a_fine_grid_is_better(scenario):
-    """All ratios of the two limits, scaled to the time: the search is within 0.05 % of the best of 800."""
+    """All ratios of the two limits, scaled to the time: the search is within 0.05 % of the best of 200."""
     problem = limit_problem_of(prepare_task(scenario))
     best = speed_limits_with_search(prepare_task(scenario))[1].best
-    ratios = np.exp(np.linspace(-3, 3, 800))
+    ratios = np.exp(np.linspace(-3, 3, 200))
     grid = [problem.evaluate("sample", np.array([10.0, 10.0 * ratio]), best.boundaries_m) for ratio in ratios]
     assert best.energy_j <= min(one.energy_j for one in grid) * 1.0005
 

@@ -21,6 +21,7 @@ def study(rows=ROWS):
     return study_of(plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0}), OVER, rows)
 
 
+@pytest.mark.nightly
 def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():
     asked = study()
     results, here = MemoryResults(asked), MemoryResults(asked)
