@@ -198,7 +198,7 @@ def fit_runs(
     for _ in range(NOISE_ROUNDS + 1):
         problem.weigh(unknowns, noise)
         unknowns = _minimise(problem, unknowns)
-        noise = estimated_noise(steps, *problem.driven(unknowns), problem.speed_residual(unknowns))
+        noise = estimated_noise(steps, problem.driven(unknowns), problem.speed_residual(unknowns))
         problem.scale_power(unknowns)
         problem.weigh(unknowns, noise)
         problem.inflate(unknowns)
@@ -262,7 +262,7 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
         undetermined_by_gauges=_chosen(model.free, unknown & ~unknown_by_runs),
         confounded=_confounded(model.free, unknown_by_runs, by_runs, quantile),
         residual_ms=float(np.sqrt(np.mean(problem.speed_residual(best) ** 2))),
-        expected_residual_ms=expected_residual_ms(problem.steps, *problem.driven(best)),
+        expected_residual_ms=expected_residual_ms(problem.steps, problem.driven(best)),
         noise=noise,
         step_count=problem.steps.count,
         mean_powers_kmh=_mean_powers(problem.steps),

@@ -19,7 +19,7 @@ from railjoule.core.fit.gauges import (
     GaugeError,
     GaugeErrors,
 )
-from railjoule.core.fit.noise import Noise, Whitener
+from railjoule.core.fit.noise import Driven, Noise, Whitener
 from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE, Model
 from railjoule.core.fit.speed import simulated_speed
 from railjoule.core.fit.steps import Steps
@@ -117,26 +117,37 @@ class Problem:
         measured = (steps.effort_n - errors[EFFORT_OFFSET] * steps.pulled_share) / math.exp(errors[EFFORT_GAIN])
         return np.where(self.by_power, by_power, measured)
 
-    def driven(self, unknowns: FloatArray) -> tuple[float, FloatArray]:
-        """Return inertia [kg] and efforts at the ends of the steps [N]."""
-        values, errors = self.values(unknowns), self.errors(unknowns)
-        return _inertia(values), np.where(self.by_power, self.effort(values, errors), self.steps.end_effort_n)
+    def driven(self, unknowns: FloatArray) -> Driven:
+        """Return what moves the train."""
+        values, errors, steps = self.values(unknowns), self.errors(unknowns), self.steps
+        _, linear, quadratic = self._resistance(values)
+        inertia = _inertia(values)
+        steeper = linear + 2 * quadratic * steps.tunnel_factor * steps.mean_speed_ms
+        return Driven(
+            inertia,
+            np.where(self.by_power, self.effort(values, errors), steps.end_effort_n),
+            np.exp(-steeper * steps.step_s / inertia),
+        )
+
+    def _resistance(self, values: Mapping[str, float]) -> tuple[float, float, float]:
+        """Return A [N], B [N s/m] and C [N s2/m2] of the train in the wind."""
+        constant, linear, quadratic = (values[name] / MS_PER_KMH**power for power, name in enumerate(RESISTANCE))
+        # the air meets the train at v + w: C (v + w)^2
+        wind = self.wind_ms
+        return constant + quadratic * wind**2, linear + 2 * quadratic * wind, quadratic
 
     def weigh(self, unknowns: FloatArray, noise: Noise) -> None:
         """Take the covariance of errors at some unknowns."""
-        inertia, effort = self.driven(unknowns)
-        steps = self.steps
+        train, steps = self.driven(unknowns), self.steps
         if np.any(self.by_power):
+            effort = train.end_effort_n
             jump = np.abs(np.diff(effort, append=effort[-1]))
             steps = replace(steps, effort_jump_n=np.where(self.by_power, jump, steps.effort_jump_n))
-        self.noise, self.whitener = noise, Whitener(steps, inertia, noise, effort)
+        self.noise, self.whitener = noise, Whitener(steps, train, noise)
 
     def speed_residual(self, unknowns: FloatArray) -> FloatArray:
         """Return simulated less measured speed at the ends of the steps [m/s]."""
         values, errors, steps = self.values(unknowns), self.errors(unknowns), self.steps
-        constant, linear, quadratic = (values[name] / MS_PER_KMH**power for power, name in enumerate(RESISTANCE))
-        # the air meets the train at v + w: C (v + w)^2
-        wind = self.wind_ms
         line = steps.line_force_n * (values[MASS] / self.model.first[MASS])
         gain = np.where(steps.is_between_stations, 1.0, math.exp(errors[SPEED_GAIN]))
         simulated = simulated_speed(
@@ -145,9 +156,7 @@ class Problem:
             steps.begins,
             self.effort(values, errors) - line,
             steps.tunnel_factor,
-            constant + quadratic * wind**2,
-            linear + 2 * quadratic * wind,
-            quadratic,
+            *self._resistance(values),
             _inertia(values),
         )
         return gain * simulated - steps.end_speed_ms

@@ -17,7 +17,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells, train_of
@@ -29,6 +29,7 @@ from railjoule.core.simulate.odometer import Stretch, estimated_positions, stopp
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.units import N_PER_KN
 
 # Cells beyond a stop that the brakes did not reach, and how many: 10 km, more than any brake that works needs. A
 # shorter cell only refines where it stands, which is found within the last one anyway.
@@ -201,11 +202,21 @@ def _drive_leg(
     course = build_course(real, position_m=nodes)
     speed2, stand = follow_cells(course.data, target2, real.simulation.response_length_m, float(plan2[0]))
     if stand >= 0:
-        raise InfeasibleLineError(
-            f"At {nodes[stand]:.0f} m the train with its actual load comes to a stand: its effort is not enough."
-        )
+        raise InfeasibleLineError(_stand_sentence(course, stand))
     arrives = speed2[-1] <= STANDING_SPEED2 or plan2[-1] > STANDING_SPEED2
     return (nodes, speed2) if arrives else _overrun(nodes, speed2, real)
+
+
+def _stand_sentence(course: Course, node: int) -> str:
+    """Return why a train comes to a stand at a node."""
+    cell = node - 1
+    needed = course.gradient_force_n[cell] + course.curve_force_n[cell] + course.data.resistance_constant_n
+    effort = course.data.traction.constant_n * course.data.powered[cell]
+    return (
+        f"At {course.position_m[node]:.0f} m, on a gradient of {course.gradient_permille[cell]:.4g} per mille, the "
+        f"train with its actual load comes to a stand: to start there takes {needed / N_PER_KN:.1f} kN, and it pulls "
+        f"with {effort / N_PER_KN:.1f} kN at most. Use a lower disturbance.actual_load_factor or resistance_factor."
+    )
 
 
 def _leg_mesh(plan_m: FloatArray, real: Scenario, stretched: list[Stretch], start: float, end: float) -> FloatArray:

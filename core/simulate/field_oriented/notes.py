@@ -10,6 +10,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import states as column
 from railjoule.core.simulate.field_oriented.flux import FluxPlan
 from railjoule.core.simulate.field_oriented.record import Record
+from railjoule.core.simulate.field_oriented.rolling_back import ROLLED_BACK_M
 from railjoule.core.simulate.field_oriented.run import Saturation
 
 # An arrival is measured so far before the end: the last decimetre is an asymptotic approach, whose time would
@@ -24,8 +25,6 @@ NOTICEABLE_LAG_M = 0.05
 OVERSHOOT = 1.02
 # Weakening by less is rounding of the flux that the voltage allows.
 WEAKENED_FRACTION = 1 - 1e-6
-# Rolling back by less is how the last samples approach the end.
-ROLLED_BACK_M = 0.01
 # Both accounts integrate the same stages, so what they differ by is the error of the steps of time.
 ALLOWED_DIFFERENCE = 5e-4
 ACCOUNTS_DIFFER = (

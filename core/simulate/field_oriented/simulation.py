@@ -28,6 +28,7 @@ from railjoule.core.simulate.field_oriented.notes import ARRIVAL_M, accounts_not
 from railjoule.core.simulate.field_oriented.plant import Plant, Track
 from railjoule.core.simulate.field_oriented.record import Record
 from railjoule.core.simulate.field_oriented.reference import PlannedMotion, Reference, make_reference
+from railjoule.core.simulate.field_oriented.rolling_back import stranded_sentence
 from railjoule.core.simulate.field_oriented.run import FieldOrientedRun
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
@@ -145,7 +146,7 @@ def _run(
         outputs,
     )
     kept = outcome.sample_count
-    _require_arrival(scenario, machines, outcome, settings, longest_s, float(states[kept - 1, column.POSITION]))
+    _require_arrival(scenario, machines, course, outcome, settings, longest_s, states[:kept, column.POSITION])
     time: FloatArray = reference.start_s + step * settings.steps_per_sample * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[kept - 1, column.ELAPSED], time[-2] + step)
@@ -156,10 +157,11 @@ def _run(
 def _require_arrival(
     scenario: Scenario,
     machines: TractionMachines,
+    course: Course,
     outcome: Outcome,
     settings: RunSettings,
     longest_s: float,
-    position_m: float,
+    position_m: FloatArray,
 ) -> None:
     """Raise where the loop was unstable, or the train did not come to its end."""
     options = scenario.simulation
@@ -170,10 +172,12 @@ def _require_arrival(
             f"time_step_s = {settings.time_step_s:g}."
         )
     if outcome.ending == TOO_LONG:
+        stranded = stranded_sentence(scenario, machines, course, position_m)
         raise InfeasibleLineError(
-            f"after {longest_s:.0f} s the train stands or creeps at {position_m:.0f} m of {settings.end_m:.0f} m: "
-            f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines "
-            "cannot move it on."
+            stranded
+            or f"after {longest_s:.0f} s the train stands or creeps at {position_m[-1]:.0f} m of "
+            f"{settings.end_m:.0f} m: with {machines.driving_current_a:g} A and "
+            f"{machines.machine.max_phase_voltage_v:g} V its machines cannot move it on."
         )
 
 

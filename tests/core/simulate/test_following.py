@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 from builders import plain_scenario
@@ -100,8 +102,13 @@ def test_a_hill_that_the_real_load_cannot_climb():
         "timetable.travel_time_s": 300.0,
         "disturbance.actual_load_factor": 1.0,
     }
-    with pytest.raises(InfeasibleLineError, match="with its actual load comes to a stand"):
+    with pytest.raises(InfeasibleLineError, match="with its actual load comes to a stand") as refused:
         simulate_following(plain_scenario(changes))
+    # 45 N and 2 N of resistance for each kN of weight
+    full = plain_scenario(changes | {"vehicle.load_factor": 1.0}).vehicle
+    [needed, effort] = map(float, re.findall(r"([\d.]+) kN", str(refused.value)))
+    assert needed == pytest.approx(full.total_mass_kg * 9.81e-3 * (0.045 + 0.002), abs=0.06)
+    assert effort == full.traction.max_effort_kn < needed
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 Bars are those of the project's issue on the closed loop; numbers of an earlier prototype are in the findings.
 """
 
+import re
+
 import numpy as np
 import pytest
 from builders import INDUCTION, plain_scenario
@@ -269,6 +271,47 @@ def test_a_loop_that_breaks_out_ends_in_one_sentence():
 def test_a_train_that_its_machines_do_not_carry_on_is_told():
     with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines cannot move it on"):
         driven(drive__machine__max_phase_voltage_v=1.0)
+
+
+HILL = {"line.preset": None, "timetable.travel_time_s": 120.0}
+
+
+@pytest.mark.parametrize(("level_m", "current_a"), [(0.0, 185.0), (0.0, 240.0), (600.0, 195.0)])
+def test_a_train_that_its_machines_do_not_hold_on_a_gradient_rolls_back(level_m, current_a):
+    # suburban-ftorek: 45.8 t, two motors, 16.4 radians in 2 m; rated flux by 2.73 / 15.5e-3 = 176.1 A
+    flux_current, mass, factor = 2.73 / 15.5e-3, 45.8e3, 2 * 8.197802 * 1.5 * 2 * 15.5e-3**2 / 16.7e-3
+    level = [{"length_m": level_m}] if level_m else []
+    way = [*level, {"length_m": 1200.0 - level_m, "gradient_permille": 50.0}]
+    changes = HILL | {"line.sections": way, "drive.machine.max_current_a": current_a}
+    with pytest.raises(InfeasibleLineError, match=r"the train rolls back: ") as refused:
+        simulate_field_oriented(load_scenario("ftorek-300s", changes))
+    words = re.fullmatch(
+        r"At (\d+) m, on a gradient of 50 per mille, the train rolls back: to start there takes ([\d.]+) kN, and with "
+        rf"drive\.machine\.max_current_a = {current_a:g} its machines pull with ([\d.]+) kN at most\. "
+        r"Use more than (\d+) A, or a lighter train\.",
+        str(refused.value),
+    )
+    place, needed, effort, enough = map(float, words.groups())
+    assert place == 0 if level_m == 0 else 600 < place < 1200
+    # 50 N and 3.1 N of resistance for each kN of weight
+    assert 1e3 * needed == pytest.approx(mass * 9.81 * (0.05 + 0.0031), abs=60)
+    assert 1e3 * effort == pytest.approx(factor * flux_current * np.sqrt(current_a**2 - flux_current**2), abs=60)
+    # the current at which both are equal; with a little more it climbs
+    assert enough == pytest.approx(np.hypot(flux_current, 1e3 * needed / factor / flux_current), abs=1.5)
+    climbed = simulate_field_oriented(
+        load_scenario("ftorek-300s", changes | {"drive.machine.max_current_a": enough + 15})
+    )
+    assert climbed.final_error_m > -0.1
+    assert not any("rolls back" in note for note in climbed.notes)
+
+
+def test_a_train_that_no_voltage_holds_rolls_back():
+    changes = HILL | {
+        "line.sections": [{"length_m": 1200.0, "gradient_permille": 50.0}],
+        "drive.machine.max_phase_voltage_v": 1.0,
+    }
+    with pytest.raises(InfeasibleLineError, match=r"rolls back: .*with 810 A and 1 V its machines do not hold it"):
+        simulate_field_oriented(load_scenario("ftorek-300s", changes))
 
 
 def test_accounts_that_differ_are_told():
