@@ -65,7 +65,7 @@ class Noise:
 
 @dataclass(frozen=True, eq=False)
 class Driven:
-    """What moves a train in n steps, and how much of an error of its speed stays.
+    """Inertia and efforts of a train in n steps, and how much of an error of its speed stays.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noi
     steps : Steps
         The measured steps.
     train : Driven
-        What drives it.
+        Its inertia and efforts in them.
     residual_ms : array of shape (n,)
         Simulated less measured speed at their ends [m/s].
     """

@@ -118,7 +118,7 @@ class Problem:
         return np.where(self.by_power, by_power, measured)
 
     def driven(self, unknowns: FloatArray) -> Driven:
-        """Return what moves the train."""
+        """Return inertia and efforts of the train."""
         values, errors, steps = self.values(unknowns), self.errors(unknowns), self.steps
         _, linear, quadratic = self._resistance(values)
         inertia = _inertia(values)

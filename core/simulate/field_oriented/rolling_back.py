@@ -37,11 +37,11 @@ def stranded_sentence(scenario: Scenario, machines: TractionMachines, course: Co
     Parameters
     ----------
     scenario : Scenario
-        What was simulated.
+        The simulated scenario.
     machines, course : TractionMachines, Course
         Those that the train really has.
     position_m : array of shape (n,)
-        Where the train has been [m].
+        Positions of the train [m].
     """
     place = max(float(np.max(position_m)), 0.0)
     rolls_back = place - position_m[-1] > ROLLED_BACK_M
