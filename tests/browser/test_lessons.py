@@ -3,6 +3,7 @@
 import re
 import time
 
+import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -116,6 +117,7 @@ def test_all_five_by_keyboard_alone(chromium: Browser, server: Server) -> None:
         expect(told).to_have_count(1)
 
 
+@pytest.mark.nightly
 def test_by_touch_in_a_narrow_window_up_to_the_workbench(chromium: Browser, server: Server) -> None:
     context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
     try:

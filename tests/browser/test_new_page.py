@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.findings import assert_nothing_grave
@@ -34,6 +35,7 @@ def number_in(text: str) -> float:
     return float(re.match(r"[\d.]+", text).group())  # type: ignore[union-attr]
 
 
+@pytest.mark.nightly
 def test_a_page_is_a_room_and_a_name(chromium: Browser, tmp_path: Path) -> None:
     files = example()
     assert sorted(files) == ["__init__.py", "view.py"]

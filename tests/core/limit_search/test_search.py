@@ -17,7 +17,7 @@ def test_weyl_points_fill_the_square_evenly():
     assert counts.max() <= 20
 
 
-@pytest.fixture(scope="module", params=[20, 40])
+@pytest.fixture(scope="module", params=[pytest.param(20, marks=pytest.mark.nightly), 40])
 def speed(request):
     return request.param
 

@@ -21,6 +21,7 @@ def one_scenario(monkeypatch):
     monkeypatch.setattr(module, "preset_names", lambda _: ("ftorek-300s",))
 
 
+@pytest.mark.nightly
 def test_every_solver_is_timed_on_the_same_problem(one_scenario):
     pytest.importorskip("casadi", reason="CasADi is not installed, so there is no IPOPT to time")
     timings = {timing.solver: timing for timing in benchmark(budget_s=0.0)}

@@ -313,6 +313,7 @@ def test_validate_without_a_paper_shows_all(capsys):
     ]
 
 
+@pytest.mark.nightly
 def test_validate_prints_tables(capsys):
     text = answer(capsys, "validate", "ftorek")
     assert "ENOC with the printed acceleration times (Table 2, (12), (15))" in text

@@ -64,6 +64,7 @@ run_study(kept, progress=lambda done: print(done, flush=True))
 """
 
 
+@pytest.mark.nightly
 def test_a_killed_process_loses_nothing_that_it_told_of(tmp_path):
     rows, path = 6_000, tmp_path / "a.runs"
     command = [sys.executable, "-c", KILLED, path, str(rows)]

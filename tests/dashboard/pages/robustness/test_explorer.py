@@ -129,6 +129,7 @@ assert "holoviews" not in sys.modules, "loaded too early"
 """
 
 
+@pytest.mark.nightly
 def test_no_page_loads_holoviews_before_it_is_asked_for() -> None:
     found = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=False)
     assert found.returncode == 0, found.stderr[-2000:]
