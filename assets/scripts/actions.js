@@ -14,7 +14,7 @@ const lines_of = (card) => [...card.querySelectorAll("li:has(> b), .way")].map((
   return number ? `${number}. ${item.textContent.trim().slice(number.length)}` : item.textContent;
 });
 const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
-// a heading and a table beneath it, as the card has them beside its lines
+// a heading and a table below it, as the card has them beside its lines
 const sheet_part = ([title, rows]) => [make("h2", {}, title),
   make("table", {}, ...rows.map((cells) => make("tr", {}, ...cells.map((text) => make("td", {}, text)))))];
 // with so many lines the sheet is to stay one page: some 900 px are left of A4 beside margins and headings

@@ -4,7 +4,7 @@ import asyncio
 import io
 import re
 import zipfile
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Iterator, Sequence
 from typing import Any
 
 import panel as pn
@@ -58,16 +58,33 @@ class SavedNumbers:
         # as an argument it makes Panel warn
         self.button.variant = "text"
 
+    def follow(self) -> None:
+        """Show the button while a figure is in sight."""
+        self.button.visible = bool(self._charts_in_sight())
+
+    def _charts_in_sight(self) -> list[Chart]:
+        shown = set(map(id, in_sight(self._content)))
+        return [chart for chart in self._charts() if id(chart.host) in shown]
+
     async def _file(self) -> io.BytesIO:
         await self._draw()
         figures = [
             (chart.caption or chart.title or chart.name, *series(chart))
-            for chart in self._charts()
-            if chart.is_drawn and chart.host.visible
+            for chart in self._charts_in_sight()
+            if chart.is_drawn
         ]
-        texts = [str(pane.object) for pane in self._content.select(pn.pane.HTML) if pane.visible and pane.object]
+        panes = (part for part in in_sight(self._content) if isinstance(part, pn.pane.HTML))
+        texts = [str(pane.object) for pane in panes if pane.object]
         self.button.filename = f"{slug(self._title()) or 'scenario'}-{slug(self._page)}.zip"
         return await asyncio.to_thread(archive, figures, texts)
+
+
+def in_sight(part: Viewable) -> Iterator[Viewable]:
+    """Yield a part of a page and all within it, without what is hidden: it may be of a former scenario."""
+    if part.visible:
+        yield part
+        for inner in getattr(part, "objects", ()):
+            yield from in_sight(inner)
 
 
 def archive(figures: Sequence[tuple[str, Any, Any]], texts: Sequence[str]) -> io.BytesIO:

@@ -76,9 +76,7 @@ class PageView:
             lambda: state.scenario.edited.title,
             self.queue.draw_waiting,
         )
-        # after `make`, in which the page names its charts
-        buttons = [self.numbers.button] if self.charts else []
-        self.view = parts.stack(self._error, content, *buttons, css=PAGE_CSS)
+        self.view = parts.stack(self._error, content, self.numbers.button, css=PAGE_CSS)
         # after `make`, in which the page names its parts
         self._watch_sources()
         self.queue.take(self.charts)
@@ -180,6 +178,7 @@ class PageView:
                 part.due = False
                 self._run(part)
         self.settle()
+        self.numbers.follow()
         self._error.visible = any(part.failed for part in self._parts)
         if self._error.visible:
             self._error.object = markup('<div class="message" role="alert">{}</div>', NOT_SHOWN)

@@ -1,12 +1,12 @@
 """The work behind the button Report: what is asked for, and where the file goes."""
 
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 from railjoule.dashboard.report.model import ReportingModel
@@ -14,8 +14,6 @@ from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.recipes import Recipe, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 
-# characters of the title in the name of the file
-LONGEST_NAME = 60
 FINDINGS_SHARE = 0.9
 """How much of the work is done once all is found; the rest is writing it down."""
 
@@ -39,8 +37,7 @@ def draft_report(request: ReportRequest) -> Iterator[Draft]:
 
 def file_name(title: str) -> str:
     """Return what a report of a scenario is called: letters and digits of its title, and a hyphen between words."""
-    words = "-".join(re.findall(r"[a-z0-9]+", title.lower()))[:LONGEST_NAME].strip("-")
-    return f"railjoule-{words}.html" if words else "railjoule-report.html"
+    return f"railjoule-{slug(title) or 'report'}.html"
 
 
 def _note(recipe: Recipe) -> str:

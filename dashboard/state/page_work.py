@@ -127,7 +127,7 @@ class PageWork(Generic[Model]):
         self._asked.clear()
 
     def rest(self) -> None:
-        """Stop studies that nobody sees, which take turns from the page in sight; they begin again with theirs."""
+        """Stop the studies of a page out of sight, as they delay the page in sight; its return begins them again."""
         if any(study.busy for study in self._studies):
             self.end()
             self.forget()

@@ -32,7 +32,7 @@ class OfferedFile:
 
 
 class Offered:
-    """The files that wait; nobody can guess the token of another one's."""
+    """The files that wait, each under a random token."""
 
     def __init__(self) -> None:
         self._files: dict[str, OfferedFile] = {}

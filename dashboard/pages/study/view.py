@@ -228,8 +228,8 @@ class StudyView(PageView):
         self.status.object = status_html(progress, former) if there else ""
         title = (self.state.scenario.edited if model.study is None else model.study.scenario).title
         count = 0 if model.study is None else len(model.study.fields)
-        told = f"{count} {'field' if count == 1 else 'fields'} varied at once" if there else ""
-        self.heading.object = parts.heading(self.page, title, told, "")
+        varied = f"{count} {'field' if count == 1 else 'fields'} varied at once" if there else ""
+        self.heading.object = parts.heading(self.page, title, varied, "")
 
     def _show_columns(self) -> None:
         """Offer the columns of the study that is shown."""

@@ -1,9 +1,16 @@
 """The file with the numbers of a page."""
 
+import asyncio
 import zipfile
 
+import pytest
+
+from railjoule.dashboard.app import VIEWS, Session
 from railjoule.dashboard.charts.download import archive
 from railjoule.dashboard.parts import html as parts
+
+# Panel warns once of how panel-material-ui calls it
+pytestmark = pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
 
 
 def test_each_figure_table_and_drawing_has_a_file_of_its_own() -> None:
@@ -19,3 +26,27 @@ def test_each_figure_table_and_drawing_has_a_file_of_its_own() -> None:
         "energy-kwh.svg": drawing,
         "runs-2.csv": "\n",
     }
+
+
+def open_view(session, page):
+    session.state.page = page
+    return session.views[VIEWS[page].__name__]
+
+
+def test_pages_without_a_figure_in_sight_have_no_button() -> None:
+    session = Session()
+    session.state.scenario.choose("liashenko-ii")
+    shown = {page for page in VIEWS if open_view(session, page).numbers.button.visible}
+    assert shown == VIEWS.keys() - {"Start", "Motor", "Line", "Study", "Measured runs", "Import", "Help"}
+
+
+def test_hidden_numbers_of_a_former_scenario_are_not_saved() -> None:
+    session = Session()
+    session.state.scenario.choose("metro-10-stations")
+    line = open_view(session, "Line")
+    with zipfile.ZipFile(asyncio.run(line.numbers._file())) as packed:
+        assert len(packed.namelist()) > 5
+    session.state.scenario.choose("liashenko-ii")
+    assert not line.full.visible
+    with zipfile.ZipFile(asyncio.run(line.numbers._file())) as packed:
+        assert packed.namelist() == []
