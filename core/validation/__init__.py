@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 
+from railjoule.core.validation.claim import Claim
 from railjoule.core.validation.ftorek import ftorek_comparison, validate_ftorek
 from railjoule.core.validation.liashenko import liashenko_comparison, validate_liashenko
 from railjoule.core.validation.rawicki import rawicki_comparison, validate_rawicki
@@ -27,6 +28,7 @@ COMPARISONS: dict[str, Callable[[], Comparison]] = {
 __all__ = [
     "COMPARISONS",
     "PAPERS",
+    "Claim",
     "Comparison",
     "Erratum",
     "Row",

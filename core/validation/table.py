@@ -1,7 +1,10 @@
 """Printed numbers beside ours: the types that the validation of every paper returns."""
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from railjoule.core.validation.claim import Claim
+from railjoule.core.validation.figure import PaperFigure
 
 # printed numbers have three digits, and papers round their inputs as well: below a per cent a difference tells nothing
 CLOSE_PERCENT = 1.0
@@ -135,12 +138,14 @@ class Validation:
         Authors, title, journal and year.
     tables : tuple of Table
     errata : tuple of Erratum
+    claims : tuple of Claim
     """
 
     paper: str
     citation: str
     tables: tuple[Table, ...]
     errata: tuple[Erratum, ...]
+    claims: tuple[Claim, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -153,23 +158,36 @@ class Comparison:
         As in `Validation`.
     tables : tuple of callable
         What computes each table.
+    claims : tuple of callable
+        The examination of each claim.
+    figures : tuple of PaperFigure
+        The printed figures that can be rebuilt.
     """
 
     paper: str
     citation: str
     tables: tuple[Callable[[], Table], ...]
     errata: tuple[Erratum, ...]
+    claims: tuple[Callable[[], Claim], ...] = ()
+    figures: tuple[PaperFigure, ...] = ()
+
+    @property
+    def step_count(self) -> int:
+        """Number of tables and claims."""
+        return len(self.tables) + len(self.claims)
 
     def steps(self) -> Iterator[Validation]:
-        """Yield the comparison with more tables each time, at first with none."""
-        # one by one, so that whoever waits sees each table as soon as it is there
-        done: tuple[Table, ...] = ()
-        yield Validation(self.paper, self.citation, done, self.errata)
+        """Yield the comparison with one more table or claim each time, at first with none."""
+        done = Validation(self.paper, self.citation, (), self.errata)
+        yield done
         for compute in self.tables:
-            done = (*done, compute())
-            yield Validation(self.paper, self.citation, done, self.errata)
+            done = replace(done, tables=(*done.tables, compute()))
+            yield done
+        for examine in self.claims:
+            done = replace(done, claims=(*done.claims, examine()))
+            yield done
 
     def validation(self) -> Validation:
-        """Return the comparison with all its tables."""
+        """Return the comparison with all its tables and claims."""
         *_, last = self.steps()
         return last

@@ -1,0 +1,1 @@
+"""Claims of the four papers, each examined by runs."""

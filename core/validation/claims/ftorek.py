@@ -1,0 +1,6 @@
+"""Claims of Ftorek 2025, examined."""
+
+from railjoule.core.validation.claim import Examinations
+
+EXAMINATIONS: Examinations = {}
+"""The examination of each claim, by its name in the paper's file."""

@@ -1,0 +1,1 @@
+"""Printed figures of the four papers, rebuilt from runs."""
