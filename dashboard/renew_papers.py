@@ -21,9 +21,13 @@ def as_kept(table: Table) -> dict[str, Any]:
 
 def computed_papers() -> dict[str, Any]:
     """Compute all papers, and return what the file holds."""
-    papers = {
-        name: [as_kept(table) for table in compare().validation().tables] for name, compare in COMPARISONS.items()
-    }
+    papers = {}
+    for name, compare in COMPARISONS.items():
+        validation = compare().validation()
+        papers[name] = {
+            "tables": [as_kept(table) for table in validation.tables],
+            "claims": [asdict(claim) for claim in validation.claims],
+        }
     return {"inputs": input_hash(), "papers": papers}
 
 

@@ -271,7 +271,7 @@ def benchmark(output: Output) -> None:
 
 
 def validate(paper: str | None, output: Output) -> None:
-    """Show the printed numbers of one or all papers beside ours.
+    """Show the printed numbers and claims of one or all papers beside ours.
 
     Raises
     ------
@@ -283,8 +283,8 @@ def validate(paper: str | None, output: Output) -> None:
     if paper is not None and paper not in PAPERS:
         raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
     chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
-    papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
-    output.show({"papers": papers}, terminal.validations_text)
+    validations = [compute() for compute in chosen.values()]
+    output.show(summary.summarise_validations(validations), terminal.validations_text)
 
 
 def compile_kernels() -> None:

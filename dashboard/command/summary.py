@@ -162,14 +162,42 @@ def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
     }
 
 
-def summarise_validation(validation: "Validation") -> Summary:
-    """Return a paper's printed numbers beside ours as plain values."""
+def summarise_validations(validations: "Sequence[Validation]") -> Summary:
+    """Return the papers' printed numbers and claims beside ours as plain values, by the name of the paper.
+
+    The rows have one entry for each printed number: the first comparison, with the others as alternatives. A reference
+    that no paper prints, such as the energy of another solver, is no printed number and stands separately.
+    """
+    return {"papers": {validation.paper: _validation(validation) for validation in validations}}
+
+
+def _validation(validation: "Validation") -> Summary:
     return {
-        "paper": validation.paper,
         "citation": validation.citation,
+        "rows": _rows(validation.tables),
+        "claims": [asdict(claim) for claim in validation.claims],
         "tables": [_table(table) for table in validation.tables],
         "errata": [asdict(erratum) for erratum in validation.errata],
     }
+
+
+def _rows(tables: "Sequence[Table]") -> list[Summary]:
+    rows: list[Summary] = []
+    by_source: dict[str, Summary] = {}
+    pairs = ((table, row) for table in tables for row in table.rows)
+    for table, row in pairs:
+        first = by_source.get(row.source) if row.source else None
+        if first is not None:
+            again = {"table": table.title, "ours": row.ours, "difference_percent": row.difference_percent}
+            first["alternatives"].append({**again, "difference_points": row.difference_points, "note": row.note})
+            continue
+        entry = {"table": table.title, "place": table.place, **_row(row), "independent": None, "alternatives": []}
+        if row.source:
+            by_source[row.source] = entry
+        else:
+            entry |= {"printed": None, "independent": row.printed}
+        rows.append(entry)
+    return rows
 
 
 def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:

@@ -219,16 +219,20 @@ def _two_runs(runs: dict[str, Summary]) -> list[str]:
 
 def validations_text(validations: Summary) -> str:
     """Return all papers' published numbers compared with ours."""
-    return "\n\n".join(validation_text(validation) for validation in validations["papers"])
+    return "\n\n".join(validation_text(validation) for validation in validations["papers"].values())
 
 
 def validation_text(validation: Summary) -> str:
-    """Return a paper's published numbers compared with ours, with the reasons for differences as footnotes."""
+    """Return a paper's published numbers and claims compared with ours, with the reasons as footnotes."""
     lines = wrapped(validation["citation"])
     for table in validation["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
         lines += ["", f"{table['title']}{place}"]
         lines += _validation_table(table)
+    lines += ["", "Claims"]
+    for claim in validation["claims"]:
+        lines += wrapped(f"{claim['place']}: {claim['claim']}", "  ")
+        lines += wrapped(f"{claim['verdict']}: {claim['ours']}. {claim['reason']}", "    ")
     lines += ["", "Errata"]
     for erratum in validation["errata"]:
         told = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."

@@ -64,7 +64,7 @@ def test_numbers_are_those_that_validate_prints():
     for paper, case, quantity, unit, printed, ours in rows:
         candidates = [
             row
-            for table in COMPUTED[paper.lower()]
+            for table in COMPUTED[paper.lower()]["tables"]
             for row in table["rows"]
             if (row["case"], row["quantity"], row["unit"]) == (case, quantity, unit)
         ]

@@ -170,14 +170,19 @@ def _told(field: FieldInfo) -> str:
 
 
 def papers() -> str:
-    """Return all printed numbers of the papers beside ours, as `railjoule validate` prints them, as Markdown."""
+    """Return all claims and printed numbers of the papers beside ours, as `railjoule validate` prints them, as Markdown."""
     kept = json.loads(files("railjoule.assets").joinpath("papers", "computed.json").read_text(encoding="utf-8"))
-    return "\n".join(line for name, tables in kept["papers"].items() for line in _paper(name, tables))
+    return "\n".join(line for name, paper in kept["papers"].items() for line in _paper(name, paper))
 
 
-def _paper(name: str, tables: list[dict[str, Any]]) -> Iterator[str]:
+def _paper(name: str, paper: dict[str, Any]) -> Iterator[str]:
     yield f"## {name.capitalize()}\n"
-    for table in tables:
+    yield "### Claims\n"
+    yield "| place | claim | railjoule | verdict | reason |\n| --- | --- | --- | --- | --- |"
+    for claim in paper["claims"]:
+        yield "| " + " | ".join(_cell(claim[key]) for key in ("place", "claim", "ours", "verdict", "reason")) + " |"
+    yield ""
+    for table in paper["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
         yield f"### {table['title']}{place}\n"
         yield f"| case | quantity | unit | {table['reference']} | ours |\n| --- | --- | --- | --- | --- |"

@@ -1,4 +1,4 @@
-"""The papers' printed numbers beside ours, table by table: computed now, or as they were computed for this release.
+"""The papers' printed numbers and claims beside ours: computed now, or as they were computed for this release.
 
 They depend only on the core and the assets and take half a minute, so they are shipped;
 `python -m railjoule.dashboard.renew_papers` renews the file after a change of either.
@@ -15,7 +15,8 @@ from typing import Any
 
 import railjoule.core
 from railjoule.core.kernel_cache import source_hash
-from railjoule.core.validation import COMPARISONS, Row, Table, Validation
+from railjoule.core.validation import COMPARISONS, Claim, Row, Table, Validation
+from railjoule.core.validation.figure import FigureData
 
 SHIPPED = ("papers", "computed.json")
 ASSETS = ("vehicles", "lines", "scenarios", "papers")
@@ -31,19 +32,24 @@ class PaperTables:
     name : str
         The paper's, as on the command line.
     validation : Validation
-        With the tables that are done.
-    table_count : int
-        How many there will be.
+        With the tables and claims that are done.
+    step_count : int
+        Number of tables and claims in all.
     """
 
     name: str
     validation: Validation
-    table_count: int
+    step_count: int
+
+    @property
+    def done_count(self) -> int:
+        """Number of tables and claims that are done."""
+        return len(self.validation.tables) + len(self.validation.claims)
 
     @property
     def complete(self) -> bool:
-        """Whether all tables are there."""
-        return len(self.validation.tables) == self.table_count
+        """Whether all tables and claims are there."""
+        return self.done_count == self.step_count
 
 
 def compute_papers(names: tuple[str, ...]) -> Iterator[dict[str, PaperTables]]:
@@ -52,8 +58,16 @@ def compute_papers(names: tuple[str, ...]) -> Iterator[dict[str, PaperTables]]:
     for name in names:
         comparison = COMPARISONS[name]()
         for step in comparison.steps():
-            done = {**done, name: PaperTables(name, step, len(comparison.tables))}
+            done = {**done, name: PaperTables(name, step, comparison.step_count)}
             yield done
+
+
+def compute_figures(name: str) -> Iterator[tuple[FigureData, ...]]:
+    """Yield the rebuilt figures of a paper, one more each time."""
+    done: tuple[FigureData, ...] = ()
+    for printed in COMPARISONS[name]().figures:
+        done = (*done, printed.compute())
+        yield done
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +90,7 @@ class ShippedTables:
 def shipped_tables() -> ShippedTables:
     """Return the comparisons of the file that is shipped."""
     kept = json.loads(files("railjoule.assets").joinpath(*SHIPPED).read_text(encoding="utf-8"))
-    papers = {name: _paper(name, tables) for name, tables in kept["papers"].items() if name in COMPARISONS}
+    papers = {name: _paper(name, paper) for name, paper in kept["papers"].items() if name in COMPARISONS}
     return ShippedTables(papers, kept["inputs"] == input_hash())
 
 
@@ -91,10 +105,12 @@ def input_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def _paper(name: str, tables: list[dict[str, Any]]) -> PaperTables:
+def _paper(name: str, kept: dict[str, Any]) -> PaperTables:
     comparison = COMPARISONS[name]()
-    made = tuple(
+    tables = tuple(
         Table(table["title"], tuple(Row(**row) for row in table["rows"]), table["place"], table["reference"])
-        for table in tables
+        for table in kept["tables"]
     )
-    return PaperTables(name, Validation(name, comparison.citation, made, comparison.errata), len(made))
+    claims = tuple(Claim(**claim) for claim in kept["claims"])
+    validation = Validation(name, comparison.citation, tables, comparison.errata, claims)
+    return PaperTables(name, validation, len(tables) + len(claims))

@@ -13,4 +13,7 @@ class PapersModel(PageModel):
     under_way = param.Dict(default={}, doc="Tables of the comparisons that are being computed.")
     asked = param.List(default=[], doc="The papers that are being compared, in their order.")
     compare = param.List(default=[], doc="Set to names of papers to compare them.")
+    figures = param.Dict(default={}, doc="The computed figures of each paper, in their order.")
+    drawing = param.String(default="", doc="The paper whose figures are being computed.")
+    draw = param.String(default="", doc="Set to the name of a paper to compute its figures.")
     stop = param.Event(doc="Stop; what is done stands.")

@@ -1,6 +1,6 @@
 """Papers: what the four papers print beside what this version computes."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from functools import partial
 from io import StringIO
 from typing import Any
@@ -11,21 +11,21 @@ from bokeh.plotting import figure as Figure  # noqa: N812  (parts have figures t
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
-from railjoule.core.csv_text import csv_of_rows
-from railjoule.core.validation import COMPARISONS, Erratum, Row, Table, first_comparisons
+from railjoule.core.validation import COMPARISONS
 from railjoule.core.validation.papers import citation, printed_numbers
-from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.figures import FinishedChart
-from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.papers.compute import PaperTables
 from railjoule.dashboard.pages.papers.names import AUTHORS
+from railjoule.dashboard.pages.papers.printed_figures import PrintedFigures
+from railjoule.dashboard.pages.papers.tables import figure_cells, paper_html, tables_csv
 from railjoule.dashboard.pages.papers.work import Papers
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.worker import Worker
 
 FILES = {
@@ -35,26 +35,14 @@ FILES = {
     "shtompel": "shtompel-2025",
 }
 """What holds the printed numbers of each paper."""
-SAME_PERCENT, MUCH_PERCENT = 0.05, 10.0
-"""Differences below the first are none, beyond the second much: in percent, of percentages in percentage points."""
-COLUMNS = (
-    "table",
-    "place",
-    "case",
-    "quantity",
-    "unit",
-    "printed",
-    "ours",
-    "difference_percent",
-    "difference_points",
-    "note",
-)
 PAPER_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 20px 14px; } " + (
     "@media (max-width: 899px) { :host { padding: 10px 14px; } }"
 )
 TABLE_CSS = """
 .tables { max-width: 1180px; }
 .scroll { overflow-x: auto; }
+.claims td, .claims th { text-align: left; white-space: normal; vertical-align: top; min-width: 90px; }
+.claims td:nth-child(2), .claims td:nth-child(5) { min-width: 220px; }
 td:nth-child(2), th:nth-child(2) { text-align: left; }
 td:nth-child(1), td:nth-child(2) { white-space: normal; min-width: 82px; }
 td:nth-child(6), th:nth-child(6) { text-align: left; padding-left: 14px; }
@@ -70,7 +58,7 @@ HEIGHTS = {"differences": (330, 420, 320)}
 CAPTION = "Ours less printed, in % of the printed number; percentages in percentage points, %"
 COMPUTED = "Computed with the code, vehicles, lines and scenarios of this version."
 COMPUTED_BEFORE = (
-    "Computed before the last change of code, vehicles, lines or scenarios; it is being computed again, table by table."
+    "Computed before the last change of code, vehicles, lines or scenarios; it is being computed again, step by step."
 )
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
@@ -103,7 +91,10 @@ class PapersView(PageView):
             on_click=lambda _: self._ask(tuple(COMPARISONS)),
             **SMALL,
         )
-        self.sections = {name: PaperSection(name, partial(self._ask, (name,))) for name in COMPARISONS}
+        self.sections = {
+            name: PaperSection(self.state, name, partial(self._ask, (name,)), partial(self._draw, name))
+            for name in COMPARISONS
+        }
         heading = parts.html_pane(
             parts.heading(self.page, "Four papers", "and what this version computes beside their numbers", "")
         )
@@ -120,6 +111,7 @@ class PapersView(PageView):
         self.origin = parts.html_pane()
         bar = parts.stack(self.origin, self.all, self.busy, styles={"padding": "0 20px 8px"})
         self.shows(self._show, (self.model, ["results", "under_way", "is_current", "asked", "failure"]))
+        self.shows(self._show_figures, (self.model, ["figures", "drawing"]))
         self.shows(self._show_differences, (self.model, ["results", "asked"]))
         chart = parts.stack(self.differences.host, css=CHART_CSS)
         sections = (section.view for section in self.sections.values())
@@ -147,6 +139,13 @@ class PapersView(PageView):
         for name, section in self.sections.items():
             section.show(model.results.get(name), busy)
 
+    def _draw(self, name: str) -> None:
+        self.model.draw = name
+
+    def _show_figures(self) -> None:
+        for name, section in self.sections.items():
+            section.figures.show(self.model.figures.get(name, ()), self.model.drawing)
+
     def _show_differences(self) -> None:
         """Draw what is compared anew, but not after each table; and follow the theme."""
         papers = tuple(self.model.results.values())
@@ -167,21 +166,17 @@ class PapersView(PageView):
     def _tell_progress(self) -> None:
         asked = self.model.asked
         now = [self.model.under_way[name] for name in asked if name in self.model.under_way]
-        share = sum(len(paper.validation.tables) / paper.table_count for paper in now) / len(asked)
+        share = sum(paper.done_count / paper.step_count for paper in now) / len(asked)
         self.progress.value = int(100 * share)
         last = next((paper for paper in now if not paper.complete), None)
-        text = (
-            ""
-            if last is None
-            else f"{AUTHORS[last.name]}: table {len(last.validation.tables) + 1} of {last.table_count}"
-        )
+        text = "" if last is None else f"{AUTHORS[last.name]}: step {last.done_count + 1} of {last.step_count}"
         self.progress_words.object = parts.markup('<p role="status" class="muted small">{}</p>', text)
 
 
 class PaperSection:
-    """One paper: what it is, a button, its tables."""
+    """One paper: its citation, a button, its claims, tables and figures."""
 
-    def __init__(self, name: str, ask: Callable[..., None]) -> None:
+    def __init__(self, state: Workbench, name: str, ask: Callable[..., None], draw: Callable[[], None]) -> None:
         self.name = name
         self._paper: PaperTables | None = None
         self.button = pmui.Button(label=f"Compute {AUTHORS[name]} again", variant="outlined", on_click=ask, **SMALL)
@@ -198,7 +193,10 @@ class PaperSection:
         title = markup('<h2>{}</h2><p class="citation small">{}</p>', AUTHORS[name], cited)
         self.tables = parts.html_pane(stylesheets=styles)
         tools = pn.FlexBox(self.button, self.download, margin=0)
-        self.view = parts.stack(parts.html_pane(title, stylesheets=styles), tools, self.tables, css=PAPER_CSS)
+        self.figures = PrintedFigures(state, name, COMPARISONS[name]().figures, draw)
+        self.view = parts.stack(
+            parts.html_pane(title, stylesheets=styles), tools, self.tables, self.figures.view, css=PAPER_CSS
+        )
 
     def show(self, paper: PaperTables | None, busy: bool) -> None:
         """Show the tables that are done."""
@@ -212,118 +210,3 @@ class PaperSection:
     def _csv(self) -> StringIO:
         tables = self._paper.validation.tables if self._paper is not None else ()
         return StringIO(tables_csv(tables))
-
-
-def tables_csv(tables: tuple[Table, ...]) -> str:
-    """Return all rows of tables as CSV."""
-    rows: list[tuple[object, ...]] = [COLUMNS]
-    for table in tables:
-        for row in table.rows:
-            cells = (row.case, row.quantity, row.unit, row.printed, row.ours)
-            differences = row.difference_percent, row.difference_points
-            rows.append((table.title, table.place, *cells, *differences, row.note))
-    return csv_of_rows(rows)
-
-
-def paper_html(paper: PaperTables) -> Markup:
-    """Return the tables of a paper that are done, and what must be corrected in it."""
-    tables = joined(table_html(table, number == 0) for number, table in enumerate(paper.validation.tables))
-    left = paper.table_count - len(paper.validation.tables)
-    rest = parts.note_paragraphs([f"{left} more to compute."]) if left else errata_html(paper.validation.errata)
-    return markup('<div class="tables">{}{}</div>', tables, rest)
-
-
-def table_html(table: Table, opened: bool) -> Markup:
-    """Return one table, with the reasons of its differences beneath it."""
-    notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
-    rows = [(row_cells(row, notes), False) for row in table.rows]
-    header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
-    listed = joined(markup("<li>{}</li>", note) for note in notes)
-    return markup(
-        '<details{open}><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
-        'role="region" aria-label="{title}">{body}</div>{reasons}</details>',
-        open=" open" if opened else "",
-        title=table.title,
-        place=f", {table.place}" if table.place else "",
-        summary=summary_words(table),
-        body=parts.table("", header, rows, table.title),
-        reasons=markup("<ol>{}</ol>", listed) if notes else "",
-    )
-
-
-def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
-    """Return the cells of a row; a difference that is not close in warm."""
-    difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
-    if difference and not row.is_close:
-        difference = parts.markup('<span class="open">{}</span>', difference)
-    unit = f" [{row.unit}]" if row.unit else ""
-    mark = f"({notes.index(row.note) + 1})" if row.note else ""
-    return (
-        row.case,
-        f"{row.quantity}{unit}",
-        "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
-        words.number(row.ours, words.decimals(row.printed) + 1),
-        difference,
-        difference_words(row),
-        mark,
-    )
-
-
-def difference_words(row: Row) -> str:
-    """Return a difference in words."""
-    difference = row.difference
-    if row.printed is None:
-        return "none printed"
-    if difference is None:
-        return "printed as zero"
-    if abs(difference) < SAME_PERCENT:
-        return "the same"
-    side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
-    if row.ours * row.printed < 0:
-        return "opposite sign"
-    size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
-    return f"{size} {side}".strip()
-
-
-def summary_words(table: Table) -> str:
-    """Return how many rows lie how close to the print, and by which measure."""
-    compared = [row for row in table.rows if row.difference is not None]
-    if not compared:
-        return f"{len(table.rows)} rows, nothing to compare with"
-    percentages = sum(row.is_percentage for row in compared)
-    within = f"{CLOSE_PERCENT:g} percentage point" if percentages == len(compared) else f"{CLOSE_PERCENT:g} %"
-    if 0 < percentages < len(compared):
-        within += f", percentages within {CLOSE_PERCENT:g} percentage point"
-    close = [row for row in compared if row.is_close]
-    others = [row for row in compared if not row.is_close]
-    because = ", the others for the reasons given" if close else ", for the reasons given"
-    because = because if others and all(row.note for row in others) else ""
-    if not close:
-        return f"{len(others)} differ by more than {within}{because}"
-    return f"{len(close)} of {len(compared)} within {within}{because}"
-
-
-def figure_cells(papers: Iterable[PaperTables]) -> list[str]:
-    """Return how many printed numbers of all papers agree with railjoule, and how many rows have none."""
-    tables = [paper.validation.tables for paper in papers]
-    compared = [row for each in tables for row in first_comparisons(each)]
-    others = sum(not row.source for each in tables for table in each for row in table.rows)
-    close = sum(row.is_close for row in compared)
-    told = sum(not row.is_close and bool(row.note) for row in compared)
-    counted = f"of {len(compared)} printed numbers, each counted once"
-    return [
-        parts.figure("Numbers that agree", words.number(close, 0), "", counted, "main"),
-        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason is below the table"),
-        parts.figure("Differ, unexplained", words.number(len(compared) - close - told, 0), "", ""),
-        parts.figure("Rows without a printed number", words.number(others, 0), "", "not counted"),
-    ]
-
-
-def errata_html(errata: tuple[Erratum, ...]) -> Markup:
-    """Return what must be corrected in a paper."""
-    if not errata:
-        return Markup()
-    template = "<li>{}: printed {}, corrected: {}. {}</li>"
-    items = joined(markup(template, each.place, each.printed, each.corrected, each.reason) for each in errata)
-    template = "<details><summary>Corrections <span>{}</span></summary><ol>{}</ol></details>"
-    return markup(template, len(errata), items)

@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from railjoule.core.validation import COMPARISONS
-from railjoule.dashboard.pages.papers.compute import PaperTables, compute_papers, shipped_tables
+from railjoule.core.validation.figure import FigureData
+from railjoule.dashboard.pages.papers.compute import PaperTables, compute_figures, compute_papers, shipped_tables
 from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.workbench import Workbench
@@ -14,13 +15,15 @@ class Papers(PageWork[PapersModel]):
     """Shows what is shipped; compares papers when it is asked to or the code is another, and stops when it is told."""
 
     page = "Papers"
-    at_rest: ClassVar[Mapping[str, Any]] = {"asked": []}
+    at_rest: ClassVar[Mapping[str, Any]] = {"asked": [], "drawing": ""}
 
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state.papers)
         self._begun, self._computed = False, set[str]()
         self.papers = self.study(compute_papers, self._take)
+        self.figures = self.study(compute_figures, self._take_figures)
         self.model.param.watch(self._ask, "compare")
+        self.model.param.watch(self._draw, "draw")
         self.model.param.watch(self._stop, "stop")
         state.param.watch(self._begin, "page")
         self._begin()
@@ -40,6 +43,17 @@ class Papers(PageWork[PapersModel]):
         if event.new:
             self.model.param.update(asked=event.new, compare=[], failure=None)
             self.papers.ask(tuple(event.new))
+
+    def _draw(self, event: Any) -> None:
+        if event.new:
+            self.model.param.update(drawing=event.new, draw="", failure=None)
+            self.figures.ask(event.new)
+
+    def _take_figures(self, done: tuple[FigureData, ...], last: bool) -> None:
+        name = self.model.drawing
+        self.model.figures = {**self.model.figures, name: done}
+        if last:
+            self.model.drawing = ""
 
     def _stop(self, *_: Any) -> None:
         self.papers.stop()

@@ -74,7 +74,7 @@ def test_a_paper_stands_until_it_is_whole_again(state: Workbench) -> None:
     state.papers.compare = ["ftorek"]
     assert set(counts) <= {1, 2}
     assert len(state.papers.under_way["ftorek"].validation.tables) == 2
-    assert state.papers.results["ftorek"].table_count == 2
+    assert state.papers.results["ftorek"].step_count == 2
 
 
 def test_a_stopped_paper_takes_nothing_more(state: Workbench) -> None:

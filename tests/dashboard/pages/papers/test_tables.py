@@ -5,7 +5,7 @@ import pytest
 
 from railjoule.core.validation import Erratum, Row, Table, Validation
 from railjoule.dashboard.pages.papers.compute import PaperTables
-from railjoule.dashboard.pages.papers.view import (
+from railjoule.dashboard.pages.papers.tables import (
     difference_words,
     errata_html,
     figure_cells,
@@ -42,7 +42,7 @@ def test_differences_in_words(printed: float | None, ours: float, sentence: str)
 
 
 def test_a_table_says_how_close_it_is_and_escapes_its_texts() -> None:
-    text = table_html(TABLE, opened=True)
+    text = table_html(TABLE)
     assert "1 of 2 within 1 %" in text
     assert '<span class="open">+3.0 %</span>' in text
     assert "Energies &amp; &lt;times&gt;" in text
@@ -60,7 +60,7 @@ PERCENTAGES = (Row("d", "more", "%", 0.1, 2.2), Row("e", "more", "%", 0.0, 0.4))
 
 
 def test_percentages_are_told_by_points() -> None:
-    text = table_html(Table("Overconsumption", PERCENTAGES), opened=True)
+    text = table_html(Table("Overconsumption", PERCENTAGES))
     assert '<span class="open">+2.1 pp</span>' in text
     assert "+0.40 pp" in text
     assert "1 of 2 within 1 percentage point<" in text
@@ -82,7 +82,7 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
     close, differs = Row("a", "W", "Wh", 2.0, 2.0, source="a"), Row("b", "W", "Wh", 2.0, 3.0, "Because.", "b")
     again = Row("a", "W by parts", "Wh", 2.0, 3.0, "Because.", "a")
     tables = (Table("One", (close, differs)), Table("Two", (again, Row("c", "W", "Wh", 2.0, 2.0))))
-    agree, told, unexplained, others = figure_cells([PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)])
+    _, agree, told, unexplained, others = figure_cells([PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)])
     assert ">1<" in agree
     assert "of 2 printed numbers" in agree
     assert ">1<" in told

@@ -1,0 +1,181 @@
+"""Claims, tables and corrections of a paper as HTML and CSV."""
+
+from collections import Counter
+from collections.abc import Collection, Iterable
+
+from railjoule.core.csv_text import csv_of_rows
+from railjoule.core.validation import Claim, Erratum, Row, Table, first_comparisons
+from railjoule.core.validation.claim import Verdict
+from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.pages.papers.compute import PaperTables
+from railjoule.dashboard.parts import html as parts
+
+SAME_PERCENT, MUCH_PERCENT = 0.05, 10.0
+"""Differences below the first are none, beyond the second much: in percent, of percentages in percentage points."""
+COLUMNS = (
+    "table",
+    "place",
+    "case",
+    "quantity",
+    "unit",
+    "printed",
+    "ours",
+    "difference_percent",
+    "difference_points",
+    "note",
+)
+VERDICTS: dict[Verdict, tuple[str, str]] = {
+    "supports": ("good", "supported"),
+    "refutes": ("bad", "refuted"),
+    "cannot be decided": ("ink2", "cannot be decided"),
+}
+"""Colour and word of each verdict."""
+
+
+def tables_csv(tables: tuple[Table, ...]) -> str:
+    """Return all rows of tables as CSV."""
+    rows: list[tuple[object, ...]] = [COLUMNS]
+    for table in tables:
+        for row in table.rows:
+            cells = (row.case, row.quantity, row.unit, row.printed, row.ours)
+            differences = row.difference_percent, row.difference_points
+            rows.append((table.title, table.place, *cells, *differences, row.note))
+    return csv_of_rows(rows)
+
+
+def paper_html(paper: PaperTables) -> Markup:
+    """Return the claims and tables of a paper that are done, and what must be corrected in it."""
+    tables = joined(table_html(table) for table in paper.validation.tables)
+    left = paper.step_count - paper.done_count
+    rest = parts.note_paragraphs([f"{left} more to compute."]) if left else errata_html(paper.validation.errata)
+    return markup('<div class="tables">{}{}{}</div>', claims_html(paper.validation.claims), tables, rest)
+
+
+def table_html(table: Table) -> Markup:
+    """Return one table, with the reasons of its differences beneath it."""
+    notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
+    rows = [(row_cells(row, notes), False) for row in table.rows]
+    header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
+    listed = joined(markup("<li>{}</li>", note) for note in notes)
+    return markup(
+        '<details><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
+        'role="region" aria-label="{title}">{body}</div>{reasons}</details>',
+        title=table.title,
+        place=f", {table.place}" if table.place else "",
+        summary=summary_words(table),
+        body=parts.table("", header, rows, table.title),
+        reasons=markup("<ol>{}</ol>", listed) if notes else "",
+    )
+
+
+def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
+    """Return the cells of a row; a difference that is not close in warm."""
+    difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
+    if difference and not row.is_close:
+        difference = parts.markup('<span class="open">{}</span>', difference)
+    unit = f" [{row.unit}]" if row.unit else ""
+    mark = f"({notes.index(row.note) + 1})" if row.note else ""
+    return (
+        row.case,
+        f"{row.quantity}{unit}",
+        "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
+        words.number(row.ours, words.decimals(row.printed) + 1),
+        difference,
+        difference_words(row),
+        mark,
+    )
+
+
+def difference_words(row: Row) -> str:
+    """Return a difference in words."""
+    difference = row.difference
+    if row.printed is None:
+        return "none printed"
+    if difference is None:
+        return "printed as zero"
+    if abs(difference) < SAME_PERCENT:
+        return "the same"
+    side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
+    if row.ours * row.printed < 0:
+        return "opposite sign"
+    size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
+    return f"{size} {side}".strip()
+
+
+def summary_words(table: Table) -> str:
+    """Return how many rows lie how close to the print, and by which measure."""
+    compared = [row for row in table.rows if row.difference is not None]
+    if not compared:
+        return f"{len(table.rows)} rows, nothing to compare with"
+    percentages = sum(row.is_percentage for row in compared)
+    within = f"{CLOSE_PERCENT:g} percentage point" if percentages == len(compared) else f"{CLOSE_PERCENT:g} %"
+    if 0 < percentages < len(compared):
+        within += f", percentages within {CLOSE_PERCENT:g} percentage point"
+    close = [row for row in compared if row.is_close]
+    others = [row for row in compared if not row.is_close]
+    because = ", the others for the reasons given" if close else ", for the reasons given"
+    because = because if others and all(row.note for row in others) else ""
+    if not close:
+        return f"{len(others)} differ by more than {within}{because}"
+    return f"{len(close)} of {len(compared)} within {within}{because}"
+
+
+def figure_cells(papers: Collection[PaperTables]) -> list[str]:
+    """Return how many printed numbers of all papers agree with railjoule, and how many rows have none."""
+    tables = [paper.validation.tables for paper in papers]
+    compared = [row for each in tables for row in first_comparisons(each)]
+    others = sum(not row.source for each in tables for table in each for row in table.rows)
+    close = sum(row.is_close for row in compared)
+    told = sum(not row.is_close and bool(row.note) for row in compared)
+    counted = f"of {len(compared)} printed numbers, each counted once"
+    claims = [claim for paper in papers for claim in paper.validation.claims]
+    return [
+        parts.figure(
+            "Claims supported",
+            words.number(sum(c.verdict == "supports" for c in claims), 0),
+            "",
+            f"of {len(claims)}; {verdict_words(claims).partition(', ')[2]}",
+            "main",
+        ),
+        parts.figure("Numbers that agree", words.number(close, 0), "", counted),
+        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason is below the table"),
+        parts.figure("Differ, unexplained", words.number(len(compared) - close - told, 0), "", ""),
+        parts.figure("Rows without a printed number", words.number(others, 0), "", "not counted"),
+    ]
+
+
+def claims_html(claims: tuple[Claim, ...]) -> Markup:
+    """Return the claims of a paper with our numbers and the verdicts."""
+    if not claims:
+        return Markup()
+    rows = [(_claim_cells(claim), False) for claim in claims]
+    return markup(
+        '<details class="claims" open><summary>Claims<span>, {summary}</span></summary><div class="scroll" '
+        'tabindex="0" role="region" aria-label="Claims">{body}</div></details>',
+        summary=verdict_words(claims),
+        body=parts.table("", ("Place", "Claim", "railjoule", "Verdict", "Reason"), rows, "Claims"),
+    )
+
+
+def verdict_words(claims: Iterable[Claim]) -> str:
+    """Return how many claims have which verdict."""
+    counts = Counter(claim.verdict for claim in claims)
+    return f"{counts['supports']} supported, {counts['refutes']} refuted, {counts['cannot be decided']} undecided"
+
+
+def _claim_cells(claim: Claim) -> tuple[str, ...]:
+    token, word = VERDICTS[claim.verdict]
+    verdict = markup('<b style="color:var(--rj-{})">{}</b>', token, word)
+    return claim.place, claim.claim, claim.ours, verdict, claim.reason
+
+
+def errata_html(errata: tuple[Erratum, ...]) -> Markup:
+    """Return what must be corrected in a paper."""
+    if not errata:
+        return Markup()
+    template = "<li>{}: printed {}, corrected: {}. {}</li>"
+    items = joined(markup(template, each.place, each.printed, each.corrected, each.reason) for each in errata)
+    template = "<details><summary>Corrections <span>{}</span></summary><ol>{}</ol></details>"
+    return markup(template, len(errata), items)
