@@ -4,30 +4,41 @@ His start holds its full current at all speeds; above 14 m/s the pull-out torque
 needs a little less energy than his law. Here the runs are planned with his, and once with ours.
 """
 
-from dataclasses import replace
 from functools import partial
-from typing import Any, get_args
-
-import numpy as np
+from typing import get_args
 
 from railjoule.core.bounds import minimise
 from railjoule.core.energy import share_above
-from railjoule.core.phase_planning.plan import PhasePlan
-from railjoule.core.phase_planning.planner import PhasePlanner
-from railjoule.core.scenario import Scenario, Vehicle, load_scenario
+from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy, solve
 from railjoule.core.units import J_PER_KWH
-from railjoule.core.validation.papers import citation, errata, printed_numbers
+from railjoule.core.validation.claim import list_claims
+from railjoule.core.validation.claims.rawicki import EXAMINATIONS
+from railjoule.core.validation.figures.rawicki import FIGURES
+from railjoule.core.validation.papers import citation, errata
 from railjoule.core.validation.rawicki_identification import (
     Identification,
     driven_values,
     identify,
     machine_values,
     nameplate_values,
-    printed_planner,
     value_names,
+)
+from railjoule.core.validation.rawicki_runs import (
+    RECUPERATION_FACTORS,
+    Printed,
+    energy_kwh,
+    energy_with_stop_kwh,
+    make_planner,
+    part_two_time_s,
+    plan_part_two,
+    plan_run,
+    printed_paper,
+    printed_phases,
+    replan,
+    solve_phases,
+    tram_scenario,
 )
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
@@ -47,8 +58,6 @@ BEST_LAW = "best of all force laws"
 LOCAL = "Printed is a local optimum of a smoothed power; ours drives and coasts cell by cell."
 SYMBOLS = {"distance_m": ("s", "m"), "duration_s": ("t", "s"), "energy_kwh": ("En", "kWh")}
 
-Printed = dict[str, Any]
-
 
 def validate_rawicki() -> Validation:
     """Return all printed numbers of Rawicki beside ours, and the identification behind ours."""
@@ -57,59 +66,54 @@ def validate_rawicki() -> Validation:
 
 def rawicki_comparison() -> Comparison:
     """Return what is to be compared of Rawicki."""
-    paper = printed_numbers("rawicki-2013")
-    scenario = load_scenario(paper["scenario"])
-    vehicle = scenario.vehicle
-    distance, time = scenario.line.length_m, scenario.travel_time_s
+    paper = printed_paper()
+    vehicle = tram_scenario(0.0).vehicle
     return Comparison(
         paper="rawicki",
         citation=citation(paper),
         # each is computed when it is asked for: the identification takes seconds, the figures do not
         tables=(
-            partial(figures, vehicle, paper, distance, time),
-            partial(planned_phases, vehicle, paper),
-            partial(free_current, vehicle, paper, distance, time),
+            partial(figures, paper),
+            partial(planned_phases, paper),
+            partial(free_current, paper),
             partial(driven_phases, vehicle, paper),
             replanned,
             partial(nameplate, vehicle, paper["nameplate"]),
             lambda: parameters(vehicle, identify(vehicle, paper)),
-            partial(claims, paper),
+            partial(whole_trajectories, paper),
         ),
         errata=errata(paper),
+        claims=list_claims(paper, EXAMINATIONS),
+        figures=FIGURES,
     )
 
 
-def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
+def figures(paper: Printed) -> Table:
     """Return the energies of Figures 1 to 4 beside ours; the run with the stop as two plans."""
     rows: list[Row] = []
-    alone: dict[float, float] = {}
     for entry in paper["figure"]:
-        place, recuperation, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
-        planner = printed_planner(vehicle, recuperation)
-        case = f"{place}, kr = {recuperation:g}"
-        # the figures without a stop come first in the file; those with one are measured against them
+        place, kr, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
+        case, alone = f"{place}, kr = {kr:g}", energy_kwh(plan_run(kr))
         if "penalty_percent" not in entry:
-            alone[recuperation] = _kwh(planner.plan(distance_m, running_time_s))
-            rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE, place))
+            rows.append(Row(case, "En", "kWh", printed, alone, NOT_UNIQUE, place))
             continue
-        first = _part_one(planner, paper)
-        second = _kwh(_part_two(planner, paper))
-        penalty = 100 * share_above(first + second, alone[recuperation])
+        whole, second = energy_with_stop_kwh(kr), energy_kwh(plan_part_two(kr))
+        penalty = 100 * share_above(whole, alone)
         rows += [
-            Row(case, "En", "kWh", printed, first + second, NOT_UNIQUE, place),
-            Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, f"{DIFFERENCE} {NOT_UNIQUE}"),
+            Row(case, "En", "kWh", printed, whole, NOT_UNIQUE, place),
+            Row(case, "En of part II", "kWh", _printed_part_two(entry), second, f"{DIFFERENCE} {NOT_UNIQUE}"),
             Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE, f"{place}, penalty"),
         ]
     return Table("Energies of the runs", tuple(rows), "Figs. 1 to 4")
 
 
-def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
+def planned_phases(paper: Printed) -> Table:
     """Return the printed phases of part II beside those of our best run with the same distance and time."""
     rows: list[Row] = []
-    for part, recuperation in (("part II, kr = 0", 0.0), ("part II, kr = 1", 1.0)):
-        planner = printed_planner(vehicle, recuperation)
-        ours = {phase.phase: phase for phase in planner.phases_of(_part_two(planner, paper))}
-        for printed in (phase for phase in paper["phase"] if phase["part"] == part):
+    for kr in RECUPERATION_FACTORS:
+        part = f"part II, kr = {kr:g}"
+        ours = {phase.phase: phase for phase in make_planner(kr).phases_of(plan_part_two(kr))}
+        for printed in printed_phases(part):
             own = ours[printed["phase"]]
             case = f"{part}, {printed['phase']}"
             rows += [
@@ -117,51 +121,49 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
                 Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT, f"{case}, t"),
                 Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT, f"{case}, v"),
             ]
-    ride = f"{paper['part_ii_length_m']:g} m in {_part_two_time_s(paper):g} s"
+    ride = f"{paper['part_ii_length_m']:g} m in {part_two_time_s():g} s"
     return Table(f"Phases of part II as planned by us, {ride}", tuple(rows), "below Figs. 3 and 4")
 
 
 def replanned() -> Table:
     """Return the run with the stop as driver and computer replan it during the run; the paper prints the driver's."""
     rows = []
-    for recuperation in (0.0, 1.0):
-        scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": recuperation})
+    for kr in RECUPERATION_FACTORS:
         for reaction in get_args(Reaction):
-            replanned_run = simulate_disturbances(scenario, reaction)
-            case = f"kr = {recuperation:g}, {reaction}"
+            run, case = replan(kr, reaction), f"kr = {kr:g}, {reaction}"
             rows += [
-                Row(case, "En", "kWh", None, replanned_run.actual.energy_kwh),
-                Row(case, "late", "s", None, replanned_run.delay_s),
+                Row(case, "En", "kWh", None, run.actual.energy_kwh),
+                Row(case, "late", "s", None, run.delay_s),
             ]
     return Table("The run replanned on the way, only ours", tuple(rows))
 
 
-def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
+def free_current(paper: Printed) -> Table:
     """Return what the run of Figures 1 and 2 needs with a starting current of its choice, and at one speed."""
     rows: list[Row] = []
-    ride = f"{distance_m:g} m in {running_time_s:g} s"
+    scenario = tram_scenario(0.0)
+    ride = f"{scenario.line.length_m:g} m in {scenario.travel_time_s:g} s"
     for entry in paper["reference"]:
-        recuperation = float(entry["recuperation_factor"])
-        case = f"{ride}, kr = {recuperation:g}"
+        kr = float(entry["recuperation_factor"])
+        case = f"{ride}, kr = {kr:g}"
         if entry["place"] == BEST_LAW:
             # this reference is of other solvers without phases, over the same task
-            rows += _best_force_law(load_scenario(paper["scenario"]), case, entry)
+            rows += _best_force_law(kr, case, entry)
             continue
         # his law has one current for all starts; what a free choice of it would save shows how much that law costs
-        free = printed_planner(vehicle, recuperation, free_starting_current=True).plan(distance_m, running_time_s)
-        steady = printed_planner(vehicle, recuperation, coast=False).plan(distance_m, running_time_s)
+        free, steady = plan_run(kr, free_starting_current=True), plan_run(kr, coast=False)
         assert free.starting_current_a is not None
         rows += [
-            Row(case, "En, free starting current", "kWh", entry["energy_kwh"], _kwh(free)),
+            Row(case, "En, free starting current", "kWh", entry["energy_kwh"], energy_kwh(free)),
             Row(case, "its starting current", "A", None, free.starting_current_a),
-            Row(case, "En at constant speed, without coasting", "kWh", None, _kwh(steady)),
+            Row(case, "En at constant speed, without coasting", "kWh", None, energy_kwh(steady)),
         ]
     return Table(f"Other runs over {ride}", tuple(rows), reference="independent")
 
 
-def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
+def _best_force_law(kr: float, case: str, entry: Printed) -> list[Row]:
     """Return the best of all force laws beside what other solvers found, without and with free switching."""
-    task = prepare_task(scenario.with_(**{"drive.recuperation_factor": float(entry["recuperation_factor"])}))
+    task = prepare_task(tram_scenario(kr))
     run = run_strategy(task, "optimal")
     # the relaxed optimum: machines that switch on and off at will, which bounds all force laws from below
     switched = minimise(task).energy_j
@@ -216,28 +218,25 @@ def parameters(vehicle: Vehicle, identification: Identification) -> Table:
     return Table("Parameters that the paper does not print, identified again", tuple(rows), reference="shipped")
 
 
-def claims(paper: Printed) -> Table:
+def whole_trajectories(paper: Printed) -> Table:
     """Return what the strategy `phases` needs with its own start, which takes no more current than helps."""
     rows = []
     for entry, with_stop in zip(paper["figure"][:2], paper["figure"][2:], strict=True):
-        scenario = load_scenario(paper["scenario"]).with_(
-            **{"drive.recuperation_factor": float(entry["recuperation_factor"])}
-        )
-        run = solve(scenario, "phases")
-        case = f"{entry['place']}, whole trajectory"
-        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], run.energy_kwh, NOT_UNIQUE, entry["place"]))
-        part = scenario.with_(
+        kr = float(entry["recuperation_factor"])
+        case, energy = f"{entry['place']}, whole trajectory", solve_phases(kr).energy_kwh
+        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], energy, NOT_UNIQUE, entry["place"]))
+        part = tram_scenario(kr).with_(
             **{
                 "line.sections": [{"length_m": paper["part_ii_length_m"]}],
-                "timetable.travel_time_s": _part_two_time_s(paper),
+                "timetable.travel_time_s": part_two_time_s(),
             }
         )
         rows.append(
             Row(
-                f"part II, kr = {entry['recuperation_factor']:g}, whole trajectory",
+                f"part II, kr = {kr:g}, whole trajectory",
                 "En",
                 "kWh",
-                _printed_part_two(with_stop, paper),
+                _printed_part_two(with_stop),
                 solve(part, "phases").energy_kwh,
                 f"{DIFFERENCE} Its start takes less than the full current where that pulls more.",
             )
@@ -245,36 +244,9 @@ def claims(paper: Printed) -> Table:
     return Table("The strategy `phases`, with less than full current beyond the pull-out", tuple(rows), "Figs. 1 to 4")
 
 
-def _kwh(plan: PhasePlan) -> float:
-    return plan.energy_j / J_PER_KWH
-
-
-def _phases_of_part(paper: Printed, part: str) -> list[Printed]:
-    return [phase for phase in paper["phase"] if phase["part"] == part]
-
-
-def _part_two_time_s(paper: Printed) -> float:
-    """Return the printed time of part II for kr = 0, the sum of its phases [s]; that for kr = 1 is the same."""
-    return float(round(sum(phase["duration_s"] for phase in _phases_of_part(paper, "part II, kr = 0")), 6))
-
-
-def _part_two(planner: PhasePlanner, paper: Printed) -> PhasePlan:
-    return planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
-
-
-def _printed_part_two(figure: Printed, paper: Printed) -> float:
+def _printed_part_two(figure: Printed) -> float:
     """Return the printed energy of a run with the stop, less that of part I [kWh]."""
-    share, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in _phases_of_part(paper, "part I")]
+    kr, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in printed_phases("part I")]
     # printed with kr = 1; braking energies are negative there and count by the share that is recuperated
-    part_one = sum(energy if energy > 0 else share * energy for energy in energies)
+    part_one = sum(energy if energy > 0 else kr * energy for energy in energies)
     return float(round(figure["energy_kwh"] - part_one, 3))
-
-
-def _part_one(planner: PhasePlanner, paper: Printed) -> float:
-    """Return the energy of part I [kWh], whose phases the driver chose: driven between their printed speeds."""
-    start, cruise, _ = _phases_of_part(paper, "part I")
-    # The phases of part I are what the driver chose, so they are data and no result of a plan.
-    speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
-    plan = planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
-    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
-    return float(np.sum([phase.energy_j for phase in planner.phases_of(driven)])) / J_PER_KWH

@@ -22,6 +22,7 @@ from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.options import PhasesOptions
+from railjoule.core.studies.flux_sweep import power_factor
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, W_PER_KW
 
 # The nameplate contradicts itself by a per cent, the phases only by their last digits: it must not pull them off what
@@ -191,4 +192,4 @@ def machine_values(vehicle: Vehicle, plate: Printed) -> FloatArray:
     state = steady_state(machine, flux_current, torque_current, rotor_rads)
     voltage, current = phase_voltage_v(state), math.hypot(flux_current, torque_current)
     power = (state.torque_nm - machine.mechanical_loss_torque_nm) * shaft_rads
-    return np.array([voltage, current, power, state.input_power_w / (1.5 * voltage * current)])
+    return np.array([voltage, current, power, power_factor(state, flux_current, torque_current)])

@@ -7,6 +7,7 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.drive import Induction
 from railjoule.core.simulate.field_oriented import states as column
 from railjoule.core.simulate.field_oriented.flux import FluxPlan
 from railjoule.core.simulate.field_oriented.record import Record
@@ -95,6 +96,8 @@ def _premises(scenario: Scenario, machines: TractionMachines, flux: FluxPlan) ->
     yield "The machines are magnetised before the departure; the account begins with it."
     if scenario.vehicle.braking.friction_effort_kn > 0:
         yield "The machines do all the braking: friction brakes are not part of the loop."
+    if isinstance(scenario.vehicle.drive, Induction) and scenario.simulation.flux == "constant":
+        yield "The control keeps the maximum flux that the voltage allows; the plan assumes the flux of minimum loss."
     if flux.lowest_fraction < WEAKENED_FRACTION:
         yield (
             f"The limit of {machines.machine.max_phase_voltage_v:.0f} V per phase weakens the flux to "

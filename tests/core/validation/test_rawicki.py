@@ -2,11 +2,13 @@
 
 from typing import NamedTuple
 
+import numpy as np
 import pytest
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
-from railjoule.core.validation import PAPERS, Table, Validation, validate_rawicki
+from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs, validate_rawicki
+from railjoule.core.validation.figures.rawicki import FIGURES
 from railjoule.core.validation.papers import printed_numbers
 
 
@@ -148,3 +150,78 @@ def test_bounds_lie_below_the_best_force_laws(tables):
     ours = [row.ours for row in tables.others.rows if "force laws" in row.quantity or "bound" in row.quantity]
     for without, switched, bound in (ours[:3], ours[3:]):
         assert bound < switched < without * (1 + 1e-4)
+
+
+@pytest.fixture
+def heavier_tram(monkeypatch, forget_runs):
+    """A tare that is 1 % larger."""
+    load = rawicki_runs.load_scenario
+
+    def load_heavier(name):
+        scenario = load(name)
+        return scenario.with_(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
+
+    monkeypatch.setattr(rawicki_runs, "load_scenario", load_heavier)
+
+
+@pytest.fixture
+def forget_runs():
+    def forget():
+        for value in vars(rawicki_runs).values():
+            if hasattr(value, "cache_clear"):
+                value.cache_clear()
+
+    forget()
+    yield
+    forget()
+
+
+def test_a_heavier_tram_moves_what_depends_on_its_mass(tables, heavier_tram):
+    """Energies of runs and all phases that change the speed move; a cruise, whose resistance has no mass, stays."""
+    comparison = COMPARISONS["rawicki"]()
+    figures, driven, plate = (comparison.tables[place]() for place in (0, 3, 5))
+    for row, before in zip(figures.rows, tables.figures.rows, strict=True):
+        assert row.ours != before.ours, row
+        if row.unit == "kWh":
+            # of 22,000 kg 16,500 are tare: 0.75 % more mass, part of whose energy kr = 1 recovers
+            assert 1.001 < row.ours / before.ours < 1.012, row
+    for row, before in zip(driven.rows, tables.driven.rows, strict=True):
+        assert (row.ours == before.ours) == ("cruise" in row.case), row
+    assert [row.ours for row in plate.rows] == [row.ours for row in tables.nameplate.rows]
+
+
+def test_claims_have_the_verdicts_of_their_numbers(validation):
+    entries = printed_numbers("rawicki-2013")["claim"]
+    found = {entry["name"]: claim for entry, claim in zip(entries, validation.claims, strict=True)}
+    assert len(found) == len(entries) >= 12
+    verdicts = {name: claim.verdict for name, claim in found.items()}
+    # the paper's printed energies: 0.903 and 1.064 kWh; the phases below Figs. 3 and 4 sum to 90 s
+    assert [name for name, verdict in verdicts.items() if verdict == "refutes"] == [
+        "saving_with_recuperation",
+        "time_without_stop",
+    ]
+    assert [name for name, verdict in verdicts.items() if verdict == "cannot be decided"] == [
+        "all_disturbances",
+        "rated_efficiency",
+    ]
+    assert found["saving_without_recuperation"].ours.startswith("17.9 %")
+    assert found["saving_with_recuperation"].ours.startswith("6.6 %")
+    assert found["longer_cruise"].ours == "331 m with kr = 1, 169 m with kr = 0"
+    assert "9549 W a motor against 10166 W" in found["better_efficiency"].reason
+
+
+@pytest.mark.parametrize("number", range(4))
+def test_figures_pass_through_the_printed_points(number):
+    """Speeds at the printed ends of phases of the driver's part, and energies at the end of the ride."""
+    figure = FIGURES[number]
+    over_distance, _, energy = figure.compute().panels
+    ours, printed = energy.lines
+    assert (printed.is_printed, ours.is_printed) == (True, False)
+    assert ours.y[-1] == pytest.approx(printed.y[-1], rel=0.015)
+    stages = {line.label: line for line in over_distance.lines}
+    assert {"start", "constant speed", "coasting", "braking"} < set(stages)
+    if number >= 2:
+        # 12.26 m/s at 70.11 m, and the stop after 300 m
+        assert stages["printed"].y[1] == 12.26
+        assert np.nanmax(stages["start"].y[stages["start"].x < 70.2]) == pytest.approx(12.26, abs=0.01)
+        assert stages["stop"].x == pytest.approx([300, 300])
