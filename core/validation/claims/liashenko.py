@@ -301,7 +301,7 @@ def _larger_effect(tables: Sequence[ComparedTable], is_position: bool) -> Findin
         found,
         all(holds["by_plan"]),
         f"Largest effect of position error / of load, each by itself, in {places}; printed {texts['printed']}. It "
-        f"holds in so many tables: {counts}, printed {sum(holds['printed'])}. Judged by (12), which counts the load itself.",
+        f"holds in so many tables: {counts}, printed {sum(holds['printed'])}. Judged by (12).",
     )
 
 
