@@ -24,7 +24,7 @@ LEAST_SHOWN = 0.05
 
 @dataclass(frozen=True, eq=False)
 class ComparedTable:
-    """One of Tables 4 to 7 beside ours, over m position errors and k loads.
+    """One of Tables 4 to 7 beside railjoule's, over m position errors and k loads.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class ComparedTable:
     errors_m, loads : array of shape (m,), (k,)
         Position errors [m] and load factors.
     printed, by_plan, by_load : array of shape (m, k)
-        Overconsumption as printed; ours by (12), over the plan; ours over the plan for the actual load [%].
+        Overconsumption: printed; computed by (12), over the plan; computed over the plan for the actual load [%].
     load_change : array of shape (k,)
         Energy of the plan for each load over that of the plan [%].
     delay_s, stop_error_m : array of shape (m, k)
@@ -104,29 +104,29 @@ def paper_numbers() -> dict[str, Any]:
 
 @cache
 def compared_tables() -> tuple[ComparedTable, ...]:
-    """Return Tables 4 to 7 beside ours."""
+    """Return Tables 4 to 7 beside railjoule's."""
     return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
 
 
 @cache
 def compared_table(place: str) -> ComparedTable:
-    """Return one of Tables 4 to 7 beside ours."""
+    """Return one of Tables 4 to 7 beside railjoule's."""
     paper = paper_numbers()
     entry = next(entry for entry in paper["table"] if entry["place"] == place)
     # the grid of the paper and not that of the study, which may change
     errors, loads = ([float(value) for value in paper[key]] for key in ("coordinate_errors_m", "load_factors"))
-    ours = sensitivity(load_scenario(entry["scenario"]), loads, errors)
+    table = sensitivity(load_scenario(entry["scenario"]), loads, errors)
     return ComparedTable(
         place=place,
-        scenario=ours.scenario,
+        scenario=table.scenario,
         errors_m=np.array(errors),
         loads=np.array(loads),
         printed=np.array(entry["overconsumption_percent"]),
-        by_plan=100 * ours.overconsumption.T,
-        by_load=100 * ours.over_replanned.T,
-        load_change=100 * share_above(ours.replanned_kwh, ours.planned_kwh),
-        delay_s=ours.delay_s.T,
-        stop_error_m=ours.stop_error_m.T,
+        by_plan=100 * table.overconsumption.T,
+        by_load=100 * table.over_replanned.T,
+        load_change=100 * share_above(table.replanned_kwh, table.planned_kwh),
+        delay_s=table.delay_s.T,
+        stop_error_m=table.stop_error_m.T,
     )
 
 

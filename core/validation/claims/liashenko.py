@@ -79,7 +79,7 @@ def mass_changes_plan() -> Finding:
             speeds.append(np.max(np.abs(other - plan.speed_ms)) / MS_PER_KMH)
     wrong = max(abs(table.by_load[table.planned_error]).max() for table in compared_tables())
     return judge(
-        f"energy {100 * min(changes):+.1f} to {100 * max(changes):+.1f} %, speeds up to {max(speeds):.1f} km/h apart",
+        f"energy {100 * min(changes):+.1f} to {100 * max(changes):+.1f} %, speed by up to {max(speeds):.1f} km/h",
         min(map(abs, changes)) > SMALL_SHARE,
         f"Plans for loads 0 and 1 beside those for 0.5. The wrong plan itself changes the energy by {wrong:.1f} % at "
         "most: most of the change is the mass, which no plan avoids.",
@@ -239,16 +239,16 @@ def any_error_costs() -> Finding:
         f"{fourth:+.1f} % by (12)",
         by_plan == 0 and fourth >= 0,
         f"The print has {printed} such cells, in Table 7. By (12) a lighter train needs less; against a plan for the "
-        "actual load, only late runs do. A position error alone saves nothing.",
+        "actual load, only late runs do. A position error by itself saves nothing.",
     )
 
 
 def largest(place: str) -> Finding:
     """Examine the largest cell of a table."""
     table = compared_table(place)
-    ours = "; ".join(f"{MEASURES[key]} {_most(table, key):.1f} % at {_cell(table, key)}" for key in MEASURES)
+    found = "; ".join(f"{MEASURES[key]} {_most(table, key):.1f} % at {_cell(table, key)}" for key in MEASURES)
     same = np.argmax(table.by_plan) == np.argmax(table.printed)
-    return judge(ours, bool(same), f"Judged by the cell and by (12). {NOT_PRINTED}")
+    return judge(found, bool(same), f"Judged by the cell and by (12). {NOT_PRINTED}")
 
 
 def _cell(table: ComparedTable, key: str) -> str:
@@ -260,17 +260,17 @@ def _cell(table: ComparedTable, key: str) -> str:
 def grows_with_profile() -> Finding:
     """Examine the largest values of the tables in the order of the profiles."""
     largest = {key: [float(getattr(table, key).max()) for table in compared_tables()] for key in MEASURES}
-    ours = "; ".join(f"{MEASURES[key]} {', '.join(f'{one:.1f}' for one in each)} %" for key, each in largest.items())
+    found = "; ".join(f"{MEASURES[key]} {', '.join(f'{one:.1f}' for one in each)} %" for key, each in largest.items())
     grows = [bool(np.all(np.diff(each) > 0)) for each in largest.values()]
-    return judge(ours, any(grows), "Largest values on profiles 0, I, II, III, in this order, by both measures.")
+    return judge(found, any(grows), "Largest values on profiles 0, I, II, III, in this order, by both measures.")
 
 
 def overconsumption_range() -> Finding:
     """Examine the largest values on the first and the last profile."""
     first, *_, last = compared_tables()
-    ours = "; ".join(f"{MEASURES[key]} {_most(first, key):.1f} and {_most(last, key):.1f} %" for key in MEASURES)
+    found = "; ".join(f"{MEASURES[key]} {_most(first, key):.1f} and {_most(last, key):.1f} %" for key in MEASURES)
     printed = f"{_most(first, 'printed'):.1f} and {_most(last, 'printed'):.1f} %"
-    return undecided(ours, f"The tables print {printed}. {NOT_PRINTED}")
+    return undecided(found, f"The tables print {printed}. {NOT_PRINTED}")
 
 
 def _most(table: ComparedTable, key: str) -> float:
@@ -294,14 +294,14 @@ def _larger_effect(tables: Sequence[ComparedTable], is_position: bool) -> Findin
         effects = [_effects(table, getattr(table, key)) for table in tables]
         texts[key] = " and ".join(f"{position:.1f} / {load:.1f}" for position, load in effects)
         holds[key] = [(position > load) == is_position for position, load in effects]
-    ours = "; ".join(f"{MEASURES[key]} {texts[key]} points" for key in MEASURES)
+    found = "; ".join(f"{MEASURES[key]} {texts[key]} points" for key in MEASURES)
     counts = ", ".join(f"{MEASURES[key].rstrip(':')} {sum(holds[key])}" for key in MEASURES)
     places = ", ".join(table.place for table in tables)
     return judge(
-        ours,
+        found,
         all(holds["by_plan"]),
-        f"Largest effect of the position / of the load alone in {places}; printed {texts['printed']}. It holds in so "
-        f"many tables: {counts}, printed {sum(holds['printed'])}. Judged by (12), which counts the load itself.",
+        f"Largest effect of position error / of load, each by itself, in {places}; printed {texts['printed']}. It "
+        f"holds in so many tables: {counts}, printed {sum(holds['printed'])}. Judged by (12).",
     )
 
 

@@ -44,12 +44,12 @@ def surface(place: str) -> FigureData:
             "Position error, m",
             title,
             tuple(
-                Line(f"load {load:g}{', printed' if is_printed else ''}", table.errors_m, values[:, k], is_printed)
+                Line(f"load {load:g}", table.errors_m, values[:, k], is_printed)
                 for k, load in enumerate(table.loads)
-                for values, is_printed in ((ours, False), (table.printed, True))
+                for values, is_printed in ((computed, False), (table.printed, True))
             ),
         )
-        for title, ours in (
+        for title, computed in (
             ("Overconsumption (12), %", table.by_plan),
             ("Above a plan for the actual load, %", table.by_load),
         )

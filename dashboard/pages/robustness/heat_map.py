@@ -13,6 +13,7 @@ from bokeh.models import FixedTicker, Range1d
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
+from railjoule.core.validation.liashenko_runs import PAPER, rms
 from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart, text_style
@@ -243,33 +244,51 @@ class CostSurface(Chart):
         return scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
 
 
-def printed_table(table: SensitivityTable) -> str:
-    """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario."""
-    scenario, paper = table.scenario, printed_numbers("liashenko-2025")
+def printed_table(table: SensitivityTable, measure: Measure) -> str:
+    """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario.
+
+    Parameters
+    ----------
+    table : SensitivityTable
+        Complete.
+    measure : Measure
+        The measure of our numbers; (12) of the paper where it is no share of an energy.
+    """
+    scenario, paper = table.scenario, printed_numbers(PAPER)
     entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
     if entry is None or not table.both_directions or table.knows != "nothing":
         return ""
     base = load_scenario(entry["scenario"])
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
         return ""
-    header = ("Error, m", *(f"load {words.setting(load)} %" for load in paper["load_factors"]))
+    loads, errors = paper["load_factors"], paper["coordinate_errors_m"]
+    places = np.ix_([table.load_factors.index(load) for load in loads], [*map(table.coordinate_errors_m.index, errors)])
+    printed = np.array(entry["overconsumption_percent"]).T
+    differences = {key: MEASURES[key].values(table)[places] - printed for key in ("overconsumption", "over_replanned")}
+    shown = "over_replanned" if measure is MEASURES["over_replanned"] else "overconsumption"
+    header = ("Error, m", *(f"load {words.setting(load)} %" for load in loads))
     rows = []
-    for m, error in enumerate(paper["coordinate_errors_m"]):
-        column = table.coordinate_errors_m.index(float(error))
+    for m, error in enumerate(errors):
         cells = [words.signed(error, 0)]
-        for k, load in enumerate(paper["load_factors"]):
-            ours = 100 * float(table.over_replanned[table.load_factors.index(load), column])
-            printed = entry["overconsumption_percent"][m][k]
-            kind = "open" if abs(ours - printed) > CLOSE_PERCENT else "muted"
+        for number, difference in zip(printed[:, m], differences[shown][:, m], strict=True):
+            kind = "open" if abs(difference) > CLOSE_PERCENT else "muted"
             cells.append(
                 parts.markup(
                     '{} <span class="muted">{}</span> <span class="{}">{}</span>',
-                    percent_difference(ours),
-                    words.number(printed),
+                    percent_difference(number + difference),
+                    words.number(number),
                     kind,
-                    percent_difference(ours - printed),
+                    percent_difference(difference),
                 )
             )
         rows.append((cells, False))
-    title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"
-    return parts.markup('<div class="dense">{}</div>', parts.table(title, header, rows))
+    quantity = MEASURES[shown].words.partition(",")[0]
+    title = f"{quantity}: railjoule, %, {entry['place']} of Liashenko 2025, %, difference in percentage points"
+    by_plan, by_load = (words.number(rms(each)) for each in differences.values())
+    note = (
+        f"Root mean square of the differences: {by_plan} percentage points against the plan, which is (12) of the "
+        f"paper, {by_load} above a plan for this load."
+    )
+    return parts.markup(
+        '<div class="dense">{}</div>{}', parts.table(title, header, rows), parts.note_paragraphs([note])
+    )

@@ -188,7 +188,7 @@ class RobustnessView(PageView):
         measure = MEASURES[self.model.measure]
         if np.any(np.isfinite(measure.drawn(table))):
             self.costs.show(partial(self.costs.draw, table, measure))
-        self.printed.object = printed_table(table)
+        self.printed.object = printed_table(table, measure)
         self._show_texts()
 
     def _draw_map(self) -> None:
