@@ -239,15 +239,17 @@ class RippleChart(LoneChart):
 
 
 class FluxChart(LoneChart):
-    """Cruise on level track over the flux current: efficiency, power factor, and loss and voltage as shares."""
+    """Cruise on level track over the flux current: efficiency, power factor, and voltage and loss as shares."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        caption = "Cruise over flux current: efficiency, power factor, loss / loss at rated flux, voltage / limit"
+        caption = (
+            "Cruise, %: efficiency, power factor, voltage over its limit, loss over that at rated flux"
+        )
         super().__init__("flux_sweep", caption, height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        self.frame(ticks=5, digits=1, x_title="Flux current of one motor, A")
+        self.frame(ticks=5, x_title="Flux current of one motor, A")
         for name, token in FLUX_LINES.items():
             self.line(name, token, line_width=1.8)
         self.glyphs("segment", "least", "x", "from", "x", "to", paint={"line_color": "ink3"}, line_dash=DRIVEN_DASH)
@@ -257,10 +259,10 @@ class FluxChart(LoneChart):
         """Draw the four lines, and the flux of minimum loss."""
         current = sweep.values("flux_current_a")
         lines = {
-            "efficiency": sweep.values("efficiency"),
-            "power factor": sweep.values("power_factor"),
-            "loss": sweep.values("loss_w") / sweep.rated.loss_w,
-            "voltage": sweep.values("phase_voltage_v") / sweep.max_phase_voltage_v,
+            "efficiency": 100 * sweep.values("efficiency"),
+            "power factor": 100 * sweep.values("power_factor"),
+            "loss": 100 * sweep.values("loss_w") / sweep.rated.loss_w,
+            "voltage": 100 * sweep.values("phase_voltage_v") / sweep.max_phase_voltage_v,
         }
         for name, share in lines.items():
             self.put(name, **xy(current, share))
