@@ -244,12 +244,13 @@ def driving_efficiency(run: Trajectory) -> DrivingEfficiency:
     parameters = run.scenario.vehicle.drive
     assert isinstance(parameters, Synchronous)
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
-    # an effort of rounding takes no power
-    driving = (run.tractive_effort_n > 0) & (run.line_power_w > 0) & (duration > 0)
-    speed, effort = length[driving] / duration[driving], run.tractive_effort_n[driving]
+    moving = duration > 0
+    speed, effort = length[moving] / duration[moving], run.tractive_effort_n[moving]
     power = make_drive(parameters).electrical_power_w(effort, speed)
+    # an effort of rounding takes no power
+    driving = (effort > 0) & (power > 0)
     shaft = effort * speed * (1 + parameters.gear_loss_share)
-    return DrivingEfficiency(shaft / power, power * duration[driving])
+    return DrivingEfficiency(shaft[driving] / power[driving], (power * duration[moving])[driving])
 
 
 def metro_drive() -> Synchronous:

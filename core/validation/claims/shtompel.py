@@ -168,8 +168,8 @@ def time_without_train() -> Finding:
     whole, less = (distance / (40 * MS_PER_KMH) for distance in (length, length - train))
     return undecided(
         f"{whole:.1f} s over {length:.0f} m, {less:.1f} s less a train of {train:.0f} m",
-        f"X_tr is not defined. As the train's length it changes the time by {100 * train / length:.0f} %, more than the "
-        f"window of {100 * scenario.search.time_window:g} %; between stations a train moves over the whole distance.",
+        f"X_tr is not defined. As the train's length it changes the time by {100 * train / length:.0f} %, more than "
+        f"the window of {100 * scenario.search.time_window:g} %; between stations a train moves over all of it.",
     )
 
 
@@ -221,21 +221,21 @@ def near_best_efficiency(speed_kmh: int) -> Finding:
     return judge(
         f"{share:.0f} % of the traction energy in the optimum, {limits:.0f} % with set speeds",
         share > MAJORITY_PERCENT,
-        f"Within {NEAR_BEST_POINTS:g} points of the largest efficiency of the drive, {best:.3f}; the claim is taken for "
-        "more than half of the energy.",
+        f"Within {NEAR_BEST_POINTS:g} points of the largest efficiency of the drive, {best:.3f}; the claim is taken "
+        "for more than half of the energy.",
     )
 
 
 def partial_traction(speed_kmh: int) -> Finding:
     """Return how much of the traction energy is taken at full effort."""
     values = _values(near_full_effort())
+    quantity = "traction energy at full effort"
     best, limits = (
-        values[f"{speed_kmh} km/h, {case}", "traction energy at full effort"]
-        for case in ("optimum", "two sections, coast")
+        max(100 - values[f"{speed_kmh} km/h, {case}", quantity], 0.0) for case in ("optimum", "two sections, coast")
     )
     return judge(
-        f"{100 - best:.0f} % of the traction energy at partial effort in the optimum, {100 - limits:.0f} % with set speeds",
-        best > MAJORITY_PERCENT,
+        f"{best:.0f} % of the traction energy at partial effort in the optimum, {limits:.0f} % with set speeds",
+        best < MAJORITY_PERCENT,
         f"Full is above {100 * FULL_SHARE:g} % of the effort at that speed; the claim is taken for less than half.",
     )
 
@@ -293,8 +293,8 @@ def efficient_full_power() -> Finding:
     return judge(
         f"{full[middle]:.3f} at full power, {half[middle]:.3f} at half power at {speeds[middle] / MS_PER_KMH:.0f} km/h",
         bool(np.all(full > half)),
-        f"At each speed from {0.5 * top:.0f} to {top:.0f} km/h. In the slow run at 20 km/h this decides little: half the "
-        f"power needs {more:.2f} % more energy.",
+        f"At each speed from {0.5 * top:.0f} to {top:.0f} km/h. In the slow run at 20 km/h this decides little: half "
+        f"the power needs {more:.2f} % more energy.",
     )
 
 

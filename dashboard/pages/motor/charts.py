@@ -11,10 +11,12 @@ from railjoule.core.energy import share_above
 from railjoule.core.scenario import StrategyName
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.chart import Axis, add_zero, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
 from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Form, Line, RunLines, ends_of
 from railjoule.dashboard.look import words
@@ -25,6 +27,8 @@ from railjoule.dashboard.parts import html as parts
 NAMES_PX, BORDERS_PX = 22, 9
 """Room above the lines for their names; what a figure takes above and below its frame."""
 BAND_ALPHA = 0.16
+FLUX_LINES = {"efficiency": "accent", "power factor": "phases", "loss": "driven", "voltage": "limit"}
+"""Lines of the chart over the flux current, and their colours."""
 BEYOND_END = 0.02
 """Share of the way beyond its end, for the last number of the axis."""
 MS_PER_S = MM_PER_M = 1e3
@@ -232,6 +236,71 @@ class RippleChart(LoneChart):
         for name, curve in curves.items():
             self.put(name, **xy(*curve))
         self.set_ranges((0.0, float(time[-1])), nice_range(*ends_of(curves.values()), 0.1))
+
+
+class FluxChart(LoneChart):
+    """Cruise on level track over the flux current: efficiency, power factor, and voltage and loss as shares."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        caption = (
+            "Cruise, %: efficiency, power factor, voltage over its limit, loss over that at rated flux"
+        )
+        super().__init__("flux_sweep", caption, height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=5, x_title="Flux current of one motor, A")
+        for name, token in FLUX_LINES.items():
+            self.line(name, token, line_width=1.8)
+        self.glyphs("segment", "least", "x", "from", "x", "to", paint={"line_color": "ink3"}, line_dash=DRIVEN_DASH)
+        self.add_names(size=11)
+
+    def draw(self, sweep: FluxSweep) -> None:
+        """Draw the four lines, and the flux of minimum loss."""
+        current = sweep.values("flux_current_a")
+        lines = {
+            "efficiency": 100 * sweep.values("efficiency"),
+            "power factor": 100 * sweep.values("power_factor"),
+            "loss": 100 * sweep.values("loss_w") / sweep.rated.loss_w,
+            "voltage": 100 * sweep.values("phase_voltage_v") / sweep.max_phase_voltage_v,
+        }
+        for name, share in lines.items():
+            self.put(name, **xy(current, share))
+        top = nice_range(0.0, max(float(share.max()) for share in lines.values()))[1]
+        best = sweep.least_loss.flux_current_a
+        self.put("least", x=[best], **{"from": [0.0], "to": [top]})
+        self.set_ranges((float(current[0]), float(current[-1])), (0.0, top))
+        names = [Name(name, name, self.palette.tokens[token]) for name, token in FLUX_LINES.items()]
+        self.place_names({name: (current, share) for name, share in lines.items()}, names, [], size=11)
+
+
+def flux_table(sweep: FluxSweep) -> str:
+    """Return the numbers of three fluxes."""
+    points = {
+        "minimum loss": sweep.least_loss,
+        "maximum within the voltage": sweep.within_voltage,
+        "rated": sweep.rated,
+    }
+    rows = [
+        (
+            (
+                name,
+                words.number(point.flux_current_a),
+                words.number(point.phase_voltage_v, 0),
+                words.number(point.loss_w, 0),
+                words.number(100 * point.efficiency),
+                words.number(point.power_factor, 3),
+            ),
+            point is sweep.least_loss,
+        )
+        for name, point in points.items()
+    ]
+    title = (
+        f"One motor at {words.number(sweep.speed_ms / MS_PER_KMH)} km/h on level track, "
+        f"{words.number(sweep.effort_n / N_PER_KN, 2)} kN of the train, at most "
+        f"{words.number(sweep.max_phase_voltage_v, 0)} V"
+    )
+    return parts.inset(parts.table(title, ("Flux", "A", "V", "loss, W", "efficiency, %", "power factor"), rows))
 
 
 class DetuningChart(LoneChart):

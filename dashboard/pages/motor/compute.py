@@ -11,6 +11,7 @@ from railjoule.core import Scenario, SolverError, StrategyRefusedError, Timetabl
 from railjoule.core.arrays import frozen_array
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import CopperLoss, Induction
+from railjoule.core.simulate.actual_vehicle import actual_vehicle
 from railjoule.core.simulate.field_oriented import (
     FieldOrientedRun,
     Ripple,
@@ -19,8 +20,10 @@ from railjoule.core.simulate.field_oriented import (
 )
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
+from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
 from railjoule.core.studies.induction_map import induction_map, machine_points
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
+from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
 
@@ -219,6 +222,19 @@ def compute_ripple(request: RippleRequest) -> Ripple:
     return current_ripple(
         request.run, min(max(request.at_s, float(request.run.time_s[0])), float(request.run.time_s[-1]))
     )
+
+
+@dataclass(frozen=True)
+class FluxRequest:
+    """A scenario with the limits of its inverter, and a speed that the train holds on level track [km/h]."""
+
+    scenario: Scenario
+    speed_kmh: float
+
+
+def compute_flux_sweep(request: FluxRequest) -> FluxSweep:
+    """Compute losses, voltage, efficiency and power factor over the flux; errors as `sweep_flux`."""
+    return sweep_flux(actual_vehicle(request.scenario).vehicle, request.speed_kmh * MS_PER_KMH)
 
 
 def compute_detuning(request: LoopRequest) -> Iterator[DetuningTable]:

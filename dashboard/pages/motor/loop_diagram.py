@@ -52,7 +52,7 @@ BLOCKS: Mapping[str, Block] = {
         ("Current", "control"), "sets the voltages that produce flux and torque currents", ("loop_currents",)
     ),
     "inverter": Block(("Inverter",), "switches the DC-link voltage to the phases", ("loop_voltage", "ripple")),
-    "machine": Block(("Machine",), "turns currents into flux and torque", ("loop_energy", "machine_map")),
+    "machine": Block(("Machine",), "turns currents into flux and torque", ("loop_energy", "machine_map", "flux_sweep")),
     "load": Block(("Train", "and line"), "takes the torque and moves", ("loop_place",)),
     "flux_estimator": Block(
         ("Flux estimator",),

@@ -9,6 +9,7 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
+from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineMap, limit_changes, limits_of
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -16,6 +17,8 @@ from railjoule.dashboard.state.page_model import PageModel, result
 # the fields begin with the defaults of the file's own keys
 LOOP = SimulationOptions()
 FLUXES = ("constant", "least_loss")
+CRUISE_KMH = 44.0
+"""Speed of the flux chart where a scenario is opened: of the cruise that Rawicki prints, 12.26 m/s."""
 CONTROL_FIELDS = (
     "precompensator",
     "bandwidth_rads",
@@ -32,7 +35,7 @@ CONTROL_FIELDS = (
 class MotorModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
-    kept = (*CONTROL_FIELDS, "ripple_at_s")
+    kept = (*CONTROL_FIELDS, "ripple_at_s", "cruise_speed_kmh")
     passing = ("studying", "no_machine")
 
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
@@ -51,10 +54,15 @@ class MotorModel(TypedParameters, PageModel):
         "Ripple at t, s", "s", 1, default=20.0, bounds=(0.0, 86_400.0), softbounds=(0, 100), step=0.5
     )
 
+    cruise_speed_kmh = TypedNumber(
+        "Cruise speed, km/h", "km/h", 1, default=CRUISE_KMH, bounds=(1.0, 500.0), softbounds=(1, 100), step=1
+    )
+
     run = result(FieldOrientedRun, "The last good run.")
     rivals = result(LoopRivals, "Run to compare it with.")
     machine_map = result(MachineMap, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
+    flux_sweep = result(FluxSweep, "Cruise over the flux current.")
     detuning = result(DetuningTable, "The study so far.")
     studying = param.Boolean(default=False, doc="Whether the study of detuning is under way.")
     study = param.Event(doc="Start that study.")
@@ -74,6 +82,7 @@ class MotorModel(TypedParameters, PageModel):
             noise_seed=options.noise_seed,
             max_phase_voltage_v=None if limits is None else limits.max_phase_voltage_v,
             max_current_a=None if limits is None else limits.max_current_a,
+            cruise_speed_kmh=min(CRUISE_KMH, scenario.vehicle.traction.max_speed_kmh),
         )
 
     @property

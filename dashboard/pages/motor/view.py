@@ -25,10 +25,12 @@ from railjoule.dashboard.pages.motor.charts import (
     TRACKING_FINE,
     VOLTAGE,
     DetuningChart,
+    FluxChart,
     LoopChart,
     LoopDistanceChart,
     RippleChart,
     detuning_table,
+    flux_table,
     length,
 )
 from railjoule.dashboard.pages.motor.compute import MACHINE_SCENARIO
@@ -52,6 +54,7 @@ HEIGHTS = {
     "rival_energy": (170, 200, 160),
     "machine_map": (290, 340, 270),
     "ripple": (190, 220, 180),
+    "flux_sweep": (220, 260, 210),
     "detuning": (190, 220, 180),
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
@@ -90,8 +93,8 @@ class MotorView(PageView):
         """Make the pieces of the page, and return them laid out."""
         state, palette = self.state, self.palette
         self.model = state.motor
-        self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs = (
-            parts.html_pane() for _ in range(6)
+        self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs, self.fluxes = (
+            parts.html_pane() for _ in range(7)
         )
         self.diagram = LoopDiagram()
         self.axis = Axis(palette)
@@ -114,8 +117,10 @@ class MotorView(PageView):
         self.over_distance = LoopDistanceChart(HEIGHTS["loop_place"][0], palette)
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
+        self.flux_sweep = FluxChart(HEIGHTS["flux_sweep"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
         self.at = NumberField(self.model, "ripple_at_s")
+        self.cruise = NumberField(self.model, "cruise_speed_kmh", check=self._within_top_speed)
         self.open = pmui.Button(
             label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
             variant="outlined",
@@ -148,6 +153,7 @@ class MotorView(PageView):
         self.shows(self._show_rivals, (self.model, ["rivals"]))
         self.shows(self._show_map, (self.model, ["machine_map"]))
         self.shows(self._show_ripple, (self.model, ["ripple"]))
+        self.shows(self._show_flux_sweep, (self.model, ["flux_sweep"]))
         self.shows(self._show_detuning, (self.model, ["detuning", "studying"]))
         return parts.stack(self.heading, self.missing, self.message, self.body)
 
@@ -161,6 +167,9 @@ class MotorView(PageView):
             self.map.host,
             self.ripple.host,
             self.at,
+            self.flux_sweep.host,
+            self.cruise,
+            self.fluxes,
             css=COLUMN_CSS,
         )
         diagram = parts.stack(self.diagram, css=DIAGRAM_CSS)
@@ -178,7 +187,7 @@ class MotorView(PageView):
     @property
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page."""
-        return *self.loops.values(), self.over_distance, self.map, self.ripple, self.detuning
+        return *self.loops.values(), self.over_distance, self.map, self.ripple, self.flux_sweep, self.detuning
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
@@ -198,6 +207,7 @@ class MotorView(PageView):
             return
         self.axis.fit(float(run.time_s[-1]), roomy=False)
         self.at.set_ends((0.0, float(run.time_s[-1])))
+        self.cruise.set_ends((1.0, run.scenario.vehicle.traction.max_speed_kmh))
         for name in OF_RUN:
             self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
         self.over_distance.show(partial(self.over_distance.draw, run))
@@ -232,6 +242,20 @@ class MotorView(PageView):
         self.ripple.host.visible = ripple is not None or self.model.failure is None
         if ripple is not None:
             self.ripple.show(partial(self.ripple.draw, ripple))
+
+    def _within_top_speed(self, speed_kmh: float) -> float:
+        """Return a speed that was typed; raises ValueError beyond the maximum speed of the vehicle."""
+        top = self.state.scenario.scenario().vehicle.traction.max_speed_kmh
+        if speed_kmh > top:
+            raise ValueError(f"At most {top:g}, the maximum speed of the vehicle.")
+        return speed_kmh
+
+    def _show_flux_sweep(self) -> None:
+        sweep = self.model.flux_sweep
+        self.flux_sweep.host.visible = self.fluxes.visible = sweep is not None or self.model.failure is None
+        if sweep is not None:
+            self.fluxes.object = flux_table(sweep)
+            self.flux_sweep.show(partial(self.flux_sweep.draw, sweep))
 
     def _show_detuning(self) -> None:
         table, studying = self.model.detuning, self.model.studying

@@ -5,13 +5,16 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.simulate.field_oriented import Ripple
 from railjoule.core.studies.detuning import DetuningTable
+from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.dashboard.pages.motor.compute import (
+    FluxRequest,
     LoopRequest,
     LoopRivals,
     LoopRun,
     MachineMap,
     RippleRequest,
     compute_detuning,
+    compute_flux_sweep,
     compute_loop_run,
     compute_machine_map,
     compute_ripple,
@@ -44,6 +47,7 @@ class Motor(PageWork[MotorModel]):
         self.rivals = self.worker(compute_rivals, self._take_rivals)
         self.map = self.worker(compute_machine_map, self._take_map)
         self.ripple = self.worker(compute_ripple, self._take_ripple, self._take_no_ripple)
+        self.flux = self.worker(compute_flux_sweep, self._take_flux, self._take_no_flux)
         self.detuning = self.study(compute_detuning, self._take_detuning)
         self._taken: Any = None
         state.scenario.param.watch(self._take_edits, "edits")
@@ -52,6 +56,7 @@ class Motor(PageWork[MotorModel]):
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, list(CONTROL_FIELDS))
         self.model.param.watch(self._ask_ripple, "ripple_at_s")
+        self.model.param.watch(self._ask_flux, "cruise_speed_kmh")
         self.model.param.watch(self._study, "study")
         self.model.param.watch(self._stop, "stop_study")
         self.forget()
@@ -61,7 +66,8 @@ class Motor(PageWork[MotorModel]):
         super().forget()
         with self.quiet():
             self._stop()
-            self.model.param.update(run=None, rivals=None, machine_map=None, ripple=None, detuning=None, failure=None)
+            results = ("run", "rivals", "machine_map", "ripple", "flux_sweep", "detuning", "failure")
+            self.model.param.update(**dict.fromkeys(results))
             self._take(self.state.scenario.base)
 
     def _take_edits(self, *_: Any) -> None:
@@ -99,10 +105,15 @@ class Motor(PageWork[MotorModel]):
         self.rivals.ask(loop)
         self.map.ask(loop.run)
         self._ask_ripple()
+        self._ask_flux()
 
     def _ask_ripple(self, *_: Any) -> None:
         if self.model.run is not None and not self._quiet:
             self.ripple.ask(RippleRequest(self.model.run, float(self.model.ripple_at_s)))
+
+    def _ask_flux(self, *_: Any) -> None:
+        if self.model.run is not None and not self._quiet:
+            self.flux.ask(FluxRequest(self.model.run.scenario, float(self.model.cruise_speed_kmh)))
 
     def _study(self, *_: Any) -> None:
         if not self.model.no_machine:
@@ -128,6 +139,13 @@ class Motor(PageWork[MotorModel]):
 
     def _take_no_ripple(self, failure: RailjouleError) -> None:
         self.model.param.update(ripple=None, failure=failure)
+
+    def _take_flux(self, sweep: FluxSweep) -> None:
+        if self.model.run is not None:
+            self.model.flux_sweep = sweep
+
+    def _take_no_flux(self, failure: RailjouleError) -> None:
+        self.model.param.update(flux_sweep=None, failure=failure)
 
     def _take_detuning(self, table: DetuningTable, last: bool) -> None:
         self.model.param.update(detuning=table, studying=not last)

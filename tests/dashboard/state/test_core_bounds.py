@@ -119,6 +119,7 @@ NO_SINGLE_KEY = {
     *("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m"),
     # what the page shows, which no file has
     "ripple_at_s",
+    "cruise_speed_kmh",
     "begins_at_m",
     *("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent"),
     # an entry of a list of the file, held to the vehicle's speed, and how many there are

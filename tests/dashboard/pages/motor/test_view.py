@@ -67,6 +67,27 @@ def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     assert "plan" not in at_motors
 
 
+def test_the_cruise_is_drawn_over_the_flux(view: MotorView) -> None:
+    view.model.cruise_speed_kmh = 60.0
+    sweep = view.model.flux_sweep
+    assert sweep.speed_ms == pytest.approx(60 / 3.6)
+    drawn = {name: source.data for name, source in view.flux_sweep.sources.items()}
+    current, factor = (drawn["power factor"][axis] for axis in "xy")
+    assert current[-1] == pytest.approx(sweep.rated.flux_current_a)
+    assert factor[-1] == pytest.approx(100 * sweep.rated.power_factor)
+    assert drawn["loss"]["y"][-1] == pytest.approx(100.0)
+    assert f"{sweep.least_loss.power_factor:.3f}" in view.fluxes.object
+    view.cruise.type("1000")
+    assert view.cruise.refusal.startswith("At most ")
+    assert view.model.cruise_speed_kmh == 60.0
+
+
+def test_a_constant_flux_is_named_beside_a_plan_of_minimum_loss() -> None:
+    run = simulate_field_oriented(load_scenario("tram-950m").with_(**{"simulation.kind": "field_oriented"}))
+    sentence = "The control keeps the maximum flux that the voltage allows; the plan assumes the flux of minimum loss."
+    assert sentence in run.notes
+
+
 def test_the_study_shows_what_came(view: MotorView) -> None:
     assert not view.detuning.host.visible
     empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
