@@ -211,9 +211,11 @@ class TradeOffView(PageView):
             )
         ]
 
+        coefficients, time = trade_off.coefficients, run.travel_time_s
+
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
-            # two even ramps with a cruise between: length = peak speed x (time - one ramp)
-            peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
+            assert coefficients is not None
+            peak = float(coefficients.cruise_speed_ms(time, ramp)) / MS_PER_KMH
             cells = (
                 parts.swatch("enoc") + name,
                 words.energy(energy),
@@ -223,7 +225,6 @@ class TradeOffView(PageView):
             )
             return cells, False
 
-        coefficients, time = trade_off.coefficients, run.travel_time_s
         if coefficients is not None and now is not None:
             best = best_acceleration_time(coefficients, time)
             rows.append(enoc_row("ENOC, best", best, best_enoc_kwh(trade_off, time)))
