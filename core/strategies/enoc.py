@@ -23,7 +23,7 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
-# The imaginary part of a real root, over the travel time: numpy's eigenvalues of a companion matrix are good to 1e-12
+# The imaginary part of a real root, over the root: numpy's eigenvalues of a companion matrix are good to 1e-12
 NO_IMAGINARY_PART = 1e-9
 
 
@@ -139,12 +139,13 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
         between = (2 / 3 * k.ks + 2 / 5 * k.k3 * d2) * ramp**2 - k.k1
         by_peak = 0.5 * k.k5 * s * t * rest + 2 / 5 * k.k3 * s**2 * (ramp + t)
         slope = s**2 * slope + d2 * rest**2 * (rest**3 * between + ramp**2 * by_peak)
-    roots = slope.roots
+    # the inverses of the roots, as the last coefficient is never small beside the others and the first ones may be
+    inverse = np.roots(slope.coeffs[::-1])
     # a real root comes out with an imaginary part of its rounding
-    real = roots[np.abs(roots.imag) < NO_IMAGINARY_PART * t].real
+    real = inverse.real[np.abs(inverse.imag) < NO_IMAGINARY_PART * np.abs(inverse)]
     # beyond half of the travel time the ramps would overlap; there the triangle is the border
     longest = k.longest_acceleration_s(t)
-    candidates = np.append(real[(real > 0) & (real < longest)], longest)
+    candidates = np.append(1 / real[real > 1 / longest], longest)
     return float(candidates[np.argmin(enoc_energy(k, t, candidates))])
 
 
