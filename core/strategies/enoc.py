@@ -13,8 +13,10 @@ ramps has a further 2/3 d^2 Te for n = 2, 1/2 d^2 u Te for n = 3 and 2/5 d^2 (u^
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Polynomial
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import Value
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import build_course
 from railjoule.core.motion.mesh import with_nodes_at
@@ -48,16 +50,17 @@ class EnocCoefficients:
     kinetic_j: float
     """Change of kinetic energy and the part of the copper loss that grows with effort times acceleration [J]."""
 
-    def relative_distance_m(self, travel_time_s: FloatArray | float) -> FloatArray | float:
+    def relative_distance_m(self, travel_time_s: Value) -> Value:
         """Compute the distance beyond that at the mean of the end speeds, S - w T [m]."""
-        return self.distance_m - self.mean_end_ms * travel_time_s
+        distance: Value = self.distance_m - self.mean_end_ms * travel_time_s
+        return distance
 
-    def cruise_speed_ms(
-        self, travel_time_s: FloatArray | float, acceleration_time_s: FloatArray | float
-    ) -> FloatArray | float:
+    def cruise_speed_ms(self, travel_time_s: Value, acceleration_time_s: Value) -> Value:
         """Compute the speed between both ramps [m/s]."""
-        relative = self.relative_distance_m(travel_time_s) / (travel_time_s - acceleration_time_s)
-        return self.mean_end_ms + relative
+        speed: Value = self.mean_end_ms + self.relative_distance_m(travel_time_s) / (
+            travel_time_s - acceleration_time_s
+        )
+        return speed
 
     def longest_acceleration_s(self, travel_time_s: float) -> float:
         """Compute the longest ramp that neither overlaps the other nor needs a cruise that rolls back [s]."""
@@ -111,7 +114,8 @@ def enoc_energy(
     by_cube = k.k5 * (time - 3 / 2 * ramp)
     varying: FloatArray = peak * peak * (by_square + peak * (by_cube + by_fourth))
     between = k.k1 / ramp + (2 / 3 * k.ks + k.k5 * peak / 2 + 2 / 5 * k.k3 * (peak**2 + d2)) * ramp
-    return varying + (k.ka * time + k.k6_and_constant * distance) + d2 * between + k.kinetic_j
+    energy: FloatArray = varying + (k.ka * time + k.k6_and_constant * distance) + d2 * between + k.kinetic_j
+    return energy
 
 
 def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float) -> float:
@@ -125,22 +129,23 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
     """
     k, t, d2 = coefficients, travel_time_s, coefficients.half_difference_ms**2
     s = k.relative_distance_m(t)
-    quintic = [
-        -4 / 3 * k.ks,
-        10 / 3 * k.ks * t + 3 * k.k5 * s,
-        3 * k.k1 - 8 / 3 * k.ks * t**2 - 9 / 2 * k.k5 * s * t - 24 / 5 * k.k3 * s**2,
-        -7 * k.k1 * t + 2 / 3 * k.ks * t**3 + 3 / 2 * k.k5 * s * t**2 + 12 / 5 * k.k3 * s**2 * t,
-        5 * k.k1 * t**2,
-        -k.k1 * t**3,
-    ]
-    slope = np.poly1d(quintic)
+    slope = Polynomial(
+        [
+            -k.k1 * t**3,
+            5 * k.k1 * t**2,
+            -7 * k.k1 * t + 2 / 3 * k.ks * t**3 + 3 / 2 * k.k5 * s * t**2 + 12 / 5 * k.k3 * s**2 * t,
+            3 * k.k1 - 8 / 3 * k.ks * t**2 - 9 / 2 * k.k5 * s * t - 24 / 5 * k.k3 * s**2,
+            10 / 3 * k.ks * t + 3 * k.k5 * s,
+            -4 / 3 * k.ks,
+        ]
+    )
     if d2 > 0:
-        ramp, rest = np.poly1d([1, 0]), np.poly1d([-1, t])
+        ramp, rest = Polynomial([0, 1]), Polynomial([t, -1])
         between = (2 / 3 * k.ks + 2 / 5 * k.k3 * d2) * ramp**2 - k.k1
         by_peak = 0.5 * k.k5 * s * t * rest + 2 / 5 * k.k3 * s**2 * (ramp + t)
         slope = s**2 * slope + d2 * rest**2 * (rest**3 * between + ramp**2 * by_peak)
-    # the inverses of the roots, as the last coefficient is never small beside the others and the first ones may be
-    inverse = np.roots(slope.coeffs[::-1])
+    # the inverses of the roots, by the coefficients in reverse: the constant one is never small beside the others
+    inverse = np.roots(slope.coef)
     # a real root comes out with an imaginary part of its rounding
     real = inverse.real[np.abs(inverse.imag) < NO_IMAGINARY_PART * np.abs(inverse)]
     # beyond half of the travel time the ramps would overlap; there the triangle is the border
@@ -150,8 +155,8 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
 
 
 def acceleration_time_for_peak(coefficients: EnocCoefficients, travel_time_s: float, peak_speed_ms: float) -> float:
-    """Return the acceleration time [s] that gives a peak speed [m/s], (15); both ends at rest."""
-    return travel_time_s - coefficients.distance_m / peak_speed_ms
+    """Return the acceleration time [s] that gives a cruising speed [m/s], (15)."""
+    return travel_time_s - coefficients.relative_distance_m(travel_time_s) / (peak_speed_ms - coefficients.mean_end_ms)
 
 
 def enoc_surface(

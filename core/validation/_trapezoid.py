@@ -30,7 +30,7 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
     )
     columns = []
     # part by part, as the effort jumps at the corners and Simpson across a jump would be of first order
-    start, place, energy, shaft = 0.0, 0.0, 0.0, 0.0
+    start_s, start_m, start_j, shaft = 0.0, 0.0, 0.0, 0.0
     for duration_s, start_ms, acceleration_ms2 in parts:
         if duration_s <= 0:  # a triangle has no cruise
             continue
@@ -39,9 +39,11 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
         resistance = line.resistance_n(speed)
         effort = line.inertia_kg * acceleration_ms2 + resistance
         power = effort * speed + line.loss_coefficient * effort**2
-        energies = energy + cumulative_simpson(power, x=time, initial=0)
-        places = place + (start_ms + 0.5 * acceleration_ms2 * time) * time
-        columns.append((start + time, places, speed, np.full_like(time, acceleration_ms2), effort, energies))
-        start, place, energy = start + duration_s, float(places[-1]), float(energies[-1])
+        energies = start_j + cumulative_simpson(power, x=time, initial=0)
+        places = start_m + (start_ms + 0.5 * acceleration_ms2 * time) * time
+        columns.append((start_s + time, places, speed, np.full_like(time, acceleration_ms2), effort, energies))
+        start_s, start_m, start_j = start_s + duration_s, float(places[-1]), float(energies[-1])
         shaft += float(cumulative_simpson(resistance * speed, x=time)[-1])
-    return SampledRun(*(frozen_array(np.concatenate(column)) for column in zip(*columns, strict=True)), shaft)
+    joined = (frozen_array(np.concatenate(column)) for column in zip(*columns, strict=True))
+    time, place, speed, accelerations, effort, energies = joined
+    return SampledRun(time, place, speed, accelerations, effort, energies, shaft)

@@ -27,7 +27,12 @@ from railjoule.core.validation._ftorek_rows import (
     as_if_heavier,
     printed_row,
 )
-from railjoule.core.validation._ftorek_runs import (
+from railjoule.core.validation.claim import list_claims
+from railjoule.core.validation.claims.ftorek import EXAMINATIONS
+from railjoule.core.validation.figures.ftorek import FIGURES
+from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
+from railjoule.core.validation.ftorek_nameplate import nameplate
+from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     TABLE_3_COPPER_WEIGHT,
     amperes_per_newton,
@@ -41,11 +46,6 @@ from railjoule.core.validation._ftorek_runs import (
     surface_minimum,
     table_change_percent,
 )
-from railjoule.core.validation.claim import list_claims
-from railjoule.core.validation.claims.ftorek import EXAMINATIONS
-from railjoule.core.validation.figures.ftorek import FIGURES
-from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
-from railjoule.core.validation.ftorek_nameplate import nameplate
 from railjoule.core.validation.papers import citation, errata
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 

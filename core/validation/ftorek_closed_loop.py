@@ -23,7 +23,7 @@ from railjoule.core.validation._ftorek_rows import (
     as_if_heavier,
     printed_row,
 )
-from railjoule.core.validation._ftorek_runs import closed_loop_run
+from railjoule.core.validation.ftorek_runs import closed_loop_run
 from railjoule.core.validation.table import Row, Table
 
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."

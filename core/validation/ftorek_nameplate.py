@@ -15,7 +15,7 @@ from railjoule.core.drive.induction.traction import TractionMachines, traction_m
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, W_PER_KW
 from railjoule.core.validation._ftorek_rows import TABLE_2
-from railjoule.core.validation._ftorek_runs import paper
+from railjoule.core.validation.ftorek_runs import paper
 from railjoule.core.validation.table import Row, Table
 
 TABLE_A1 = "Table A1"

@@ -15,7 +15,8 @@ from railjoule.core.strategies.enoc import (
     enoc_energy,
 )
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation._ftorek_runs import (
+from railjoule.core.validation.claim import Examinations, Finding, judge, undecided
+from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     CHANGES,
     amperes_per_newton,
@@ -30,7 +31,6 @@ from railjoule.core.validation._ftorek_runs import (
     surface_minimum,
     table_change_percent,
 )
-from railjoule.core.validation.claim import Examinations, Finding, judge, undecided
 from railjoule.core.validation.table import CLOSE_PERCENT
 
 STRATEGIES = ("eoc", "enoc")
@@ -81,8 +81,9 @@ def lowest_speed() -> Finding:
     """Examine whether a longer time, and so a lower speed, always saves energy."""
     energies = _least_energies(enoc_coefficients(paper_line()))
     longest, _ = surface_minimum(enoc_coefficients(paper_line()))
+    share = 100 * (1 - np.min(energies) / energies[0])
     return judge(
-        f"less energy up to {longest:,.0f} s, with {100 * (1 - np.min(energies) / energies[0]):.0f} % less than in 270 s",
+        f"less energy up to {longest:,.0f} s ({share:.0f} % below 270 s)",
         longest > max(TIMES_S),
         "ENOC with its best acceleration times. Beyond, the copper loss of the effort against constant friction grows "
         "with time, and the rise is slow.",

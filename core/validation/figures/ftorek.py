@@ -11,7 +11,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import SampledRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation._ftorek_runs import (
+from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
+from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     TABLE_3_COPPER_WEIGHT,
     amperes_per_newton,
@@ -21,7 +22,6 @@ from railjoule.core.validation._ftorek_runs import (
     printed_entry,
     printed_run,
 )
-from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
 
 TIMES_S = (270, 300, 330)
 NAMES = {"eoc": "EOC as printed", "enoc": "ENOC with the ramps of (15)"}
@@ -33,6 +33,8 @@ NOTES = {
     "enoc": f"Speeds and currents agree within 0.1 %, energies within 0.3 %. The plan is drawn. {OWN_RAMP}",
 }
 POINTS_A_LINE = 401
+Curve = Callable[[SampledRun], tuple[FloatArray, FloatArray]]
+"""What a panel shows of a run, x and y."""
 
 
 def speed_figure() -> FigureData:
@@ -78,9 +80,6 @@ def run_figure(strategy: str) -> FigureData:
     return FigureData(tuple(_run_panel(strategy, *panel) for panel in panels), NOTES[strategy])
 
 
-Curve = Callable[[SampledRun], tuple[FloatArray, FloatArray]]
-
-
 def _run_panel(strategy: str, x_title: str, y_title: str, curve: Curve, keys: tuple[str, ...]) -> Panel:
     lines = [_line(f"{time} s", *curve(printed_run(paper_line(), strategy, time))) for time in TIMES_S]
     if keys:
@@ -93,7 +92,8 @@ def _extremes(strategy: str, curve: Curve, keys: tuple[str, ...]) -> Line:
     points = []
     for time in TIMES_S:
         x, y = curve(printed_run(paper_line(), strategy, time))
-        places = {"max": np.argmax(y), "min": np.argmin(y), "peak": np.argmax(y), "total": len(y) - 1}
+        highest = int(np.argmax(y))
+        places = {"max": highest, "min": int(np.argmin(y)), "peak": highest, "total": len(y) - 1}
         points += [(x[places[key.partition("_")[0]]], printed_entry(strategy, time)[key]) for key in keys]
     x, y = np.transpose(points)
     return Line(PRINTED, x, y, is_printed=True)

@@ -9,7 +9,7 @@ from panel.viewable import Viewable
 from railjoule.core import Trajectory
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
+from railjoule.core.validation.ftorek_runs import TABLE_3_COPPER_WEIGHT
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.tokens import NARROW_PX
