@@ -11,17 +11,16 @@ p' = -dH/dv, of the Hamiltonian H = h F^2 + R(v) v + q v + p v' with R = A + B v
 work of drag in the cost. The printed results come out only without it: that is the variant `as_printed`.
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import SolverError
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.resistance import resistance_slope
-from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
+from railjoule.core.strategies.plain_line import PlainLine, SampledRun, check_feasible, plain_line
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -32,47 +31,21 @@ TOLERANCE = 1e-8
 FIRST_NODES, MOST_NODES = 101, 50_000
 # Samples of the solution, on which Simpson's rule gives energies to 2e-12; 401 samples to 2e-8
 SAMPLES = 4001
+# A scaling of the speeds between moving ends leaves the share of the time in the first and the last cell of its error
+SCALINGS = 3
+# Beyond, the mesh does not resolve the run: 5 m leave 1e-5 of runs between stops
+MOST_SCALED = 0.01
+# Share of the mean speed below which a speed is rest: rounding of the solution leaves 1e-9 of it
+SAME_SPEED = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class EocSolution:
-    """The solution of the boundary value problem over time, arrays of shape (m,).
-
-    Parameters
-    ----------
-    time_s, position_m, speed_ms, effort_n : array
-        Samples of the run.
-    energy_j : array
-        Energy taken so far, copper loss and work at the shaft [J].
-    shaft_energy_j : float
-        Work at the shaft over the whole run [J].
-    """
-
-    time_s: FloatArray
-    position_m: FloatArray
-    speed_ms: FloatArray
-    effort_n: FloatArray
-    energy_j: FloatArray
-    shaft_energy_j: float
-
-    @property
-    def total_energy_j(self) -> float:
-        """Energy of the whole run, all braking energy returned [J]."""
-        return float(self.energy_j[-1])
-
-    @property
-    def peak_energy_j(self) -> float:
-        """Most energy taken at any time [J]."""
-        return float(np.max(self.energy_j))
-
-
-def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal") -> EocSolution:
+def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal") -> SampledRun:
     """Return the energy optimal control of a plain line.
 
     Parameters
     ----------
     line : PlainLine
-        Length, inertia, resistance and copper loss.
+        Length, inertia, resistance, copper loss and speeds at the ends.
     travel_time_s : float
         Time of the run [s].
     variant : str
@@ -82,11 +55,14 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     ------
     SolverError
         If the boundary value solver does not converge.
+    StrategyRefusedError
+        If the optimum rolls back: the travel time is too long for moving ends.
     """
     m, h, b, c = line.inertia_kg, line.loss_coefficient, line.linear, line.quadratic
     # in units of distance, travel time and mean speed all unknowns are about 1, as the solver's tolerance wants them
     mean = line.distance_m / travel_time_s
     unit = m * mean / travel_time_s
+    first, last = line.initial_speed_ms / mean, line.final_speed_ms / mean
     drag_work = 3 * c if variant == "optimal" else 0.0
     price_unit = 2 * h * m * unit / travel_time_s + (b + c * mean) * mean
 
@@ -99,11 +75,12 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
         return np.vstack([y[1], acceleration * travel_time_s / mean, effort_rate * travel_time_s / unit])
 
     def end_conditions(start: FloatArray, end: FloatArray, _: FloatArray) -> FloatArray:
-        return np.array([start[0], start[1], end[0] - 1, end[1]])
+        return np.array([start[0], start[1] - first, end[0] - 1, end[1] - last])
 
     grid = np.linspace(0, 1, FIRST_NODES)
     # the parabola of speed, which is the solution without resistance
-    guess = np.vstack([grid**2 * (3 - 2 * grid), 6 * grid * (1 - grid), 6 - 12 * grid])
+    parabola = scipy.interpolate.CubicHermiteSpline([0, 1], [0, 1], [first, last])
+    guess = np.vstack([parabola(grid, order) for order in range(3)])
     solution = scipy.integrate.solve_bvp(
         derivatives, end_conditions, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MOST_NODES
     )
@@ -112,32 +89,37 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     fine = np.linspace(0, 1, SAMPLES)
     y = solution.sol(fine)
     time, speed, effort = fine * travel_time_s, mean * y[1], unit * y[2]
-    shaft = line.resistance_n(speed) * speed
+    if np.min(speed) < -SAME_SPEED * mean:
+        raise StrategyRefusedError(
+            f"needs less time: within {travel_time_s:.1f} s its optimum between these speeds of the ends rolls back."
+        )
+    resistance = line.resistance_n(speed)
+    shaft = resistance * speed
     kinetic = 0.5 * m * (speed**2 - speed[0] ** 2)
     losses = scipy.integrate.cumulative_simpson(h * effort**2 + shaft, x=time, initial=0)
-    return EocSolution(
+    return SampledRun(
         time_s=frozen_array(time),
         position_m=frozen_array(line.distance_m * y[0]),
         speed_ms=frozen_array(speed),
+        acceleration_ms2=frozen_array((effort - resistance) / m),
         effort_n=frozen_array(effort),
         energy_j=frozen_array(losses + kinetic),
         shaft_energy_j=float(scipy.integrate.cumulative_simpson(shaft, x=time)[-1]),
     )
 
 
-def speed2_at(solution: EocSolution, line: PlainLine, position_m: FloatArray) -> FloatArray:
+def speed2_at(solution: SampledRun, line: PlainLine, position_m: FloatArray) -> FloatArray:
     """Return the squares of speed [m2/s2] at places [m], by cubics that meet value and derivative at each sample.
 
     The derivative of v^2 over distance is 2 dv/dt, finite even at rest, where that of speed is not.
     """
     v = solution.speed_ms
-    acceleration = (solution.effort_n - line.resistance_n(v)) / line.inertia_kg
     place = solution.position_m
     # two samples at rest may share a place
     rising = np.append(True, np.diff(np.maximum.accumulate(place)) > 0)
-    curve = scipy.interpolate.CubicHermiteSpline(place[rising], v[rising] ** 2, 2 * acceleration[rising])
+    curve = scipy.interpolate.CubicHermiteSpline(place[rising], v[rising] ** 2, 2 * solution.acceleration_ms2[rising])
     speed2: FloatArray = np.maximum(curve(np.clip(position_m, 0, place[rising][-1])), 0.0)
-    speed2[[0, -1]] = 0.0
+    speed2[[0, -1]] = line.initial_speed_ms**2, line.final_speed_ms**2
     return speed2
 
 
@@ -158,9 +140,12 @@ def eoc(task: Task) -> Trajectory:
     variant = task.scenario.eoc.variant
     solution = solve_eoc(line, task.running_time_s, variant)
     speed2 = speed2_at(solution, line, task.course.position_m)
-    time = running_time(task.course.data.cell_length_m, speed2)
     # between the nodes of the mesh the run is a polygon of speed squared: keep its time, not its samples
-    speed2 *= (time / task.running_time_s) ** 2
+    for _ in range(SCALINGS):
+        factor = running_time(task.course.data.cell_length_m, speed2) / task.running_time_s
+        if abs(factor - 1) > MOST_SCALED:
+            raise StrategyRefusedError("needs less time, or a shorter solver.mesh_m, as it all but stands on its way.")
+        speed2[1:-1] *= factor**2
     check_feasible(task.course, speed2)
     notes = line.notes
     if variant == "as_printed":

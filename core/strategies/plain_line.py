@@ -42,6 +42,8 @@ class PlainLine:
         Copper loss over effort squared [W/N2].
     notes : tuple of str
         What was simplified.
+    initial_speed_ms, final_speed_ms : float
+        Speeds at the ends [m/s], omega_0 and omega_m of (10).
     """
 
     distance_m: float
@@ -51,6 +53,8 @@ class PlainLine:
     quadratic: float
     loss_coefficient: float
     notes: tuple[str, ...]
+    initial_speed_ms: float = 0.0
+    final_speed_ms: float = 0.0
 
     def resistance_n(self, speed_ms: FloatArray) -> FloatArray:
         """Return what resists at speeds [m/s], line included [N]; shape as the argument's."""
@@ -63,15 +67,13 @@ def plain_line(task: Task) -> PlainLine:
     Raises
     ------
     StrategyRefusedError
-        If the run has planned stops, passing points, neutral sections, moving ends or a lower limit than the vehicle's,
-        or the drive no copper loss.
+        If the run has planned stops, passing points, neutral sections or a lower limit than the vehicle's, or the drive
+        no copper loss.
     """
     course, scenario = task.course, task.scenario
     data = course.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
-    if data.fixed_speed2[0] > 0 or data.fixed_speed2[-1] > 0:
-        raise StrategyRefusedError("needs a run that starts and ends at rest.")
     require_no_passing_points(task)
     require_no_neutral_sections(task)
     if np.min(plain_limits_ms(course)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME):
@@ -95,7 +97,42 @@ def plain_line(task: Task) -> PlainLine:
         quadratic=float(data.resistance_quadratic[0]),
         loss_coefficient=float(data.drive_parameters[0]),
         notes=tuple(notes),
+        initial_speed_ms=task.end_speeds_ms[0],
+        final_speed_ms=task.end_speeds_ms[1],
     )
+
+
+@dataclass(frozen=True, eq=False)
+class SampledRun:
+    """A run over a plain line as samples over time, arrays of shape (m,).
+
+    Parameters
+    ----------
+    time_s, position_m, speed_ms, acceleration_ms2, effort_n : array
+        Samples of the run; a jump of the effort is two samples at one time.
+    energy_j : array
+        Energy taken so far, copper loss and work at the shaft [J].
+    shaft_energy_j : float
+        Work against resistance over the whole run [J].
+    """
+
+    time_s: FloatArray
+    position_m: FloatArray
+    speed_ms: FloatArray
+    acceleration_ms2: FloatArray
+    effort_n: FloatArray
+    energy_j: FloatArray
+    shaft_energy_j: float
+
+    @property
+    def total_energy_j(self) -> float:
+        """Energy of the whole run, all braking energy returned [J]."""
+        return float(self.energy_j[-1])
+
+    @property
+    def peak_energy_j(self) -> float:
+        """Most energy taken at any time [J]."""
+        return float(np.max(self.energy_j))
 
 
 def plain_limits_ms(course: Course) -> FloatArray:

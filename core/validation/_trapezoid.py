@@ -1,42 +1,18 @@
 """A trapezoidal run sampled over time: the extremes of current and energy that (12) does not give."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.integrate import cumulative_simpson
 
-from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.strategies.plain_line import PlainLine
+from railjoule.core.arrays import frozen_array
+from railjoule.core.strategies.plain_line import PlainLine, SampledRun
 
 # The power is a polynomial of fourth degree in time, which Simpson integrates with an error of the fourth power of the
 # step: 1001 samples are far below the printed digits, and place the extremes to a thousandth of a part.
 SAMPLES_A_PART = 1001
 
 
-@dataclass(frozen=True, eq=False)
-class Trapezoid:
-    """A run with two equal ramps and a cruise between them; arrays of shape (m,).
-
-    Parameters
-    ----------
-    effort_n : array
-        Effort at the wheels [N], its jumps at the corners as two samples.
-    energy_j : array
-        Energy taken so far, copper loss and work at the shaft [J].
-    shaft_energy_j : float
-        Work against resistance over the whole run [J].
-    peak_speed_ms : float
-        Speed of the cruise [m/s].
-    """
-
-    effort_n: FloatArray
-    energy_j: FloatArray
-    shaft_energy_j: float
-    peak_speed_ms: float
-
-
-def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s: float) -> Trapezoid:
-    """Return ENOC's run over a plain line, Ftorek et al. 2025, Figure 2 and (11).
+def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s: float) -> SampledRun:
+    """Return ENOC's run between rest and rest, Ftorek et al. 2025, Figure 2 and (11).
 
     Parameters
     ----------
@@ -52,9 +28,9 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
         (travel_time_s - 2 * acceleration_time_s, peak, 0.0),
         (acceleration_time_s, peak, -ramp_ms2),
     )
-    efforts, energies = [], []
+    columns = []
     # part by part, as the effort jumps at the corners and Simpson across a jump would be of first order
-    energy, shaft = 0.0, 0.0
+    start_s, start_m, start_j, shaft = 0.0, 0.0, 0.0, 0.0
     for duration_s, start_ms, acceleration_ms2 in parts:
         if duration_s <= 0:  # a triangle has no cruise
             continue
@@ -63,13 +39,11 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
         resistance = line.resistance_n(speed)
         effort = line.inertia_kg * acceleration_ms2 + resistance
         power = effort * speed + line.loss_coefficient * effort**2
-        efforts.append(effort)
-        energies.append(energy + cumulative_simpson(power, x=time, initial=0))
-        energy = float(energies[-1][-1])
+        energies = start_j + cumulative_simpson(power, x=time, initial=0)
+        places = start_m + (start_ms + 0.5 * acceleration_ms2 * time) * time
+        columns.append((start_s + time, places, speed, np.full_like(time, acceleration_ms2), effort, energies))
+        start_s, start_m, start_j = start_s + duration_s, float(places[-1]), float(energies[-1])
         shaft += float(cumulative_simpson(resistance * speed, x=time)[-1])
-    return Trapezoid(
-        effort_n=frozen_array(np.concatenate(efforts)),
-        energy_j=frozen_array(np.concatenate(energies)),
-        shaft_energy_j=shaft,
-        peak_speed_ms=peak,
-    )
+    joined = (frozen_array(np.concatenate(column)) for column in zip(*columns, strict=True))
+    time, place, speed, accelerations, effort, energies = joined
+    return SampledRun(time, place, speed, accelerations, effort, energies, shaft)

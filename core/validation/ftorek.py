@@ -7,40 +7,47 @@ work of drag left out of EOC's cost and with the whole cost, Table 3 with a larg
 from dataclasses import replace
 from functools import partial
 
-from scipy.optimize import minimize_scalar
-
 from railjoule.core.energy import share_above
-from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.strategies import prepare_task, solve
+from railjoule.core.scenario import Scenario
+from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import (
     acceleration_time_for_peak,
     best_acceleration_time,
     enoc_coefficients,
     enoc_energy,
 )
-from railjoule.core.strategies.eoc import solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, plain_line
-from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._ftorek_rows import (
     FOLLOWS,
+    QUANTITIES,
     TABLE_1,
     TABLE_2,
     Printed,
     as_if_heavier,
     printed_row,
 )
-from railjoule.core.validation._trapezoid import sample_trapezoid
+from railjoule.core.validation.claim import list_claims
+from railjoule.core.validation.claims.ftorek import EXAMINATIONS
+from railjoule.core.validation.figures.ftorek import FIGURES
 from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
-from railjoule.core.validation.papers import citation, errata, printed_numbers
+from railjoule.core.validation.ftorek_nameplate import nameplate
+from railjoule.core.validation.ftorek_runs import (
+    BASE_TIME_S,
+    TABLE_3_COPPER_WEIGHT,
+    amperes_per_newton,
+    change_percent,
+    enoc_run,
+    eoc_run,
+    optimal_run,
+    paper,
+    paper_scenario,
+    run_values,
+    surface_minimum,
+    table_change_percent,
+)
+from railjoule.core.validation.papers import citation, errata
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
-
-# Found by matching the minimum of the surface; no number of the paper gives it. It is shown beside 1 so that nobody
-# takes the match for a confirmation.
-TABLE_3_COPPER_WEIGHT = 3.087
-"""With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
-# far beyond the printed minimum, so that the bracket does not choose it
-LONGEST_TIME_S = 20_000.0
 
 TABLE_3 = "Table 3"
 FILTERED = "The current starts with its maximum, a jump, and the paper filtered short transients."
@@ -49,6 +56,10 @@ MATCHED_PEAK = (
 )
 BEATEN = "The printed run leaves the work of drag out of its cost; with the whole cost, less energy is possible."
 NOT_BEATEN = "No less energy is possible."
+# The changes are printed with two decimals, some cut off and not rounded.
+MISPRINT_POINTS = 0.02
+MISPRINT = "By the paper's own {} it is {:+.2f} %."
+PRINTED_TABLES = {"eoc": TABLE_1, "enoc": TABLE_2}
 OTHER_WEIGHT = "With the copper loss that fits Table 2 the surface has its minimum elsewhere."
 
 
@@ -57,56 +68,60 @@ def validate_ftorek() -> Validation:
     return ftorek_comparison().validation()
 
 
-def ftorek_comparison() -> Comparison:
-    """Return what is to be compared of Ftorek et al. 2025."""
-    paper = printed_numbers("ftorek-2025")
-    scenario = load_scenario(paper["scenario"])
-    task = prepare_task(scenario)
-    line = plain_line(task)
-    amperes = task.course.drive.amperes_per_newton
-    # a drive with copper loss, which the scenario of the paper has, always knows its current
-    assert amperes is not None
+def ftorek_comparison(scenario: Scenario | None = None) -> Comparison:
+    """Return what is to be compared of Ftorek et al. 2025.
+
+    Parameters
+    ----------
+    scenario : Scenario, optional
+        Train and line of the tables; those of the paper where absent, which claims and figures always take.
+    """
+    printed, scenario = paper(), scenario or paper_scenario()
+    line, amperes = plain_line(prepare_task(scenario)), amperes_per_newton(scenario)
     return Comparison(
         paper="ftorek",
-        citation=citation(paper),
+        citation=citation(printed),
         tables=(
-            partial(eoc_as_printed, line, amperes, paper["table_1"]),
-            partial(true_optimum, line, scenario, paper["true_optimum"]),
-            partial(claimed_optimum, scenario, paper["table_1"]),
-            partial(enoc_as_printed, line, amperes, paper["table_2"]),
-            partial(enoc_at_its_best, line, paper["table_2"]),
+            partial(eoc_as_printed, line, amperes, printed["table_1"]),
+            partial(true_optimum, line, scenario, printed["true_optimum"]),
+            partial(claimed_optimum, scenario, printed["table_1"]),
+            partial(enoc_as_printed, line, amperes, printed["table_2"]),
+            partial(enoc_at_its_best, line, printed["table_2"]),
             # the first comparison of a number is the one that counts, and the larger copper loss was matched to these
-            partial(surface_points, line, paper["table_3"], 1.0),
-            partial(surface_points, line, paper["table_3"], TABLE_3_COPPER_WEIGHT),
-            *closed_loop_tables(scenario, paper),
+            partial(surface_points, line, printed["table_3"], 1.0),
+            partial(surface_points, line, printed["table_3"], TABLE_3_COPPER_WEIGHT),
+            *closed_loop_tables(scenario, printed),
+            partial(headline_percentages, line, amperes, printed["change_percent"]),
+            partial(nameplate, scenario, printed["nameplate"]),
         ),
-        errata=errata(paper),
+        errata=errata(printed),
+        claims=list_claims(printed, EXAMINATIONS),
+        figures=FIGURES,
     )
 
 
-def eoc_as_printed(line: PlainLine, amperes_per_newton: float, printed: list[Printed]) -> Table:
+def eoc_as_printed(line: PlainLine, amperes: float, printed: list[Printed]) -> Table:
     """Return Table 1 beside EOC without the work of drag in its cost."""
     rows: list[Row] = []
     for entry in printed:
-        run = solve_eoc(line, entry["travel_time_s"], "as_printed")
-        row, shaft = partial(printed_row, TABLE_1, entry), run.shaft_energy_j / J_PER_WH
-        rows += [
-            row("max_speed_kmh", float(run.speed_ms.max()) / MS_PER_KMH),
-            row("max_current_a", amperes_per_newton * float(run.effort_n.max()), FILTERED),
-            row("min_current_a", amperes_per_newton * float(run.effort_n.min())),
-            row("shaft_energy_wh", shaft, as_if_heavier(entry, shaft)),
-            row("peak_energy_wh", run.peak_energy_j / J_PER_WH, FOLLOWS),
-            row("total_energy_wh", run.total_energy_j / J_PER_WH, FOLLOWS),
-        ]
+        values = run_values(eoc_run(line, entry["travel_time_s"]), amperes)
+        notes = _notes(entry, values) | {"max_current_a": FILTERED}
+        rows += [printed_row(TABLE_1, entry, key, ours, notes.get(key, "")) for key, ours in values.items()]
     return Table("EOC as printed, the work of drag left out of its cost", tuple(rows), TABLE_1)
+
+
+def _notes(entry: Printed, values: dict[str, float]) -> dict[str, str]:
+    """Return the notes on the energies of a run, by their keys in the paper's file."""
+    shaft = as_if_heavier(entry, values["shaft_energy_wh"])
+    return {"shaft_energy_wh": shaft, "peak_energy_wh": FOLLOWS, "total_energy_wh": FOLLOWS}
 
 
 def true_optimum(line: PlainLine, scenario: Scenario, reference: list[Printed]) -> Table:
     """Return the optimum with the whole cost, by the boundary value problem and by the interior point."""
     rows: list[Row] = []
     for entry in reference:
-        eoc = solve_eoc(line, entry["travel_time_s"], "optimal")
-        optimal = _optimum(scenario, entry)
+        eoc = eoc_run(line, entry["travel_time_s"], "optimal")
+        optimal = optimal_run(scenario, entry["travel_time_s"])
         row = partial(printed_row, "", entry)
         rows += [
             row("max_speed_kmh", float(eoc.speed_ms.max()) / MS_PER_KMH, by="eoc"),
@@ -121,30 +136,38 @@ def claimed_optimum(scenario: Scenario, printed: list[Printed]) -> Table:
     """Return what Table 1 claims to be the least energy beside what is possible."""
     rows = []
     for entry in printed:
-        least = _optimum(scenario, entry).energy.net_j / J_PER_WH
+        least = optimal_run(scenario, entry["travel_time_s"]).energy.net_j / J_PER_WH
         note = BEATEN if least < entry["total_energy_wh"] else NOT_BEATEN
         rows.append(printed_row(TABLE_1, entry, "total_energy_wh", least, note))
     return Table("EOC, as published, against the optimum", tuple(rows), TABLE_1)
 
 
-def enoc_as_printed(line: PlainLine, amperes_per_newton: float, printed: list[Printed]) -> Table:
+def enoc_as_printed(line: PlainLine, amperes: float, printed: list[Printed]) -> Table:
     """Return Table 2 beside ENOC with the printed acceleration times, and (15) beside ours."""
     coefficients = enoc_coefficients(line)
     rows: list[Row] = []
     for entry in printed:
         time, ramp, peak = entry["travel_time_s"], entry["acceleration_time_s"], entry["max_speed_kmh"] * MS_PER_KMH
-        run = sample_trapezoid(line, time, ramp)
-        row, shaft = partial(printed_row, TABLE_2, entry), run.shaft_energy_j / J_PER_WH
-        rows += [
-            row("acceleration_time_s", acceleration_time_for_peak(coefficients, time, peak)),
-            row("max_speed_kmh", run.peak_speed_ms / MS_PER_KMH),
-            row("max_current_a", amperes_per_newton * float(run.effort_n.max())),
-            row("min_current_a", amperes_per_newton * float(run.effort_n.min())),
-            row("shaft_energy_wh", shaft, as_if_heavier(entry, shaft)),
-            row("peak_energy_wh", float(run.energy_j.max()) / J_PER_WH, FOLLOWS),
-            row("total_energy_wh", float(enoc_energy(coefficients, time, ramp)) / J_PER_WH, FOLLOWS),
-        ]
+        energy = float(enoc_energy(coefficients, time, ramp)) / J_PER_WH
+        values = run_values(enoc_run(line, time), amperes) | {"total_energy_wh": energy}
+        ours = {"acceleration_time_s": acceleration_time_for_peak(coefficients, time, peak)} | values
+        notes = _notes(entry, values)
+        rows += [printed_row(TABLE_2, entry, key, number, notes.get(key, "")) for key, number in ours.items()]
     return Table("ENOC with the printed acceleration times", tuple(rows), f"{TABLE_2}, (12), (15)")
+
+
+def headline_percentages(line: PlainLine, amperes: float, printed: list[Printed]) -> Table:
+    """Return the changes of section 3 beside ours: 10 % less and 10 % more time than 300 s."""
+    rows: list[Row] = []
+    for entry in printed:
+        strategy, time = entry["strategy"], entry["travel_time_s"]
+        case = f"{strategy.upper()}, T_m = {time} s against {BASE_TIME_S} s"
+        for key, ours in change_percent(line, amperes, strategy, time).items():
+            symbol, own = QUANTITIES[key][0], table_change_percent(strategy, time, key)
+            misprint = abs(own - entry[key]) > MISPRINT_POINTS
+            note = MISPRINT.format(PRINTED_TABLES[strategy], own) if misprint else ""
+            rows.append(Row(case, symbol, "%", entry[key], ours, note, f"section 3, {case}, {symbol}"))
+    return Table("Changes with 10 % less and 10 % more time", tuple(rows), "section 3, section 4")
 
 
 def enoc_at_its_best(line: PlainLine, printed: list[Printed]) -> Table:
@@ -171,26 +194,21 @@ def surface_points(line: PlainLine, printed: list[Printed], copper_weight: float
     # the weight acts on (12) alone: a vehicle with more resistance would change its closed loop as well
     coefficients = enoc_coefficients(replace(line, loss_coefficient=copper_weight * line.loss_coefficient))
 
-    def best_ramp(time_s: float) -> float:
-        return best_acceleration_time(coefficients, time_s)
-
-    def least_energy(time_s: float) -> float:
-        return float(enoc_energy(coefficients, time_s, best_ramp(time_s)))
-
-    # nested, as the best ramp for a time has a search of its own
-    longest = minimize_scalar(least_energy, bounds=(1.0, LONGEST_TIME_S), method="bounded", options={"xatol": 1e-6}).x
+    longest, ramp = surface_minimum(coefficients)
     minimum, case = printed[0], "the minimum"
     rows = [
-        Row(case, "T_m", "s", minimum["travel_time_s"], float(longest), note, f"{TABLE_3}, T_m"),
-        Row(case, "T_e", "s", minimum["acceleration_time_s"], best_ramp(longest), note, f"{TABLE_3}, T_e"),
+        Row(case, "T_m", "s", minimum["travel_time_s"], longest, note, f"{TABLE_3}, T_m"),
+        Row(case, "T_e", "s", minimum["acceleration_time_s"], ramp, note, f"{TABLE_3}, T_e"),
     ]
     for point in printed:
         energy = float(enoc_energy(coefficients, point["travel_time_s"], point["acceleration_time_s"]))
         source = f"{TABLE_3}, {point['point']}"
         rows.append(Row(point["point"], "W_T", "Wh", point["total_energy_wh"], energy / J_PER_WH, energy_note, source))
+    least = float(enoc_energy(coefficients, minimum["travel_time_s"], minimum["acceleration_time_s"]))
+    for point in printed[1:]:
+        energy = float(enoc_energy(coefficients, point["travel_time_s"], point["acceleration_time_s"]))
+        source = f"{TABLE_3}, {point['point']}, increase"
+        above = 100 * share_above(energy, least)
+        rows.append(Row(point["point"], "above red", "%", point["increase_percent"], above, note, source))
     words = "the copper loss of Table 2" if own else f"{copper_weight:g} times the copper loss of Table 2"
     return Table(f"Points of ENOC's energy surface, with {words}", tuple(rows), TABLE_3)
-
-
-def _optimum(scenario: Scenario, entry: Printed) -> Trajectory:
-    return solve(scenario.with_(**{"timetable.travel_time_s": float(entry["travel_time_s"])}), "optimal")

@@ -13,7 +13,7 @@ from scipy.ndimage import median_filter
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._ftorek_rows import (
     FOLLOWS,
@@ -23,10 +23,9 @@ from railjoule.core.validation._ftorek_rows import (
     as_if_heavier,
     printed_row,
 )
+from railjoule.core.validation.ftorek_runs import closed_loop_run
 from railjoule.core.validation.table import Row, Table
 
-# EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
-FINE_MESH_M = 0.5
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 # the paper tells that it filtered and not how; half a second removes the switching of the plan and keeps its peaks
 FILTER_S = 0.5
@@ -55,25 +54,11 @@ def closed_loop_tables(scenario: Scenario, paper: dict[str, Any]) -> tuple[Calla
     )
 
 
-def _run(scenario: Scenario, entry: Printed, strategy: str, flux: str = "constant") -> FieldOrientedRun:
-    changes: dict[str, Any] = {
-        "strategy": strategy,
-        "timetable.travel_time_s": float(entry["travel_time_s"]),
-        "simulation.kind": "field_oriented",
-        "simulation.flux": flux,
-        "solver.mesh_m": FINE_MESH_M,
-        "eoc.variant": "as_printed",
-    }
-    if strategy == "enoc":
-        changes["enoc.acceleration_time_s"] = entry["acceleration_time_s"]
-    return simulate_field_oriented(scenario.with_(**changes))
-
-
 def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Printed]) -> Table:
     rows: list[Row] = []
     words, place, figure = SOURCES[strategy]
     for entry in printed:
-        run = _run(scenario, entry, strategy)
+        run = closed_loop_run(scenario, strategy, entry["travel_time_s"])
         # at every sample and not at the end alone, as the largest energy on the way is printed too
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
@@ -101,8 +86,8 @@ def _without_spikes(run: FieldOrientedRun) -> FloatArray:
 def _with_all_losses(scenario: Scenario, printed: list[Printed]) -> Table:
     rows: list[Row] = []
     for entry in printed:
-        run = _run(scenario, entry, "enoc")
-        less_flux = _run(scenario, entry, "enoc", "least_loss")
+        run = closed_loop_run(scenario, "enoc", entry["travel_time_s"])
+        less_flux = closed_loop_run(scenario, "enoc", entry["travel_time_s"], "least_loss")
         row = partial(printed_row, TABLE_2, entry, "total_energy_wh")
         rows += [
             row(float(run.energy_by_input_power_j[-1]) / J_PER_WH, MAGNETISING, by="input power"),

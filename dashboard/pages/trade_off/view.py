@@ -9,7 +9,7 @@ from panel.viewable import Viewable
 from railjoule.core import Trajectory
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
+from railjoule.core.validation.ftorek_runs import TABLE_3_COPPER_WEIGHT
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.tokens import NARROW_PX
@@ -211,9 +211,11 @@ class TradeOffView(PageView):
             )
         ]
 
+        coefficients, time = trade_off.coefficients, run.travel_time_s
+
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
-            # two even ramps with a cruise between: length = peak speed x (time - one ramp)
-            peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
+            assert coefficients is not None
+            peak = float(coefficients.cruise_speed_ms(time, ramp)) / MS_PER_KMH
             cells = (
                 parts.swatch("enoc") + name,
                 words.energy(energy),
@@ -223,7 +225,6 @@ class TradeOffView(PageView):
             )
             return cells, False
 
-        coefficients, time = trade_off.coefficients, run.travel_time_s
         if coefficients is not None and now is not None:
             best = best_acceleration_time(coefficients, time)
             rows.append(enoc_row("ENOC, best", best, best_enoc_kwh(trade_off, time)))

@@ -26,6 +26,8 @@ lines = st.builds(
     quadratic=st.one_of(st.just(0.0), st.floats(0.1, 50)),
     loss_coefficient=st.floats(1e-6, 1e-4),
     notes=st.just(()),
+    initial_speed_ms=st.one_of(st.just(0.0), st.floats(0.0, 30.0)),
+    final_speed_ms=st.one_of(st.just(0.0), st.floats(0.0, 30.0)),
 )
 mean_speeds = st.floats(3, 40)
 
@@ -39,13 +41,41 @@ def suburban():
 def test_best_acceleration_time_is_the_minimum_of_12(line, mean_speed):
     """Against brute force, which knows nothing of the quintic (13)."""
     coefficients, time = enoc_coefficients(line), line.distance_m / mean_speed
-    energies = enoc_energy(coefficients, time, np.geomspace(1e-4 * time, 0.5 * time, 20_001))
+    longest = coefficients.longest_acceleration_s(time)
+    energies = enoc_energy(coefficients, time, np.geomspace(1e-4 * time, longest, 20_001))
     best = best_acceleration_time(coefficients, time)
-    assert 0 < best <= time / 2
-    # downhill, the work against the resistance may take nearly all away
-    size = abs(energies.min()) + abs(line.constant_n) * line.distance_m
+    assert 0 < best <= longest <= time / 2
+    # downhill, the work against the resistance may take nearly all away, and kinetic energy too
+    kinetic = 0.5 * line.inertia_kg * (line.initial_speed_ms**2 + line.final_speed_ms**2)
+    size = abs(energies.min()) + abs(line.constant_n) * line.distance_m + kinetic
     assert float(enoc_energy(coefficients, time, best)) == pytest.approx(energies.min(), abs=1e-6 * size)
     assert float(enoc_energy(coefficients, time, best)) <= energies.min() + 1e-12 * size
+
+
+@given(lines, mean_speeds, st.floats(0.05, 0.99))
+def test_12_is_the_integral_of_power_between_any_end_speeds(line, mean_speed, share):
+    """Gauss' rule with five points is exact for the fourth power of time in (11), part by part."""
+    time = line.distance_m / mean_speed
+    coefficients = enoc_coefficients(line)
+    ramp = share * coefficients.longest_acceleration_s(time)
+    cruise = float(coefficients.cruise_speed_ms(time, ramp))
+    at, weights = np.polynomial.legendre.leggauss(5)
+    energy, distance, size = 0.0, 0.0, 0.0
+    parts = [
+        (ramp, line.initial_speed_ms, cruise),
+        (time - 2 * ramp, cruise, cruise),
+        (ramp, cruise, line.final_speed_ms),
+    ]
+    for duration, before, after in parts:
+        acceleration = (after - before) / duration
+        speed = before + acceleration * duration * (at + 1) / 2
+        effort = line.resistance_n(speed) + line.inertia_kg * acceleration
+        power = line.loss_coefficient * effort**2 + effort * speed
+        energy += duration / 2 * float(weights @ power)
+        size += duration / 2 * float(weights @ np.abs(power))
+        distance += duration * (before + after) / 2
+    assert distance == pytest.approx(line.distance_m, rel=1e-9)
+    assert float(enoc_energy(coefficients, time, ramp)) == pytest.approx(energy, abs=1e-9 * size)
 
 
 def test_best_acceleration_time_of_the_suburban_unit(suburban):
@@ -97,6 +127,10 @@ def test_a_run_is_the_trapezoid_with_the_energy_of_12(suburban, ramp):
         ),
         # 110 t to 10.15 m/s within 3 s, and 2 kN of resistance
         ({"enoc.acceleration_time_s": 3.0}, "pulls with 374 kN at 0 m, where at most 100 kN are available."),
+        (
+            {"enoc.acceleration_time_s": 90.0, "timetable.entry_speed_kmh": 72.0, "timetable.exit_speed_kmh": 90.0},
+            "needs less time: within 200.0 s its ramps between these speeds of the ends cover the whole line.",
+        ),
         ({"vehicle.traction.max_speed_kmh": 40.0}, "needs 40.38 km/h, but only 40 km/h is allowed."),
         ({"line.stations": [{"position_m": 900.0}]}, "needs a line without stops between its ends."),
     ],

@@ -42,6 +42,20 @@ def test_pontryagin_and_the_interior_point_find_the_same_run(travel_time_s):
     assert 0 <= theirs.gap < 2e-6
 
 
+@pytest.mark.parametrize(("entry_kmh", "exit_kmh"), [(10.0, 0.0), (0.0, 20.0), (36.0, 54.0), (80.0, 30.0)])
+def test_moving_ends_of_10_against_the_interior_point(entry_kmh, exit_kmh):
+    """ENOC, which has the same ends, is a little above both; kinetic energy makes some of these totals negative."""
+    ends = {"timetable.entry_speed_kmh": entry_kmh, "timetable.exit_speed_kmh": exit_kmh}
+    optimal, ours, trapezoid = (solve(suburban(300, **ends), name, check=True) for name in ("optimal", "eoc", "enoc"))
+    spent = optimal.energy.running_resistance_j
+    assert ours.energy.net_j == pytest.approx(optimal.energy.net_j, abs=2e-6 * spent)
+    assert ours.speed_ms == pytest.approx(optimal.speed_ms, abs=0.02)
+    assert 1e-3 * spent < trapezoid.energy.net_j - optimal.energy.net_j < 0.03 * spent
+    for run in (ours, trapezoid):
+        assert run.speed_ms[[0, -1]] * 3.6 == pytest.approx([entry_kmh, exit_kmh], abs=1e-9)
+        assert run.travel_time_s == pytest.approx(300, rel=1e-9)
+
+
 def test_speeds_between_samples():
     """Away from the ends straight lines between 4001 samples of place are right to 1 mm, hence of v^2 to 0.002."""
     line, over_time = solution(suburban(300))
@@ -64,6 +78,13 @@ def test_refusals(changes, sentence):
     with pytest.raises(StrategyRefusedError) as refusal:
         solve(plain_scenario({"vehicle.drive": COPPER_LOSS, "timetable.travel_time_s": 200.0, **changes}), "eoc")
     assert str(refusal.value) == sentence
+
+
+def test_a_run_that_would_roll_back_is_refused():
+    """60 s for 200 m: slowing down evenly from 60 km/h and speeding up again takes all of the line and half of that."""
+    ends = {"timetable.entry_speed_kmh": 60.0, "timetable.exit_speed_kmh": 60.0}
+    with pytest.raises(StrategyRefusedError, match=r"^needs less time: within 60\.0 s its optimum .* rolls back\.$"):
+        solve(suburban(60, **{"line.sections": [{"length_m": 200.0}], **ends}), "eoc")
 
 
 def test_a_gradient_that_carries_the_train():

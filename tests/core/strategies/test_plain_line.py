@@ -72,10 +72,9 @@ def test_refusals(changes, sentence):
     assert str(refusal.value) == sentence
 
 
-@pytest.mark.parametrize("ends", [(1.0, 0.0), (0.0, 1.0)])
-def test_moving_ends_are_refused(ends):
-    with pytest.raises(StrategyRefusedError, match=r"^needs a run that starts and ends at rest\.$"):
-        plain_line(prepare_task(plain_scenario(COPPER), *ends))
+def test_a_line_has_the_speeds_of_the_run_at_its_ends():
+    line = plain_line(prepare_task(plain_scenario(COPPER), 3.0, 4.0))
+    assert (line.initial_speed_ms, line.final_speed_ms) == pytest.approx((3.0, 4.0))
 
 
 def test_a_limit_above_the_vehicles_own_is_none():

@@ -64,9 +64,11 @@ def numbers_in_print(name: str) -> int:
     """Count the numbers other than zero that a paper prints and that are compared, from its file."""
     paper: dict[str, Any] = printed_numbers(name)
     if name == "ftorek-2025":
-        # quantities of Tables 1 and 2, which begin with the case's time; of Table 3 the energies and the minimum
+        # quantities of Tables 1 and 2, which begin with the case's time; of Table 3 the energies, the minimum and how
+        # far the other two points lie above it; of the nameplate all but the frequency at which it holds
         in_tables = sum(len(run) - 1 for run in paper["table_1"] + paper["table_2"])
-        return in_tables + len(paper["table_3"]) + 2
+        changes = sum(len(entry) - 2 for entry in paper["change_percent"])
+        return in_tables + len(paper["table_3"]) + 4 + changes + len(paper["nameplate"]) - 1
     if name == "liashenko-2025":
         return sum(len(row) for table in paper["table"] for row in table["overconsumption_percent"])
     phases = paper["phase"]
