@@ -13,7 +13,7 @@ LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
 """Of the line, and at the upper end of the speed chart."""
 LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of the chart around its frame."""
-LIMIT = "Section 1: limit, km/h"
+LIMIT = "Section 1: set speed, km/h"
 
 
 @pytest.fixture(scope="module")
