@@ -20,7 +20,8 @@ from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.simulate.regulator import literal_spread
 from railjoule.core.strategies import solve
-from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
+from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.studies.storage import storage_need
 from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory

@@ -141,7 +141,8 @@ class InterStationRuns:
 def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
     """Return a searched run beside that of the other way to search its inter-station runs."""
     scenario = run.run.scenario
-    runs, refusals = {scenario.search.inter_station_runs: run.run}, {}
+    runs: dict[str, Trajectory] = {scenario.search.inter_station_runs: run.run}
+    refusals: dict[str, str] = {}
     other = "together" if run.search.runs else "separate"
     changes = {"search.inter_station_runs": other, "search.boundaries_m": run.borders_m.tolist()}
     try:

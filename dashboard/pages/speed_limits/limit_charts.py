@@ -10,7 +10,7 @@ from bokeh.events import PanEnd
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
-from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
+from railjoule.core.strategies.set_speed_run import LEAST_LIMIT_KMH
 from railjoule.dashboard.charts.chart import Axis, dragged
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity

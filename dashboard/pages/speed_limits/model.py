@@ -9,7 +9,8 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.options import LITERAL_KEYS, SearchOptions
-from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
+from railjoule.core.strategies.set_speed_run import LEAST_LIMIT_KMH
+from railjoule.core.strategies.speed_limits import MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.pages.speed_limits.compute import InterStationRuns, LimitRun, LimitTrip, StorageCurve
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
@@ -94,7 +95,8 @@ class SpeedLimitsModel(TypedParameters, PageModel):
     moved = param.Event(doc="A step has been moved a little further.")
 
     # the bounds of core/scenario, until `take` knows the line and the vehicle
-    _stops_m, _most_kmh = (0.0, LONGEST_M), 600.0
+    _stops_m: tuple[float, ...] = (0.0, LONGEST_M)
+    _most_kmh = 600.0
 
     def take(self, scenario: Scenario) -> None:
         """Take over what a scenario's file says of sections and search."""

@@ -101,8 +101,8 @@ class SpeedLimitsView(PageView):
         )
         self.pair = pmui.Select(
             label="Sections",
-            options={"1 and 2": (0, 0, 0)},
-            value=(0, 0, 0),
+            options={"1 and 2": 0},
+            value=0,
             size="small",
             margin=(6, 0, 0, 46),
             width=130,
@@ -205,16 +205,17 @@ class SpeedLimitsView(PageView):
         if path is None:
             return
         pairs = section_pairs(path.search)
-        if self.pair.options != pairs:
-            self.pair.param.update(options=pairs, value=next(iter(pairs.values())))
+        options = {name: k for k, name in enumerate(pairs)}
+        if self.pair.options != options:
+            self.pair.param.update(options=options, value=0)
         self.pair.visible = len(pairs) > 1
         # of inter-station runs that are searched separately, each has a search of its own
-        number, first, offset = self.pair.value
+        number, first, before = list(pairs.values())[self.pair.value]
         search = path.search.runs[number] if path.search.runs else path.search
         sections = len(search.best.limits_ms)
         self.plane.host.visible = sections > 1
         if sections > 1:
-            self.plane.show(partial(self.plane.draw, search, first, offset))
+            self.plane.show(partial(self.plane.draw, search, first, before))
         self.path.show(partial(self.path.draw, search))
         self.search_text.object = parts.note_paragraphs([search_words(path.search)], "padding-left:6px")
 
