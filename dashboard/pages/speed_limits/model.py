@@ -236,14 +236,14 @@ class SpeedLimitsModel(TypedParameters, PageModel):
 def even_borders(stops_m: Sequence[float], count: int) -> list[float]:
     """Return the borders of sections of a line, in whole metres where these are long enough [m].
 
-    Stations are borders where there are enough sections, and those of an inter-station run are equal.
+    Stations are borders where there are enough sections. All inter-station runs have as many, the longest one more
+    where they cannot, and those of a run are equal.
     """
     if count < len(stops_m) - 1:
         stops_m = stops_m[0], stops_m[-1]
     length = np.diff(stops_m)
-    counts = np.ones(len(length), dtype=int)
-    for _ in range(count - len(length)):
-        counts[np.argmax(length / counts)] += 1
+    counts = np.full(len(length), count // len(length))
+    counts[np.argsort(-length)[: count % len(length)]] += 1
     borders: list[float] = []
     for start, run, pieces in zip(stops_m, length.tolist(), counts.tolist(), strict=False):
         inside = [start + run * number / pieces for number in range(1, pieces)]

@@ -140,6 +140,12 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
 
 
 def _what_sections_depend_on(scenario: Scenario) -> object:
-    """Return the search's settings, the line's own borders and the vehicle's largest speed."""
+    """Return the search's settings, the line's own borders and stops, and the vehicle's largest speed."""
     lengths = [section.length_m for section in scenario.line.sections]
-    return scenario.search, lengths, scenario.line.reverse, scenario.vehicle.traction.max_speed_kmh
+    return (
+        scenario.search,
+        lengths,
+        scenario.line.stops_m,
+        scenario.line.reverse,
+        scenario.vehicle.traction.max_speed_kmh,
+    )

@@ -87,15 +87,14 @@ def test_given_limits_are_driven_from_stop_to_stop():
     stations = [{"name": "Middle", "position_m": 900.0, "dwell_s": 20.0}]
     run = literal({"line.stations": stations, "timetable.travel_time_s": 250.0})
     assert check_run(run.scenario, run).ok
-    at_station = run.time_s[np.isclose(run.position_m, 900.0)]
-    assert 20.0 <= np.ptp(at_station) <= 20.1
-    assert run.speed_ms[np.isclose(run.position_m, 900.0)] == pytest.approx(0.0, abs=1e-9)
+    at_station = np.abs(run.position_m - 900.0) < 1e-6
+    assert 20.0 <= np.ptp(run.time_s[at_station]) <= 20.1
+    assert run.speed_ms[at_station] == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("limits", [{}, {"search.time_window": 0.03}])
-def test_a_search_with_it_keeps_the_window(limits):
+def test_a_search_with_it_keeps_the_window():
     """(14) holds for its own run, of the time (2400 - 96) m / 40 km/h by (15), and no cheaper pair is near."""
-    scenario = load_scenario("kharkiv-like-40kmh", {"search.regulator": "literal", **limits})
+    scenario = load_scenario("kharkiv-like-40kmh", {"search.regulator": "literal"})
     run, search = speed_limits_with_search(prepare_task(scenario))
     window = scenario.search.time_window
     assert abs(run.travel_time_s / 207.36 - 1) < window
