@@ -220,7 +220,7 @@ def costs() -> list[Row]:
 
 def spread() -> list[Row]:
     """Return the printed regulator's energies and times with different steps of time."""
-    limits = [limit / MS_PER_KMH for limit in _search(40, "brake").best.limits_ms]
+    limits = [limit / MS_PER_KMH for limit in _search(40, "literal").best.limits_ms]
     rows = []
     for run in literal_spread(_scenario(40), limits, TIME_STEPS_S):
         case = f"40 km/h, steps of {run.time_step_s:g} s"

@@ -36,7 +36,9 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
             compute_limit_run,
             self._take_run,
             marked=True,
-            is_slow=lambda request: is_slow(request.scenario, "speed_limits"),
+            is_slow=lambda request: (
+                request.changes["search.regulator"] == "literal" or is_slow(request.scenario, "speed_limits")
+            ),
         )
         self.trip = self.worker(compute_limit_trip, self._take_trip)
         # no failure of the page: the refusal stands in the table's place
