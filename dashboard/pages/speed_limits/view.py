@@ -1,12 +1,13 @@
 """Speed limits: one for each section, their cost beside the optimum, what the drive and a storage make of it."""
 
+from collections.abc import Sequence
 from functools import partial
 
 import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import Scenario, Trajectory
+from railjoule.core import Scenario
 from railjoule.core.energy import share_above
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.dashboard.charts.chart import Axis, Chart
@@ -362,28 +363,23 @@ def section_pairs(search: LimitSearch) -> dict[str, tuple[int, int, int]]:
 
 def inter_station_table(found: InterStationRuns) -> str:
     """Return times and energies of the inter-station runs, searched each by itself and all together."""
-    ways = {name: found.runs[way] for name, way in RUNS_WORDS.items() if way in found.runs}
+    ways = {way: found.runs[way] for way in RUNS_WORDS.values() if way in found.runs}
     columns = [values for run in ways.values() for values in run_figures(run)]
-    header = ("Inter-station run", *(f"{name.lower()}, {unit}" for name in ways for unit in ("s", "kWh")))
+    header = ("Run", *(f"{way}, {unit}" for way in ways for unit in ("s", "kWh")))
     shown = (words.time, words.energy) * len(ways)
-    rows = [
-        ((name, *(show(float(column[k])) for show, column in zip(shown, columns, strict=True))), False)
-        for k, name in enumerate(found.names)
-    ]
+    names = [name.removeprefix("from ") for name in found.names]
+    cells = [[show(float(value)) for value in column] for show, column in zip(shown, columns, strict=True)]
+    rows: list[tuple[Sequence[str], bool]] = [(row, False) for row in zip(names, *cells, strict=True)]
     # the whole energy has the auxiliaries in dwells, too
-    totals = [show(value) for run in ways.values() for show, value in zip(shown, run_totals(run), strict=False)]
-    rows.append((("whole line, with dwells", *totals), True))
+    whole = [value for run in ways.values() for value in (run.travel_time_s, run.energy_kwh)]
+    totals = [show(value) for show, value in zip(shown, whole, strict=True)]
+    rows.append((("All, with dwells", *totals), True))
     notes = list(found.refusals.values())
     if len(ways) == len(RUNS_WORDS):
         together, separate = (found.runs[way].energy_kwh for way in ("together", "separate"))
         more = share_above(separate, together)
         notes.append(
-            f"By themselves, the runs have one average speed and need {words.share(more)} % more than together, where "
-            "the search can move time from one to another."
+            f"Separate runs each keep their own time and need {words.share(more)} % more than together, where the search "
+            "can move time from one to another."
         )
     return parts.inset(parts.table("Inter-station runs", header, rows), parts.note_paragraphs(notes))
-
-
-def run_totals(run: Trajectory) -> tuple[float, float]:
-    """Return the travel time [s] and energy [kWh] of a run, dwells included."""
-    return run.travel_time_s, run.energy_kwh
