@@ -1,5 +1,15 @@
-"""A task as a search for limits sees it, and one evaluation of it."""
+"""A task as a search for limits sees it, and one evaluation of it.
 
+The ideal regulators brake or coast within cells, so that every vector of limits has a factor with which its trip takes
+the allowed time. The printed relay has none that does so exactly: its time jumps by some hundredths of a second with
+its switches. Its vectors begin where the ideal regulator that brakes keeps the time, and are scaled by its own runs
+until one ends shortly before the window of (14) does.
+
+Source: Shtompel, Khvorost 2025, (14), (15).
+"""
+
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,6 +51,56 @@ class Evaluation:
     energy_j: float
 
 
+RelayDrive = Callable[[FloatArray, FloatArray], tuple[float, float]]
+"""Time [s] and net energy at the line [J] of the printed relay's run under limits [m/s] with boundaries [m]."""
+WINDOW_END_SHARE = 1e-3
+"""A run of the relay is late enough where it ends by less than this share of its time before the window does."""
+MOST_RELAY_RUNS = 8
+# At constant speed time falls by the factor by which limits rise, less where acceleration takes most of the time. The
+# slope between two runs is not trusted beyond these bounds, as times of close runs differ by their switches alone.
+STEEPEST, FLATTEST = 2.0, 0.2
+
+
+@dataclass(frozen=True, eq=False)
+class RelayRuns:
+    """Runs of the printed relay within a window of time.
+
+    Parameters
+    ----------
+    earliest_s, latest_s : float
+        Ends of the window [s].
+    drive : callable
+        See `RelayDrive`; both infinite where the relay drives no run.
+    """
+
+    earliest_s: float
+    latest_s: float
+    drive: RelayDrive
+
+    def fit_window(self, ideal: Evaluation, least_ms: float, most_ms: float) -> Evaluation:
+        """Return an evaluation of an ideal regulator with its limits scaled until the relay's own run fits the window.
+
+        The energy is infinite where no factor was found.
+        """
+        best = replace(ideal, running_time_s=np.inf, energy_j=np.inf)
+        aim_s = self.latest_s * (1 - 0.5 * WINDOW_END_SHARE)
+        x, slope, before = 0.0, -1.0, None
+        for _ in range(MOST_RELAY_RUNS):
+            limits = np.clip(ideal.limits_ms * math.exp(x), least_ms, most_ms)
+            time, energy = self.drive(limits, ideal.boundaries_m)
+            if self.earliest_s < time < self.latest_s and energy < best.energy_j:
+                best = replace(ideal, limits_ms=limits, running_time_s=time, energy_j=energy)
+            excess = math.log(time / aim_s)
+            if excess == math.inf or abs(excess) < 0.5 * WINDOW_END_SHARE:
+                break
+            if before is not None and before[0] != x:
+                slope = (excess - before[1]) / (x - before[0])
+                slope = min(max(slope, -STEEPEST), -FLATTEST)
+            before = x, excess
+            x -= excess / slope
+        return best
+
+
 @dataclass(frozen=True, eq=False)
 class LimitProblem:
     """Trips of a train under limits of sections, in a given time.
@@ -55,6 +115,8 @@ class LimitProblem:
         Between which limits stay [m/s].
     running_time_s : float
         The longest time that a trip may take [s].
+    relay : RelayRuns, optional
+        The printed relay, where vectors are judged by its runs.
     """
 
     course: Course
@@ -62,6 +124,7 @@ class LimitProblem:
     least_ms: float
     most_ms: float
     running_time_s: float
+    relay: RelayRuns | None = None
 
     def evaluate(self, stage: str, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return what becomes of limits [m/s] and boundaries [m], scaled until the trip takes the allowed time."""
@@ -70,9 +133,10 @@ class LimitProblem:
         )
         # the scaling meets the time to 1e-9 where any factor does; what it misses by more has none
         late = time > self.running_time_s * (1 + 1e-6)
-        return Evaluation(
+        found = Evaluation(
             stage, limits_ms, scaled, boundaries_m, time, np.inf if late else self._with_auxiliaries(time, energy)
         )
+        return found if late or self.relay is None else self.relay.fit_window(found, self.least_ms, self.most_ms)
 
     def as_given(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return the trip under limits [m/s] as they are, whatever its time."""

@@ -6,16 +6,21 @@ and where energy is smooth its optimum is at the window's late edge. That leaves
 Method: Weyl's sequence, whose points k a_j mod 1 fill a cube evenly, finds where to begin; Nelder and Mead's simplex
 goes on in the logarithms of the ratios. Neither proves anything: a search may end beside the best.
 
+Over a line with stations there are too many ratios for an even search. There the limits of the inter-station runs, each
+searched by itself, are one more place to begin; from there a simplex first looks for one factor for each of the runs,
+which shares the time among them.
+
 Sources: Shtompel, Khvorost 2025, (14)-(16); Nelder, Mead: A simplex method for function minimization, The Computer
 Journal 7, 1965; the steps of the sequence are the powers of the root of x^(k + 1) = x + 1.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
 
 SAMPLES_PER_SECTION, MOST_SAMPLES = 64, 256
@@ -40,13 +45,33 @@ class LimitSearch:
         Everything it looked at, in order.
     best : Evaluation
         What costs least of it.
+    runs : tuple of LimitSearch
+        The searches of the inter-station runs, where each was searched by itself; the evaluations are then theirs.
     """
 
     evaluations: tuple[Evaluation, ...]
     best: Evaluation
+    runs: tuple["LimitSearch", ...] = ()
 
 
-def search_limits(problem: LimitProblem, boundaries_m: FloatArray, free_boundaries: bool) -> LimitSearch:
+class Start(NamedTuple):
+    """Limits from which a search over a line with stations goes on.
+
+    Parameters
+    ----------
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    run_numbers : array of shape (k,)
+        In which inter-station run each section lies, counted from 0.
+    """
+
+    limits_ms: FloatArray
+    run_numbers: IntArray
+
+
+def search_limits(
+    problem: LimitProblem, boundaries_m: FloatArray, free_boundaries: bool, start: Start | None = None
+) -> LimitSearch:
     """Return the search for the best limits.
 
     Parameters
@@ -56,6 +81,8 @@ def search_limits(problem: LimitProblem, boundaries_m: FloatArray, free_boundari
         Borders between sections, where they begin if they are free [m].
     free_boundaries : bool
         Whether the search may move them.
+    start : Start, optional
+        Further limits to begin with.
     """
     sections = len(boundaries_m) + 1
     moved = len(boundaries_m) if free_boundaries else 0
@@ -65,10 +92,16 @@ def search_limits(problem: LimitProblem, boundaries_m: FloatArray, free_boundari
         limits = problem.least_ms + point[:sections] * (problem.most_ms - problem.least_ms)
         borders = _borders_at(problem, point[sections:]) if moved else boundaries_m
         found.append(problem.evaluate("sample", limits, borders))
-    if sections > 1:
+    directions = np.eye(sections)[1:]
+    if start is not None:
+        found.append(problem.evaluate("start", start.limits_ms, boundaries_m))
+        by_run = np.equal.outer(np.arange(1, start.run_numbers[-1] + 1), start.run_numbers).astype(float)
+        _refine(problem, found, min(found, key=_energy), by_run, 0)
+    # with more directions a simplex would not even be complete
+    if 1 < sections + moved < MOST_REFINEMENTS:
         # a simplex that has shrunk beside the best gets a second start from there, where there is more than one way
         for _ in range(1 if sections + moved == 2 else STARTS):
-            _refine(problem, found, min(found, key=_energy), moved)
+            _refine(problem, found, min(found, key=_energy), directions, moved)
     return LimitSearch(tuple(found), min(found, key=_energy))
 
 
@@ -97,26 +130,31 @@ def _borders_at(problem: LimitProblem, shares: FloatArray) -> FloatArray:
     return borders
 
 
-def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, moved: int) -> None:
-    """Let a simplex go on from the best of what was found, and add what it looks at."""
+def _refine(
+    problem: LimitProblem, found: list[Evaluation], start: Evaluation, directions: FloatArray, moved: int
+) -> None:
+    """Let a simplex go on from the best of what was found, and add what it looks at.
+
+    Each row of `directions` names the sections whose limits change by one factor, relative to all others.
+    """
+    if not np.isfinite(start.energy_j):
+        return
     first, last = problem.course.position_m[[0, -1]]
-    # ratios to the first: a factor that all limits share is undone when they are scaled to the time
-    ratios = np.log(start.limits_ms[1:] / start.limits_ms[0])
-    origin = np.concatenate([ratios, (start.boundaries_m - first) / (last - first)]) if moved else ratios
-    steps = np.concatenate([np.full(len(ratios), RATIO_STEP), np.full(moved, BORDER_STEP_SHARE)])
+    # a factor that all limits share is undone when they are scaled to the time
+    count = len(directions)
+    shares = (start.boundaries_m - first) / (last - first) if moved else np.empty(0)
+    origin = np.concatenate([np.zeros(count), shares])
+    steps = np.concatenate([np.full(count, RATIO_STEP), np.full(moved, BORDER_STEP_SHARE)])
 
     def cost(place: FloatArray) -> float:
-        limits = start.limits_ms[0] * np.exp(np.append(0.0, place[: len(ratios)]))
-        borders = _borders_at(problem, place[len(ratios) :]) if moved else start.boundaries_m
+        limits = start.limits_ms * np.exp(place[:count] @ directions)
+        borders = _borders_at(problem, place[count:]) if moved else start.boundaries_m
         found.append(problem.evaluate("refine", limits, borders))
         # finite: the simplex subtracts energies to see whether it may end, and infinite ones have no difference
         return min(found[-1].energy_j, INFEASIBLE_J)
 
-    if not np.isfinite(start.energy_j):
-        return
-    simplex = np.vstack([origin, origin + np.diag(steps)])
     options = {
-        "initial_simplex": simplex,
+        "initial_simplex": np.vstack([origin, origin + np.diag(steps)]),
         "xatol": RATIO_EXACT,
         "fatol": ENERGY_EXACT * start.energy_j,
         "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MOST_REFINEMENTS),

@@ -24,8 +24,9 @@ Document = dict[str, Any]
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
     {"travel_time_s", "average_speed_kmh"},
+    {"travel_time_s", "deduct_train_length"},
 )
-"""Keys that say the same thing in two ways: one replaces the other."""
+"""Keys of which only one has an effect: one replaces the other."""
 
 
 def scenario_from_document(

@@ -232,6 +232,11 @@ class Line(Part):
         return tuple(station for station in self.stations if AT_END_M < station.position_m < length - AT_END_M)
 
     @property
+    def stops_m(self) -> tuple[float, ...]:
+        """Where the front of the train stands, from one end of the line to the other [m]."""
+        return 0.0, *(station.position_m for station in self.inner_stations), self.length_m
+
+    @property
     def start_station(self) -> Station | None:
         """The station where the run begins, if the line has one there."""
         return self._station_at(end=self.reverse)

@@ -47,6 +47,9 @@ class SearchOptions(Part):
     regulator: Literal["literal", "brake", "coast"] = Field("coast", description="Regulator under the limits.")
     boundaries_m: tuple[Annotated[Number, Field(gt=0, le=1e7)], ...] = Field((), max_length=50)
     free_boundaries: bool = Field(False, strict=True, description="The search can move the section ends.")
+    inter_station_runs: Literal["together", "separate"] = Field(
+        "together", description="Inter-station runs are searched together, or each by itself at the average speed."
+    )
     limits_kmh: tuple[Annotated[Number, Field(gt=0, le=600)], ...] | None = Field(None, max_length=51)
     time_window: Number = Field(0.01, gt=0, le=0.5, description="Allowed early or late arrival, share of the time.")
     stop_deceleration_ms2: Number = Field(0.8, gt=0, le=20, description="Deceleration of look-ahead braking [m/s2].")
@@ -80,7 +83,8 @@ class SearchOptions(Part):
         if self.regulator != "literal":
             require_effect(self, LITERAL_KEYS, f"with regulator = '{self.regulator}', only with 'literal'")
         if self.limits_kmh is not None:
-            require_effect(self, ("free_boundaries",), "beside limits_kmh: with given limits there is no search")
+            no_search = "beside limits_kmh: with given limits there is no search"
+            require_effect(self, ("free_boundaries", "inter_station_runs"), no_search)
         return self
 
 

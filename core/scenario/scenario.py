@@ -1,5 +1,6 @@
 """A scenario: everything that a strategy needs to know, as one frozen value."""
 
+from itertools import pairwise
 from typing import Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
@@ -64,6 +65,21 @@ class Scenario(Part):
         return self
 
     @model_validator(mode="after")
+    def _runs_are_longer_than_the_train(self) -> Self:
+        if not self.timetable.deduct_train_length:
+            return self
+        train = self.vehicle.length_m
+        if train is None:
+            raise ValueError("timetable.deduct_train_length = true needs vehicle.length_m")
+        shortest = min(later - earlier for earlier, later in pairwise(self.line.stops_m))
+        if shortest <= train:
+            raise ValueError(
+                "timetable.deduct_train_length = true needs inter-station runs longer than the train: the shortest has "
+                f"{shortest:g} m, and vehicle.length_m = {train:g}"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _real_load_can_be_carried(self) -> Self:
         # against the crush load and not 1: what a train really carries may exceed its nominal capacity
         load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
@@ -76,12 +92,34 @@ class Scenario(Part):
     @property
     def travel_time_s(self) -> float:
         """Time for the whole run, dwells included [s]: no more than the latest arrival at the end of the line."""
-        return min(self.timetable.travel_time_over(self.line.length_m), self._latest_arrival_s)
+        return min(self.timetable.travel_time_over(self.timed_length_m), self._latest_arrival_s)
+
+    @property
+    def deducted_m(self) -> float:
+        """Length by which an average speed shortens each inter-station run [m]: the train's by (15), or none."""
+        return (self.vehicle.length_m or 0.0) if self.timetable.deduct_train_length else 0.0
+
+    @property
+    def timed_length_m(self) -> float:
+        """Length over which an average speed counts [m]."""
+        return self.line.length_m - (len(self.line.stops_m) - 1) * self.deducted_m
+
+    @property
+    def time_note(self) -> str:
+        """Sentence on the travel time with and without the train's length; empty where it is not deducted."""
+        if not self.timetable.deduct_train_length:
+            return ""
+        whole_s = self.timetable.travel_time_over(self.line.length_m)
+        return (
+            f"Travel time by Shtompel (15): {self.timed_length_m:.6g} m, the line less the train's length of "
+            f"{self.deducted_m:g} m for each inter-station run, at {self.timetable.average_speed_kmh:g} km/h take "
+            f"{self.timetable.travel_time_over(self.timed_length_m):.1f} s; the whole line, {whole_s:.1f} s."
+        )
 
     @property
     def travel_time_key(self) -> str:
         """The key that limits the time for the whole run."""
-        if self._latest_arrival_s < self.timetable.travel_time_over(self.line.length_m):
+        if self._latest_arrival_s < self.timetable.travel_time_over(self.timed_length_m):
             # at the start of a line that is run in reverse
             index = 0 if self.line.reverse else len(self.line.stations) - 1
             return f"line.stations[{index}].latest_arrival_s"

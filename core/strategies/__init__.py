@@ -135,7 +135,8 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
     except (DriveRangeError, InfeasibleLineError) as error:
         raise StrategyRefusedError(f"finds no run that can be driven: {error}") from error
     seconds = time.perf_counter() - started
-    return replace(trajectory, solve_time_s=seconds, notes=(*trajectory.notes, *missed_windows(task, trajectory)))
+    times = filter(None, (task.scenario.time_note, *missed_windows(task, trajectory)))
+    return replace(trajectory, solve_time_s=seconds, notes=(*trajectory.notes, *times))
 
 
 def compare(

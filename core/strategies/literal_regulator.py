@@ -26,9 +26,10 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.plain_line import check_accelerations, require_no_neutral_sections
 from railjoule.core.task import Task
+from railjoule.core.trajectory import make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
-# this regulator is not searched with, and limits may be given for any time
+# limits may be given for any time
 LONGEST_SHARE = 3.0
 """A trip may take so many times as long as planned."""
 # over less, rounding of places and speeds would be all of the force
@@ -75,16 +76,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
         steps, or drives no run that the train can.
     """
     options = task.scenario.search
-    require_no_neutral_sections(task)
-    if task.scenario.line.inner_stations:
-        raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
-    if np.isfinite(task.course.permitted_deceleration_ms2):
-        # it reacts in steps of time, and would pass the curve by what it drives in one
-        raise StrategyRefusedError(
-            "needs a train without a permitted deceleration (vehicle.braking.permitted_deceleration) for the literal "
-            "regulator."
-        )
-    _require_few_steps(options.time_step_s, task.running_time_s)
+    require_literal(task)
     relay = _relay(options)
     regulation, curve = literal_regulation(task.course, options.stop_deceleration_ms2, relay.dead_zone_ms)
     # beside the steps, the node at the start and what rounds up
@@ -102,9 +94,39 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     _require_limits(task, course, driven2)
     check_accelerations(course, driven2)
     # the time in which effort grows at the start has no distance: the run has it as a dwell
-    dwell = course.dwell_s.copy()
+    dwell = np.zeros(len(course.position_m))
     dwell[0] = standing
     return LiteralRun(replace(course, dwell_s=frozen_array(dwell)), driven2, switches)
+
+
+def require_literal(task: Task) -> None:
+    """Refuse a task that the printed regulator cannot drive at all; errors as `literal_run`."""
+    require_no_neutral_sections(task)
+    if (task.course.data.fixed_speed2[1:-1] == 0.0).any():
+        raise StrategyRefusedError(
+            "needs a line without stops between its ends for the literal regulator, or a search for each inter-station "
+            "run (search.inter_station_runs = 'separate')."
+        )
+    if np.isfinite(task.course.permitted_deceleration_ms2):
+        # it reacts in steps of time, and would pass the curve by what it drives in one
+        raise StrategyRefusedError(
+            "needs a train without a permitted deceleration (vehicle.braking.permitted_deceleration) for the literal "
+            "regulator."
+        )
+    _require_few_steps(task.scenario.search.time_step_s, task.running_time_s)
+
+
+def literal_cost(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[float, float]:
+    """Return time [s] and net energy at the line [J] of the printed regulator's run, infinite where it drives none.
+
+    Arguments as for `literal_run`.
+    """
+    try:
+        run = literal_run(task, limits_ms, boundaries_m)
+    except StrategyRefusedError:
+        return np.inf, np.inf
+    made = make_trajectory(task.scenario, run.course, "speed_limits", run.speed2)
+    return made.travel_time_s, made.energy.net_j
 
 
 def _relay(options: SearchOptions) -> Relay:

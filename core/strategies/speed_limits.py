@@ -2,38 +2,48 @@
 
 Source: Shtompel, Khvorost 2025. The regulators are in `railjoule.core.limit_search.trip` and `.literal`, the search in
 `railjoule.core.limit_search.search`, and the run, with one effort in each cell, in `.whole_cells`. The run may be late
-by `search.time_window`, and it is: time is what it pays with.
+by `search.time_window`, and it is: time is what it pays with. The inter-station runs of a line are searched together,
+or each by itself within its own time, as the paper has it, which makes it more constrained: time cannot move from one
+of them to another.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import bounded
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
-from railjoule.core.limit_search.search import LimitSearch, search_limits
-from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
-from railjoule.core.motion import Course, build_course
+from railjoule.core.limit_search.problem import LEAST_SECTION_M, LimitProblem
+from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.literal_regulator import literal_run
+from railjoule.core.strategies.inter_station_runs import (
+    drive_literal_runs,
+    inter_station_runs,
+    join_runs,
+    join_searches,
+    require_slack,
+    run_words,
+)
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.plain_line import require_no_neutral_sections, require_no_passing_points
+from railjoule.core.strategies.plain_line import require_no_passing_points
+from railjoule.core.strategies.set_speed_run import (
+    LEAST_LIMIT_KMH,
+    SetSpeedRun,
+    drive_limits,
+    limit_problem_of,
+    no_limits_reason,
+    problem_within,
+    run_notes,
+)
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
-from railjoule.core.units import MS_PER_KMH, distinct_numbers
+from railjoule.core.units import MS_PER_KMH
 
-LEAST_LIMIT_KMH = 1.0
-"""Below (16): the least limit of a section."""
 MOST_SECTIONS = 12
-# near its stop a train's motors begin to draw power: where, only short cells tell
-HALVINGS_AT_STOPS = 6
-# A cell has one effort, that at its mean speed. Where the train speeds up or slows down faster than this, a limit of
-# power changes much from one end of a cell to the other, and cells are cut to at most that length.
-FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
+"""Of one inter-station run, or of a line without stations."""
 
 
 def speed_limits(task: Task) -> Trajectory:
@@ -59,44 +69,99 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
         raise StrategyRefusedError("needs a run that ends at rest.")
     require_no_passing_points(task)
     if options.limits_kmh is not None:
+        is_literal = options.regulator == "literal"
         limits = _given_limits(task.scenario, len(borders) + 1)
-        problem = _problem(task, task.running_time_s)
+        problem = problem_within(task, task.running_time_s)
         given = problem.as_given(limits, borders)
-        return _trajectory(task, problem, given, ()), LimitSearch((given,), given)
+        run = drive_literal_runs(task, limits, borders) if is_literal else drive_limits(task, problem, given)
+        return _made(task, run), LimitSearch((given,), given)
     task.require_timetable()
     task.require_budget("speed_limits")
-    problem = limit_problem_of(task)
-    found = search_limits(problem, borders, options.free_boundaries)
+    if options.inter_station_runs == "separate":
+        run, found = _search_separately(task, borders)
+    else:
+        problem = limit_problem_of(task)
+        found = search_limits(problem, borders, options.free_boundaries, _separate_start(task, borders))
+        run = _drive_found(task, problem, found)
+    return _made(task, run, _words(found, options.free_boundaries)), found
+
+
+def _drive_found(task: Task, problem: LimitProblem, found: LimitSearch) -> SetSpeedRun:
     if not np.isfinite(found.best.energy_j):
-        raise StrategyRefusedError(_no_limits(task, problem, found))
-    words = _words(found, options.free_boundaries)
-    return _trajectory(task, problem, found.best, words), found
+        raise StrategyRefusedError(no_limits_reason(task, problem, found))
+    return drive_limits(task, problem, found.best)
+
+
+def _search_separately(task: Task, borders_m: FloatArray) -> tuple[SetSpeedRun, LimitSearch]:
+    """Return the runs from station to station as one, each searched by itself within its own time, and the searches."""
+    runs, searches = [], []
+    parts = inter_station_runs(task)
+    require_slack(task, parts)
+    for number, part in enumerate(parts):
+        first, last = part.course.position_m[[0, -1]]
+        inside = borders_m[(borders_m > first) & (borders_m < last)]
+        try:
+            problem = limit_problem_of(part)
+            found = search_limits(problem, inside, task.scenario.search.free_boundaries)
+            runs.append(_drive_found(part, problem, found))
+        except StrategyRefusedError as refusal:
+            raise StrategyRefusedError(f"{run_words(task, number)} {refusal}") from None
+        searches.append(found)
+    return join_runs(task, runs), join_searches(task, searches)
+
+
+def _separate_start(task: Task, borders_m: FloatArray) -> Start | None:
+    """Return the limits of the inter-station runs, each searched by itself; None where that gives none."""
+    stops = task.scenario.line.in_running_order().stops_m
+    options = task.scenario.search
+    if len(stops) == 2 or options.free_boundaries or not np.isin(stops[1:-1], borders_m).all():
+        return None
+    try:
+        limits = _search_separately(task, borders_m)[1].best.limits_ms
+    except (ScenarioError, StrategyRefusedError):
+        # a run may need more than its share of the time: together they may have enough
+        return None
+    return Start(limits, np.searchsorted(stops[1:-1], np.append(0.0, borders_m), side="right"))
 
 
 def section_boundaries(scenario: Scenario) -> FloatArray:
     """Return the borders between the sections of a search [m]: those asked for, else those of the line's sections.
+
+    Where limits are searched for, stations are borders, too; of inter-station runs that are searched separately they
+    always are.
 
     Raises
     ------
     StrategyRefusedError
         If there are too many sections to search over.
     """
-    options = scenario.search
-    if options.boundaries_m:
-        borders = np.array(options.boundaries_m)
-    else:
-        borders = section_borders(scenario.line.in_running_order())[1:-1]
-        count = len(options.limits_kmh) if options.limits_kmh is not None else 0
-        if count and count != len(borders) + 1:
+    options, line = scenario.search, scenario.line.in_running_order()
+    stations = line.stops_m[1:-1]
+    borders = np.array(options.boundaries_m) if options.boundaries_m else section_borders(line)[1:-1]
+    if options.limits_kmh is not None:
+        if len(options.limits_kmh) != len(borders) + 1:
+            count = len(options.limits_kmh)
             raise ScenarioError(
                 f"search.limits_kmh has {count} entries for the {len(borders) + 1} sections of the line."
             )
-    if len(borders) >= MOST_SECTIONS and options.limits_kmh is None:
-        raise StrategyRefusedError(
-            f"needs borders of sections (search.boundaries_m): the line has {len(borders) + 1} sections, and it "
-            f"searches over at most {MOST_SECTIONS}."
-        )
+        return frozen_array(borders)
+    if not options.boundaries_m or options.inter_station_runs == "separate":
+        near = np.abs(np.subtract.outer(borders, stations)).min(axis=1, initial=np.inf) < LEAST_SECTION_M
+        borders = np.union1d(borders[~near], stations)
+    _require_few_sections(line.stops_m, borders)
     return frozen_array(borders)
+
+
+def _require_few_sections(stops_m: tuple[float, ...], borders_m: FloatArray) -> None:
+    """Refuse more sections between two stops than a search is made for."""
+    for start, end in pairwise(stops_m):
+        count = 1 + int(((borders_m > start) & (borders_m < end)).sum())
+        if count > MOST_SECTIONS:
+            where = "the line" if len(stops_m) == 2 else f"the run from {start:.0f} to {end:.0f} m"
+            raise StrategyRefusedError(
+                f"needs borders of sections (search.boundaries_m): {where} has {count} sections, and it searches over "
+                f"at most {MOST_SECTIONS}."
+            )
 
 
 def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
@@ -112,163 +177,31 @@ def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
     return np.array(given) * MS_PER_KMH
 
 
-def limit_problem_of(task: Task) -> LimitProblem:
-    """Return the problem that the search of a task solves: trips within the latest time that its window allows.
+def literal_trajectory(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> Trajectory:
+    """Return the run of the printed regulator under limits.
 
-    Raises
-    ------
-    StrategyRefusedError
-        If the line has neutral sections.
+    Arguments and errors as `railjoule.core.strategies.literal_regulator.literal_run`.
     """
-    return _problem(task, (1 + task.scenario.search.time_window) * task.running_time_s)
+    return _made(task, drive_literal_runs(task, limits_ms, boundaries_m))
 
 
-def _problem(task: Task, running_time_s: float) -> LimitProblem:
-    """Return the problem of a task. The printed relay brakes for limits: its ideal does, and is searched with."""
-    require_no_neutral_sections(task)
-    options, vehicle = task.scenario.search, task.scenario.vehicle
-    stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
-    nodes = finer_at_stops(task.course.position_m, stops, HALVINGS_AT_STOPS)
-    return limit_problem(
-        build_course(task.scenario, *task.end_speeds_ms, nodes),
-        options.stop_deceleration_ms2,
-        options.regulator != "coast",
-        LEAST_LIMIT_KMH * MS_PER_KMH,
-        vehicle.traction.max_speed_kmh * MS_PER_KMH,
-        running_time_s,
-    )
-
-
-def _trajectory(task: Task, problem: LimitProblem, best: Evaluation, words: tuple[str, ...]) -> Trajectory:
-    """Return the trajectory of limits on a mesh with nodes wherever the regulator changes its effort."""
-    if task.scenario.search.regulator == "literal":
-        return literal_trajectory(task, best.limits_ms, best.boundaries_m, words)
-    # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
-    finer, best = _over_corners(task, problem, best, whole_cells=False)
-    cells, best = _over_corners(task, finer, best, whole_cells=True)
-    places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
-    if not np.isfinite(best.running_time_s):
-        raise StrategyRefusedError(_failure(cells, places, speed2))
-    if not np.isfinite(best.energy_j):
-        raise StrategyRefusedError(_too_late(task, cells, best.running_time_s))
-    return _made(task, cells.course, speed2, (limit_words(best.limits_ms, best.boundaries_m), *words))
-
-
-def _over_corners(
-    task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
-) -> tuple[LimitProblem, Evaluation]:
-    """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
-    places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
-    # the second time those cells are short already
-    fast = [] if whole_cells else _within_fast_changes(places, speed2)
-    nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
-    finer = problem.over(build_course(task.scenario, *task.end_speeds_ms, nodes), whole_cells)
-    if best.stage == "given":
-        return finer, finer.as_given(best.limits_ms, best.boundaries_m)
-    return finer, finer.evaluate("refine", best.limits_ms, best.boundaries_m)
-
-
-def _merged(position_m: FloatArray, places_m: FloatArray) -> FloatArray:
-    """Return nodes [m] with further ones at places that are not too close to them, or to one another."""
-    places = np.setdiff1d(places_m, position_m)
-    after = np.searchsorted(position_m, places)
-    inside = (after > 0) & (after < len(position_m))
-    places, after = places[inside], after[inside]
-    free = np.minimum(places - position_m[after - 1], position_m[after] - places) > SHORTEST_PART_M
-    # one by one: whether a place is too close depends on which of those before it stay
-    kept: list[float] = []
-    for place in places[free]:
-        if not kept or place - kept[-1] > SHORTEST_PART_M:
-            kept.append(place)
-    return np.union1d(position_m, kept)
-
-
-def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) -> str:
-    """Return why a trip does not reach the end of the line, from its nodes up to where it fails."""
-    place = position_m[-1]
-    if speed2[-1] <= 0.0:
-        return f"comes to a stand at {place:.0f} m with these set speeds."
-    if not np.isfinite(speed2[-1]):
-        most = problem.course.data.max_deceleration_ms2
-        return (
-            f"slows down by more than the {most:g} m/s2 that are allowed before {place:.0f} m, which it approaches at "
-            f"{np.sqrt(speed2[-2]) / MS_PER_KMH:.1f} km/h, even at full effort."
-        )
-    bound = problem.regulation.bound_speed2[len(speed2) - 1]
-    if bound == 0.0:
-        return f"cannot brake in time: it passes the stop at {place:.0f} m."
-    passed, allowed = distinct_numbers(float(np.sqrt(speed2[-1])) / MS_PER_KMH, float(np.sqrt(bound)) / MS_PER_KMH)
-    return f"cannot brake in time: it passes {place:.0f} m at {passed} km/h, where {allowed} km/h is the limit."
-
-
-def _no_limits(task: Task, problem: LimitProblem, found: LimitSearch) -> str:
-    """Return why a search found no limits."""
-    fastest = min(found.evaluations, key=lambda one: one.running_time_s)
-    if np.isfinite(fastest.running_time_s):
-        return _too_late(task, problem, fastest.running_time_s)
-    cells = problem.over(problem.course, whole_cells=True)
-    return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
-
-
-def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
-    """Return why no limits keep a time, from the shortest running time under limits [s]."""
-    # a timetable so much shorter would be kept with all of its window used
-    least = (running_time_s / (1 + task.scenario.search.time_window)) + task.dwell_s
-    return (
-        f"needs at least {least:.1f} s with its regulator, which brakes at "
-        f"{problem.regulation.deceleration_ms2:g} m/s2."
-    )
-
-
-def _within_fast_changes(position_m: FloatArray, speed2: FloatArray) -> list[float]:
-    """Return places [m] that cut cells in which the train speeds up or slows down fast."""
-    length = np.diff(position_m)
-    # v^2 changes by 2 a h over a cell
-    fast = np.abs(np.diff(speed2)) > 2 * FAST_CHANGE_MS2 * length
-    pieces = np.ceil(length / LONGEST_FAST_CELL_M).astype(int)
-    cut = np.flatnonzero(fast & (pieces > 1))
-    return [float(position_m[i] + length[i] * number / pieces[i]) for i in cut for number in range(1, int(pieces[i]))]
-
-
-def literal_trajectory(
-    task: Task, limits_ms: FloatArray, boundaries_m: FloatArray, words: tuple[str, ...] = ()
-) -> Trajectory:
-    """Return the run of the printed regulator under limits, with sentences to go with it.
-
-    Other arguments and errors as `railjoule.core.strategies.literal_regulator.literal_run`.
-    """
-    run = literal_run(task, limits_ms, boundaries_m)
-    sentence = (
-        f"The literal regulator switches {run.switches} times with time steps of "
-        f"{task.scenario.search.time_step_s:g} s; energy and time depend on that step."
-    )
-    return _made(task, run.course, run.speed2, (limit_words(limits_ms, boundaries_m), sentence, *words))
-
-
-def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
+def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Trajectory:
     """Return a trajectory with bound and reference for the time that it takes, which may be later than planned.
 
     The bound holds over its own nodes; what it is measured against is the optimum over the scenario's.
     """
-    run = bounded(task, make_trajectory(task.scenario, course, "speed_limits", speed2, notes=notes))
+    notes = (*run_notes(task, driven), *words)
+    run = bounded(task, make_trajectory(task.scenario, driven.course, "speed_limits", driven.speed2, notes=notes))
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
     best = known_optimum(late) if late.has_slack else None
     return run if best is None else replace(run, reference=best.reference)
 
 
-def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:
-    """Tell limits [m/s] and the borders between them [m]."""
-    limits = ", ".join(f"{limit / MS_PER_KMH:.1f}" for limit in limits_ms)
-    if len(boundaries_m) == 0:
-        return f"Set speed: {limits} km/h."
-    borders = ", ".join(f"{border:.0f}" for border in boundaries_m)
-    return f"Set speeds: {limits} km/h, changing at {borders} m."
-
-
 def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
     samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
     moved = " and section ends" if free else ""
+    alone = ", each inter-station run by itself" if found.runs else ""
     return (
-        f"{len(found.evaluations)} combinations of set speeds{moved} tried, the first {samples} evenly spread; "
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried{alone}, the first {samples} evenly spread; "
         "not a proof.",
     )

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario
@@ -213,12 +214,16 @@ def _shared(task: Task, stops: list[int], part_of_line: Part, sharing: Sharing) 
     return [(a, b, float(time)) for (a, b), time in zip(pairwise(inside), times, strict=True)]
 
 
+def nodes_at_stops(run: Trajectory, places_m: FloatArray) -> tuple[IntArray, IntArray]:
+    """Return the nodes of a run at which the train arrives at places [m], and those from which it leaves them."""
+    # a station has two nodes where the train stands for a while: it arrives at the first and leaves from the second
+    return np.searchsorted(run.position_m, places_m - 1e-6), np.searchsorted(run.position_m, places_m + 1e-6) - 1
+
+
 def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
     stops = stop_nodes(task)
     places, shortest = task.course.position_m[stops], shortest_times_s(task, stops)
-    # a station has two nodes where the train stands for a while: it arrives at the first and leaves from the second
-    arrives = np.searchsorted(run.position_m, places - 1e-6)
-    leaves = np.searchsorted(run.position_m, places + 1e-6) - 1
+    arrives, leaves = nodes_at_stops(run, places)
     stations = task.scenario.line.in_running_order().stations
     # to a millimetre, as places of the mesh are sums
     named = {round(station.position_m, 3): station.name for station in stations}

@@ -20,7 +20,8 @@ from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.simulate.regulator import literal_spread
 from railjoule.core.strategies import solve
-from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
+from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.studies.storage import storage_need
 from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory
@@ -173,7 +174,7 @@ def costs() -> tuple[Row, ...]:
 @cache
 def spread() -> tuple[Row, ...]:
     """Return the printed regulator's energies and times with different steps of time."""
-    limits = [limit / MS_PER_KMH for limit in search_run(40, "brake").best.limits_ms]
+    limits = [limit / MS_PER_KMH for limit in search_run(40, "literal").best.limits_ms]
     rows = []
     for run in literal_spread(kharkiv_scenario(40), limits, TIME_STEPS_S):
         case = f"40 km/h, steps of {run.time_step_s:g} s"

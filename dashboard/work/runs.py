@@ -80,6 +80,8 @@ SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits
 """Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 """The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
+RELAY_SECONDS_PER_STEP = 1e-3
+"""Of a search with the printed relay, which drives every combination of set speeds in steps of time."""
 # what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
@@ -88,7 +90,11 @@ def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     cells = estimated_cells(scenario)
     switching = 0.0 if isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) else SWITCHING_SECONDS_PER_CELL2 * cells
-    return cells * (OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies))
+    per_cell = OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies)
+    search = scenario.search
+    searches_relay = "speed_limits" in strategies and search.regulator == "literal" and search.limits_kmh is None
+    steps = scenario.travel_time_s / search.time_step_s if searches_relay else 0.0
+    return cells * per_cell + RELAY_SECONDS_PER_STEP * steps
 
 
 def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:

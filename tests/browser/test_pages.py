@@ -66,7 +66,7 @@ CHANGES = {
     "Trade-off": Change(type_text("Load, % of capacity", "80"), chart="frontier"),
     "Robustness": Change(type_text("Actual load, % of capacity", "20"), chart="driven_speed"),
     "Disturbances": Change(type_text("1 Stop: stops for, s", "25"), chart="ride_speed", first=press("Add a stop")),
-    "Speed limits": Change(type_text("Section 1: limit, km/h", "50"), chart="limit_speed"),
+    "Speed limits": Change(type_text("Section 1: set speed, km/h", "50"), chart="limit_speed"),
     "Motor": Change(type_text("Current, A", "300"), chart="loop_speed"),
     "Line": Change(type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")),
     "Study": Change(type_text("Runs", "77"), ':text("on this computer."):visible'),

@@ -13,7 +13,7 @@ LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
 """Of the line, and at the upper end of the speed chart."""
 LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of the chart around its frame."""
-LIMIT = "Section 1: limit, km/h"
+LIMIT = "Section 1: set speed, km/h"
 
 
 @pytest.fixture(scope="module")
@@ -22,7 +22,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
     with User.on(window, server.drive_url) as someone:
         someone.turn_to("Speed limits")
         someone.choose("Metro, set speeds, 40 km/h")
-        expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")
+        expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone
 
 
@@ -49,10 +49,10 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
 def test_a_step_and_a_border_are_dragged(user: User) -> None:
     before, limit = user.number("Extra energy of set speeds"), user.page.get_by_label(f"{LIMIT}, as a number")
     end = user.page.get_by_label("Section 1: ends at, m, as a number")
-    drag(user, (600.0, 44.7), (600.0, 60.0))
+    drag(user, (600.0, 50.8), (600.0, 60.0))
     user.see_number(limit, 60.0, within=0.6)
     expect(user.figure_value("Extra energy of set speeds")).not_to_have_text(before)
-    drag(user, (1200.0, 43.3), (900.0, 43.3))
+    drag(user, (1200.0, 31.0), (900.0, 31.0))
     user.see_number(end, 900.0, within=4.0)
     user.page.get_by_role("button", name="Search set speeds").click()
     expect(limit).not_to_have_value("60.0")

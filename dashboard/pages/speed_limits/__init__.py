@@ -3,7 +3,7 @@
 from railjoule.dashboard.page_entry import PageEntry
 
 PAGE = PageEntry(
-    "How close to the optimum does a simple rule come: one limit for each section?",
+    "How close to the optimum does a simple rule come: one set speed for each section?",
     group="Equipment",
     strategies="",
 )

@@ -6,12 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core import Scenario, ScenarioError, SolverError, StrategyRefusedError, TimetableError, Trajectory
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.speed_limits import limit_problem_of, section_boundaries, speed_limits_with_search
+from railjoule.core.strategies.inter_station_runs import run_words
+from railjoule.core.strategies.line_parts import stop_nodes
+from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
 from railjoule.core.studies.motor_map import OperatingPoints, operating_points
 from railjoule.core.studies.storage import (
     Storage,
@@ -21,6 +24,7 @@ from railjoule.core.studies.storage import (
     storage_need,
     with_storage,
 )
+from railjoule.core.studies.whole_line import nodes_at_stops
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
@@ -113,6 +117,47 @@ def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory |
     # a scenario that is wrong in itself is no lack of an optimum: other errors go on
     except (TimetableError, SolverError, StrategyRefusedError) as refusal:
         return None, without_keys(str(refusal))
+
+
+@dataclass(frozen=True, eq=False)
+class InterStationRuns:
+    """The inter-station runs of a line, searched each by itself and all together, over the same sections.
+
+    Parameters
+    ----------
+    names : tuple of str
+        From where to where each run goes.
+    runs : mapping
+        The whole run by the way in which it was searched, 'separate' or 'together'.
+    refusals : mapping
+        Why there is no such run.
+    """
+
+    names: tuple[str, ...]
+    runs: Mapping[str, Trajectory]
+    refusals: Mapping[str, str]
+
+
+def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
+    """Return a searched run beside that of the other way to search its inter-station runs."""
+    scenario = run.run.scenario
+    runs: dict[str, Trajectory] = {scenario.search.inter_station_runs: run.run}
+    refusals: dict[str, str] = {}
+    other = "together" if run.search.runs else "separate"
+    changes = {"search.inter_station_runs": other, "search.boundaries_m": run.borders_m.tolist()}
+    try:
+        runs[other] = run_strategy(prepare_task(scenario.with_(**changes)), "speed_limits")
+    except (ScenarioError, TimetableError, SolverError, StrategyRefusedError) as refusal:
+        refusals[other] = without_keys(str(refusal))
+    task = prepare_task(scenario)
+    return InterStationRuns(tuple(run_words(task, k) for k in range(len(stop_nodes(task)) - 1)), runs, refusals)
+
+
+def run_figures(run: Trajectory) -> tuple[FloatArray, FloatArray]:
+    """Return the running times [s] and energies [kWh] of a run from stop to stop; shape (k,) each."""
+    arrives, leaves = nodes_at_stops(run, np.array(run.scenario.line.in_running_order().stops_m))
+    times, energies = (values[arrives[1:]] - values[leaves[:-1]] for values in (run.time_s, run.line_energy_j))
+    return times, energies / J_PER_KWH
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,7 +22,7 @@ class SectionFields:
         self.list = stack()
         self.size, self.power = number_fields(model, "storage_size_kwh", "storage_power_kw")
         self.view = stack(
-            html_pane('<div class="section">Sections <span>\u00b7 limit and end of each</span></div>'),
+            html_pane('<div class="section">Sections <span>\u00b7 set speed and end of each</span></div>'),
             self.list,
             html_pane('<div class="section">Search</div>'),
             *number_fields(model, "section_count", "time_window_percent", "stop_deceleration_ms2"),

@@ -10,7 +10,7 @@ from bokeh.events import PanEnd
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
-from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
+from railjoule.core.strategies.set_speed_run import LEAST_LIMIT_KMH
 from railjoule.dashboard.charts.chart import Axis, dragged
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity
@@ -28,7 +28,7 @@ from railjoule.dashboard.charts.run_lines import (
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip
 
-UNDER_LIMITS = "under the limits"
+UNDER_LIMITS = "with the set speeds"
 LINES: Mapping[str, Line] = {
     "optimal in the same time": Line("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}, "optimum"),
     UNDER_LIMITS: Line("speed_limits", {"line_width": 2.4}, "run"),
@@ -63,7 +63,7 @@ class LimitSpeedChart(RunLines):
         release: Callable[[], None],
     ) -> None:
         lines = {**LINES, UNDER_LIMITS: replace(LINES[UNDER_LIMITS], of=TRIP)}
-        caption = "Speed, km/h: drag a step to change its limit, its end to move it"
+        caption = "Speed, km/h: drag a step to change its set speed, its end to move it"
         super().__init__("limit_speed", SPEED, lines, height, axis, palette, caption, Form(ticks=5))
         self._move, self._release = move, release
         self._drawing = False

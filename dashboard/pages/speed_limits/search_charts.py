@@ -45,8 +45,11 @@ class SearchPlaneChart(LoneChart):
         self.dots("ends", "speed_limits", marker="marker", size=11, line_width=2)
         self.add_names(size=11)
 
-    def draw(self, search: LimitSearch, first: int) -> None:
-        """Draw the search in the limits of a section and the next one; `first` counts from 0."""
+    def draw(self, search: LimitSearch, first: int, before: int = 0) -> None:
+        """Draw the search in the limits of a section and the next one.
+
+        `first` counts from 0 within the search, `before` are the sections of the line before those of the search.
+        """
         assert self.figure is not None
         if len(search.best.limits_ms) < 2:
             self.clear()
@@ -55,8 +58,8 @@ class SearchPlaneChart(LoneChart):
         asked, driven = (limits_of(search, name)[:, pair] for name in ("unscaled_ms", "limits_ms"))
         energy = energies_kwh(search)
         known, samples = np.isfinite(energy), stages(search) == "sample"
-        self.figure.xaxis.axis_label = f"Section {first + 1}, km/h"
-        self.figure.yaxis.axis_label = f"Section {first + 2}, km/h"
+        self.figure.xaxis.axis_label = f"Section {before + first + 1}, km/h"
+        self.figure.yaxis.axis_label = f"Section {before + first + 2}, km/h"
         self.put("asked", **xy(*asked[samples].T))
         self.put("driven", **columns(x=driven[known, 0], y=driven[known, 1], energy=energy[known]))
         if known.any():
@@ -100,15 +103,15 @@ class SearchPathChart(LoneChart):
         if not known.any():
             self.clear()
             return
-        for name in ("sample", "refine"):
-            chosen = known & (stage == name)
+        is_sample = stage == "sample"
+        for name, chosen in (("sample", known & is_sample), ("refine", known & ~is_sample)):
             self.put(name, **xy(number[chosen], energy[chosen]))
         best = np.minimum.accumulate(np.where(known, energy, np.inf))
         begun = np.isfinite(best)
         self.put("best", **xy(number[begun], best[begun]))
         low, high = nice_range(float(best[-1]), float(np.quantile(energy[known], DEAR)) + 1e-3)
         self.set_ranges((0.0, len(energy) + 1.0), (low, high))
-        samples = int((stage == "sample").sum())
+        samples = int(is_sample.sum())
         aside = samples > 0.5 * len(energy)
         self.put(
             "border",
@@ -144,6 +147,6 @@ def search_words(search: LimitSearch) -> str:
         return "None of the combinations tried arrives in time."
     first = energy[stages(search) == "sample"]
     return (
-        f"{len(energy)} combinations tried, {late} of them late; the best of the first {len(first)} needs "
+        f"{len(energy)} combinations tried, {late} of them not in time; the best of the first {len(first)} needs "
         f"{words.energy(float(first.min()))} kWh, the best of all {words.energy(float(known.min()))} kWh."
     )

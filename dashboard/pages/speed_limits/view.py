@@ -1,12 +1,15 @@
 """Speed limits: one for each section, their cost beside the optimum, what the drive and a storage make of it."""
 
+from collections.abc import Sequence
 from functools import partial
 
 import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core.scenario.options import SearchOptions
+from railjoule.core import Scenario
+from railjoule.core.energy import share_above
+from railjoule.core.limit_search.search import LimitSearch
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY
@@ -17,7 +20,7 @@ from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.pages.page import BODY_CSS, PageView
-from railjoule.dashboard.pages.speed_limits.compute import LimitRun
+from railjoule.dashboard.pages.speed_limits.compute import InterStationRuns, LimitRun, run_figures
 from railjoule.dashboard.pages.speed_limits.fields import PAGE
 from railjoule.dashboard.pages.speed_limits.limit_charts import LimitChart, LimitSpeedChart, both
 from railjoule.dashboard.pages.speed_limits.search_charts import SearchPathChart, SearchPlaneChart, search_words
@@ -50,6 +53,8 @@ REGULATOR_DOES = {
     "brake": "brakes for a set speed",
     "literal": "is the published relay",
 }
+RUNS_WORDS = {"All runs together": "together", "Each run by itself": "separate"}
+"""The two ways to search the inter-station runs of a line."""
 RULES = {
     "coast": "The train drives below its set speed and coasts above it.",
     "brake": "The train drives below its set speed and brakes ahead of a lower one.",
@@ -73,6 +78,7 @@ class SpeedLimitsView(PageView):
         palette = self.palette
         self.model = model = self.state.speed_limits
         self.table, self.search_text, self.storage_text, self.no_map, self.notes = (parts.html_pane() for _ in range(5))
+        self.runs = parts.html_pane()
         self.axis = Axis(palette)
         self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
@@ -84,6 +90,7 @@ class SpeedLimitsView(PageView):
         self.storage = StorageChart(HEIGHTS["storage"][0], palette)
         regulators = {word: name for name, word in REGULATOR_WORDS.items()}
         self.regulator = buttons(model, "regulator", regulators, margin=(8, 4, 0, 20))
+        self.together = buttons(model, "inter_station_runs", RUNS_WORDS, margin=(8, 4, 0, 16))
         self.free = box(model, "free_borders", "Section ends may move", margin=(8, 8, 0, 16))
         self.search = pmui.Button(
             label="Search set speeds",
@@ -94,7 +101,12 @@ class SpeedLimitsView(PageView):
             on_click=lambda _: setattr(model, "found", True),
         )
         self.pair = pmui.Select(
-            label="Sections", options={"1 and 2": 0}, value=0, size="small", margin=(6, 0, 0, 46), width=130
+            label="Sections",
+            options={"1 and 2": 0},
+            value=0,
+            size="small",
+            margin=(6, 0, 0, 46),
+            width=130,
         )
         maps = {"Powertrain": "drive", "Motor": "motor"}
         self.whose = buttons(model, "shown_map", maps, margin=(6, 0, 0, 46))
@@ -104,10 +116,18 @@ class SpeedLimitsView(PageView):
 
     def _laid_out(self) -> pn.Column:
         tools = pn.FlexBox(
-            self.regulator, self.free, self.search, align_items="center", margin=0, sizing_mode="stretch_width"
+            self.regulator,
+            self.together,
+            self.free,
+            self.search,
+            align_items="center",
+            margin=0,
+            sizing_mode="stretch_width",
         )
         body = parts.stack(*(chart.host for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
-        left = parts.stack(self.table, self.plane.host, self.pair, self.path.host, self.search_text, css=GAP_CSS)
+        left = parts.stack(
+            self.runs, self.table, self.plane.host, self.pair, self.path.host, self.search_text, css=GAP_CSS
+        )
         right = parts.stack(self.no_map, self.map.host, self.whose, self.storage.host, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
         notes = parts.stack(self.notes, css=NOTES_CSS)
@@ -119,6 +139,7 @@ class SpeedLimitsView(PageView):
         self.shows(self._show_trip, (model, ["trip"]))
         self.shows(self._show_search, (model, ["path"]), (self.pair, ["value"]))
         self.shows(self._show_found, (model, ["found"]))
+        self.shows(self._show_comparison, (model, ["comparison", "path"]))
         self.shows(self._show_map, (model, ["motor_map", "no_map", "shown_map"]))
         self.shows(self._show_storage, (model, ["storage"]))
 
@@ -184,16 +205,29 @@ class SpeedLimitsView(PageView):
         path = self.model.path
         if path is None:
             return
-        sections = len(path.limits_kmh)
-        pairs = {f"{k} and {k + 1}": k - 1 for k in range(1, max(sections, 2))}
-        if self.pair.options != pairs:
-            self.pair.param.update(options=pairs, value=0)
-        self.pair.visible = sections > 2
+        pairs = section_pairs(path.search)
+        options = {name: k for k, name in enumerate(pairs)}
+        if self.pair.options != options:
+            self.pair.param.update(options=options, value=0)
+        self.pair.visible = len(pairs) > 1
+        # of inter-station runs that are searched separately, each has a search of its own
+        number, first, before = list(pairs.values())[self.pair.value]
+        search = path.search.runs[number] if path.search.runs else path.search
+        sections = len(search.best.limits_ms)
         self.plane.host.visible = sections > 1
         if sections > 1:
-            self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
-        self.path.show(partial(self.path.draw, path.search))
+            self.plane.show(partial(self.plane.draw, search, first, before))
+        self.path.show(partial(self.path.draw, search))
         self.search_text.object = parts.note_paragraphs([search_words(path.search)], "padding-left:6px")
+
+    def _show_comparison(self) -> None:
+        self.together.visible = self.model.has_stations
+        shown, path = self.model.comparison, self.model.path
+        # a table of another run would stand beside this one's charts
+        is_current = shown is not None and path is not None and path.run in shown.runs.values()
+        self.runs.visible = is_current
+        if is_current:
+            self.runs.object = inter_station_table(shown)
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
@@ -219,7 +253,7 @@ class SpeedLimitsView(PageView):
             f"section{'' if count == 1 else 's'}, set speeds {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
-        self.heading.object = parts.heading(self.page, scenario.title, what, "") + rule_html(scenario.search)
+        self.heading.object = parts.heading(self.page, scenario.title, what, "") + rule_html(scenario)
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
@@ -257,10 +291,11 @@ class SpeedLimitsView(PageView):
         return parts.figure("Travel time", words.time(time_s), "s", detail)
 
 
-def rule_html(search: SearchOptions) -> Markup:
-    """Return what the regulator of a scenario does at its set speeds."""
+def rule_html(scenario: Scenario) -> Markup:
+    """Return what the regulator of a scenario does at its set speeds, and how its travel time is set."""
+    search = scenario.search
     rule = RULES[search.regulator].format(zone=words.number(search.dead_zone_kmh))
-    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {}</p>', rule, TARGETS)
+    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {} {}</p>', rule, TARGETS, scenario.time_note)
 
 
 def cost_figure(run: LimitRun) -> str:
@@ -306,5 +341,45 @@ def sections_table(run: LimitRun) -> str:
         top = words.speed(float(run.run.speed_ms[inside].max()), 1) if inside.any() else "\u2013"
         cells = (str(number), words.number(start, 0), words.number(end, 0), words.number(float(limit)), top)
         rows.append((cells, False))
-    table = parts.table("Sections", ("Section", "from, m", "to, m", "limit, km/h", "top, km/h"), rows)
+    table = parts.table("Sections", ("Section", "from, m", "to, m", "set speed, km/h", "top speed, km/h"), rows)
     return parts.inset(table)
+
+
+def section_pairs(search: LimitSearch) -> dict[str, tuple[int, int, int]]:
+    """Return the pairs of neighbouring sections that one search moves: its run, the first of the two there, and before.
+
+    All are counted from 0; the last number is that of the sections before the run.
+    """
+    pairs: dict[str, tuple[int, int, int]] = {}
+    before = 0
+    for number, run in enumerate(search.runs or (search,)):
+        sections = len(run.best.limits_ms)
+        for k in range(max(sections - 1, 1)):
+            name = f"{before + k + 1} and {before + k + 2}" if sections > 1 else f"{before + 1}"
+            pairs[name] = number, k, before
+        before += sections
+    return pairs
+
+
+def inter_station_table(found: InterStationRuns) -> str:
+    """Return times and energies of the inter-station runs, searched each by itself and all together."""
+    ways = {way: found.runs[way] for way in RUNS_WORDS.values() if way in found.runs}
+    columns = [values for run in ways.values() for values in run_figures(run)]
+    header = ("Run", *(f"{way}, {unit}" for way in ways for unit in ("s", "kWh")))
+    shown = (words.time, words.energy) * len(ways)
+    names = [name.removeprefix("from ") for name in found.names]
+    cells = [[show(float(value)) for value in column] for show, column in zip(shown, columns, strict=True)]
+    rows: list[tuple[Sequence[str], bool]] = [(row, False) for row in zip(names, *cells, strict=True)]
+    # the whole energy has the auxiliaries in dwells, too
+    whole = [value for run in ways.values() for value in (run.travel_time_s, run.energy_kwh)]
+    totals = [show(value) for show, value in zip(shown, whole, strict=True)]
+    rows.append((("All, with dwells", *totals), True))
+    notes = list(found.refusals.values())
+    if len(ways) == len(RUNS_WORDS):
+        together, separate = (found.runs[way].energy_kwh for way in ("together", "separate"))
+        more = share_above(separate, together)
+        notes.append(
+            f"Separate runs each keep their own time and need {words.share(more)} % more than together, where the search "
+            "can move time from one to another."
+        )
+    return parts.inset(parts.table("Inter-station runs", header, rows), parts.note_paragraphs(notes))

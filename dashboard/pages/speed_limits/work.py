@@ -5,11 +5,13 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.motor_map import MotorMap, motor_map
 from railjoule.dashboard.pages.speed_limits.compute import (
+    InterStationRuns,
     LimitRun,
     LimitsRequest,
     LimitTrip,
     StorageCurve,
     StorageRequest,
+    compute_inter_station_runs,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
@@ -20,7 +22,7 @@ from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
-SEARCH = ("found", "regulator", "free_borders", "time_window_percent", "stop_deceleration_ms2")
+SEARCH = ("found", "regulator", "free_borders", "inter_station_runs", "time_window_percent", "stop_deceleration_ms2")
 
 
 class SpeedLimits(PageWork[SpeedLimitsModel]):
@@ -34,9 +36,13 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
             compute_limit_run,
             self._take_run,
             marked=True,
-            is_slow=lambda request: is_slow(request.scenario, "speed_limits"),
+            is_slow=lambda request: (
+                request.changes["search.regulator"] == "literal" or is_slow(request.scenario, "speed_limits")
+            ),
         )
         self.trip = self.worker(compute_limit_trip, self._take_trip)
+        # no failure of the page: the refusal stands in the table's place
+        self.comparison = self.worker(compute_inter_station_runs, self._take_comparison, is_slow=lambda _: True)
         self.storage = self.worker(compute_storage, self._take_storage)
         # a drive without a map is no failure of the page: the sentence stands in the map's place
         self.motor = self.worker(motor_map, self._take_map, self._take_no_map)
@@ -100,13 +106,15 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
     def _take_run(self, run: LimitRun) -> None:
         """Take a run; a search also sets the limits, unless others were asked for meanwhile."""
         searched = run.run.scenario.search.limits_kmh is None
-        if searched and self.model.found and len(run.limits_kmh) == len(self.model.sections):
+        if searched and self.model.found:
             with self.quiet():
-                self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
+                self.model.show_found(run.limits_kmh.tolist(), run.borders_m.tolist())
             # where the search moves borders, those that it found are no new request
             self.is_new(self._request())
         self.model.param.update(run=run, failure=None, **({"path": run} if searched else {}))
         self._ask_storage()
+        if searched and self.model.has_stations:
+            self.comparison.ask(run)
         self._ask_map(run.run.scenario)
 
     def _ask_map(self, scenario: Scenario) -> None:
@@ -119,6 +127,10 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
         if self.model.moving and trip is not None:
             self.model.trip = trip
 
+    def _take_comparison(self, comparison: InterStationRuns) -> None:
+        if self.model.path is not None and self.model.path.run in comparison.runs.values():
+            self.model.comparison = comparison
+
     def _take_storage(self, storage: StorageCurve) -> None:
         self.model.storage = storage
 
@@ -130,6 +142,12 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
 
 
 def _what_sections_depend_on(scenario: Scenario) -> object:
-    """Return the search's settings, the line's own borders and the vehicle's largest speed."""
+    """Return the search's settings, the line's own borders and stops, and the vehicle's largest speed."""
     lengths = [section.length_m for section in scenario.line.sections]
-    return scenario.search, lengths, scenario.line.reverse, scenario.vehicle.traction.max_speed_kmh
+    return (
+        scenario.search,
+        lengths,
+        scenario.line.stops_m,
+        scenario.line.reverse,
+        scenario.vehicle.traction.max_speed_kmh,
+    )

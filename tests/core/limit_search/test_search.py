@@ -5,7 +5,8 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.limit_search.search import weyl_points
-from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
+from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.task import prepare_task
 
 

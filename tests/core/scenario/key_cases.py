@@ -287,6 +287,11 @@ CASES: dict[str, Case] = {
         },
         idle=("line.stations.0.name",),
     ),
+    "average speed without the train's length": Case(
+        plan,
+        change_document(PLAIN, {"timetable": {"average_speed_kmh": 33.0}, "vehicle.length_m": 80.0}),
+        ("timetable.deduct_train_length",),
+    ),
     "given timetable": Case(
         timetable,
         change_document(PLAIN, {"line.stations": [{**STATION, "arrival_s": 100.0}], "timetable.travel_time_s": 210.0}),
@@ -324,8 +329,23 @@ CASES: dict[str, Case] = {
                 "full_effort_time_s",
                 "effort_rate_share",
                 "time_step_s",
+                "inter_station_runs",
             )
         ),
+    ),
+    "set speeds of inter-station runs": Case(
+        plan,
+        shortened(
+            {
+                "strategy": "speed_limits",
+                "search.boundaries_m": [400.0],
+                "line.stations": [{"position_m": 400.0}],
+                "timetable.travel_time_s": 120.0,
+                "solver.mesh_m": 100.0,
+            }
+        ),
+        ("search.inter_station_runs",),
+        {"search.inter_station_runs": "separate"},
     ),
     "set speeds of the literal regulator": Case(
         plan,
@@ -337,7 +357,7 @@ CASES: dict[str, Case] = {
         ),
         ("search",),
         {"search.regulator": "brake"},
-        idle=("search.free_boundaries", "search.time_window"),
+        idle=("search.free_boundaries", "search.inter_station_runs", "search.time_window"),
     ),
     "followed": Case(
         followed,

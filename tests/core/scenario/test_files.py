@@ -122,3 +122,28 @@ def test_text_that_is_none(tmp_path):
 def test_the_time_of_an_average_speed():
     scenario = plain_scenario({"timetable.average_speed_kmh": 36.0})
     assert math.isclose(scenario.travel_time_s, 200.0)  # 2000 m at 10 m/s
+
+
+def test_the_train_s_length_is_deducted_from_each_inter_station_run():
+    """(X_sum - X_tr) / v_sr of Shtompel 2025, (15): 2304 m at 40 km/h."""
+    assert math.isclose(load_scenario("kharkiv-like-40kmh").travel_time_s, 207.36)
+    changes = {"timetable.average_speed_kmh": 36.0, "timetable.deduct_train_length": True, "vehicle.length_m": 50.0}
+    one = plain_scenario({**changes, "line.stations": [{"position_m": 800.0}]})
+    assert math.isclose(one.travel_time_s, 190.0)
+    assert "the line less the train's length of 50 m for each inter-station run" in one.time_note
+    assert "take 190.0 s; the whole line, 200.0 s." in one.time_note
+    # a time that is given takes the place of both keys
+    assert not one.with_(**{"timetable.travel_time_s": 210.0}).time_note
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"vehicle.length_m": None}, "timetable.deduct_train_length = true needs vehicle.length_m"),
+        ({"vehicle.length_m": 800.0}, "the shortest has 800 m, and vehicle.length_m = 800"),
+    ],
+)
+def test_a_train_that_cannot_be_deducted(changes, expected):
+    given = {"timetable": {"average_speed_kmh": 36.0, "deduct_train_length": True}}
+    with pytest.raises(ScenarioError, match=expected):
+        plain_scenario({**given, "line.stations": [{"position_m": 800.0}], **changes})

@@ -5,11 +5,11 @@ import pytest
 from builders import HILLS, plain_scenario
 from hard_scenarios import COMES_TO_REST_FOR_EVER
 
-from railjoule.core import StrategyRefusedError, check_run
+from railjoule.core import StrategyRefusedError, check_run, load_scenario, solve
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.simulate.regulator import drive_under_limits
 from railjoule.core.strategies.literal_regulator import literal_run
-from railjoule.core.strategies.speed_limits import speed_limits
+from railjoule.core.strategies.speed_limits import speed_limits, speed_limits_with_search
 from railjoule.core.task import prepare_task
 from railjoule.core.units import MS_PER_KMH
 
@@ -65,14 +65,6 @@ def test_it_waits_for_its_effort_uphill():
     ("changes", "search", "expected"),
     [
         (
-            {
-                "line.stations": [{"name": "Middle", "position_m": 900.0, "dwell_s": 20.0}],
-                "timetable.travel_time_s": 250.0,
-            },
-            {},
-            r"needs a line without stops",
-        ),
-        (
             {"vehicle.traction.max_effort_kn": 300.0, "line.sections": SLOW, "timetable.travel_time_s": 1000.0},
             {"full_effort_time_s": 20.0, "effort_rate_share": 1.0, "time_step_s": 0.05},
             rf"passes the end of the line by 0\.\d+ m {STEP}0\.05, even with all its brakes",
@@ -88,6 +80,41 @@ def test_it_waits_for_its_effort_uphill():
 def test_what_it_refuses(changes, search, expected):
     with pytest.raises(StrategyRefusedError, match=expected):
         literal(changes, **search)
+
+
+def test_given_limits_are_driven_from_stop_to_stop():
+    """It stands at the station for its dwell and until its effort moves the train, on the level within a step."""
+    stations = [{"name": "Middle", "position_m": 900.0, "dwell_s": 20.0}]
+    run = literal({"line.stations": stations, "timetable.travel_time_s": 250.0})
+    assert check_run(run.scenario, run).ok
+    at_station = np.abs(run.position_m - 900.0) < 1e-6
+    assert 20.0 <= np.ptp(run.time_s[at_station]) <= 20.1
+    assert run.speed_ms[at_station] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_search_with_it_keeps_the_window():
+    """(14) holds for its own run, of the time (2400 - 96) m / 40 km/h by (15), and no cheaper pair is near."""
+    scenario = load_scenario("kharkiv-like-40kmh", {"search.regulator": "literal"})
+    run, search = speed_limits_with_search(prepare_task(scenario))
+    window = scenario.search.time_window
+    assert abs(run.travel_time_s / 207.36 - 1) < window
+    assert run.travel_time_s > 207.36 * (1 + window) * (1 - 2e-3)
+    assert run.energy.net_j == pytest.approx(search.best.energy_j, rel=1e-9)
+    assert check_run(scenario, run).ok
+    for share in (0.98, 1.02):
+        limits_kmh = search.best.limits_ms / MS_PER_KMH * [share, 1.0]
+        other = drive_under_limits(scenario, limits_kmh.tolist())
+        assert other.energy_kwh > run.energy_kwh or other.travel_time_s > 207.36 * (1 + window)
+
+
+def test_a_search_of_the_whole_line_needs_one_for_each_run():
+    stations = [{"name": "Middle", "position_m": 900.0, "dwell_s": 20.0}]
+    changes = {"line.stations": stations, "timetable.travel_time_s": 250.0, "search.regulator": "literal"}
+    scenario = plain_scenario(changes)
+    with pytest.raises(
+        StrategyRefusedError, match=r"needs a line without stops .* \(search.inter_station_runs = 'sepa"
+    ):
+        solve(scenario, "speed_limits")
 
 
 def test_a_crawl_is_told_from_a_stand():

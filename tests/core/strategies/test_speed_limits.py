@@ -94,6 +94,50 @@ def test_too_many_sections():
         solve(many)
 
 
+STATIONS = [{"name": "One", "position_m": 600.0, "dwell_s": 20.0}, {"name": "Two", "position_m": 1300.0}]
+LINE = {"line.sections": HILLS, "line.stations": STATIONS, "timetable.travel_time_s": 290.0, "strategy": "speed_limits"}
+
+
+def test_inter_station_runs_by_themselves_and_together():
+    """(15) for each: one average speed, so that times are as lengths; together, time moves to where it saves most."""
+    scenario = plain_scenario(LINE)
+    apart = scenario.with_(**{"search.inter_station_runs": "separate"})
+    together, (run, search) = solve(scenario), speed_limits_with_search(prepare_task(apart))
+    arrives = np.array([run.arrival_s(place) for place in (600.0, 1300.0, 2000.0)])
+    # each is as late as its window allows
+    assert arrives - [0.0, 20.0, 20.0] == pytest.approx(1.01 * 270.0 * np.array([0.3, 0.65, 1.0]), rel=1e-5)
+    assert together.travel_time_s == pytest.approx(run.travel_time_s, rel=1e-5)
+    # over the same sections, together is never worse but for the mesh
+    assert together.energy_kwh < run.energy_kwh * 1.001
+    assert together.lower_bound_kwh < together.energy_kwh
+    assert [len(one.best.limits_ms) for one in search.runs] == [2, 3, 2]
+    assert all(check_run(scenario, one).ok for one in (together, run))
+
+
+def test_a_given_arrival_is_the_time_of_its_own_runs():
+    stations = [STATIONS[0], {**STATIONS[1], "arrival_s": 200.0}]
+    run = solve(plain_scenario({**LINE, "line.stations": stations, "search.inter_station_runs": "separate"}))
+    assert run.arrival_s(1300.0) == pytest.approx(1.01 * 180.0 + 20.0, rel=1e-5)
+    assert run.arrival_s(600.0) == pytest.approx(1.01 * 180.0 * 6 / 13, rel=1e-5)
+
+
+def test_a_run_without_enough_time_is_named():
+    stations = [{"name": "One", "position_m": 50.0}]
+    changes = {**LINE, "line.stations": stations, "timetable.travel_time_s": 180.0, "search.boundaries_m": [50.0]}
+    apart = plain_scenario({**changes, "search.inter_station_runs": "separate"})
+    with pytest.raises(StrategyRefusedError, match=r"^from the start to One needs more than the shortest \d+\.\d s"):
+        solve(apart)
+    assert solve(plain_scenario(changes)).energy_kwh > 0
+
+
+def test_ten_stations_need_no_borders():
+    """37 sections of the line, at most seven between two stations; before, they were refused."""
+    scenario = load_scenario("metro-10-stations", {"search.inter_station_runs": "separate"})
+    assert len(section_boundaries(scenario)) == 36
+    run = solve(scenario, "speed_limits", check=True)
+    assert run.travel_time_s == pytest.approx(1.01 * 860 + 220, rel=1e-5)
+
+
 def test_the_bound_lies_below_every_run():
     tight = load_scenario("kharkiv-like-40kmh")
     bound = solve(tight, "optimal").lower_bound_kwh

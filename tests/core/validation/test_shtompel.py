@@ -64,8 +64,8 @@ def test_printed_braking_gives_more_than_there_is(rows):
     """findings.md, on another assumed line: 11.11 kWh where the wheel supplies 9.92 and the truth is 8.84."""
     case = "40 km/h, brake limits"
     supplied = rows[case, "work that the wheels supply"]
-    assert rows[case, "recuperated by (8) and (9)"] / supplied == pytest.approx(11.11 / 9.92, rel=0.06)
-    assert rows[case, "recuperated"] / supplied == pytest.approx(8.84 / 9.92, rel=0.06)
+    assert rows[case, "recuperated by (8) and (9)"] / supplied == pytest.approx(11.11 / 9.92, rel=0.08)
+    assert rows[case, "recuperated"] / supplied == pytest.approx(8.84 / 9.92, rel=0.08)
 
 
 def test_braked_limits_ask_for_too_large_a_storage(rows):

@@ -59,6 +59,29 @@ def test_limits_have_the_bounds_of_the_vehicle(model: SpeedLimitsModel) -> None:
         section.parse("limit_kmh", "0.5")
 
 
-@pytest.mark.parametrize(("length", "count", "expected"), [(2300.0, 3, [767.0, 1533.0]), (5.0, 2, [2.5])])
-def test_borders_are_whole_metres_where_sections_are_long(length: float, count: int, expected: list[float]) -> None:
-    assert even_borders(length, count) == expected
+@pytest.mark.parametrize(
+    ("stops", "count", "expected"),
+    [
+        ((0.0, 2300.0), 3, [767.0, 1533.0]),
+        ((0.0, 5.0), 2, [2.5]),
+        ((0.0, 600.5, 2000.0), 3, [600.5, 1300.0]),
+        ((0.0, 600.0, 2000.0), 1, []),
+    ],
+)
+def test_borders_are_whole_metres_where_sections_are_long(
+    stops: tuple[float, ...], count: int, expected: list[float]
+) -> None:
+    """Stations are borders where there are enough sections."""
+    assert even_borders(stops, count) == expected
+
+
+def test_a_line_with_stations_has_two_sections_for_each_run() -> None:
+    model = SpeedLimitsModel()
+    model.take(load_scenario("metro-10-stations"))
+    assert model.section_count == 18
+    assert model.changes["search.inter_station_runs"] == "together"
+    assert {1150.0, 1950.0, 8900.0} < set(model.borders_m)
+    model.inter_station_runs = "separate"
+    assert model.changes["search.inter_station_runs"] == "separate"
+    model.found = False
+    assert model.changes["search.inter_station_runs"] is None

@@ -8,6 +8,7 @@ from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.speed_limits.compute import run_figures
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
 from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
@@ -36,7 +37,7 @@ def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
 )
 def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str) -> None:
     """The published relay asks for the brake above V + dV, (5) and the words above it."""
-    text = rule_html(load_scenario("kharkiv-like-40kmh").with_(**{"search.regulator": regulator}).search)
+    text = rule_html(load_scenario("kharkiv-like-40kmh").with_(**{"search.regulator": regulator}))
     assert does in text
     assert other not in text
 
@@ -74,7 +75,7 @@ def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
 
 
 def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
-    assert "allowed 213.8 to" in view.figures.object
+    assert "allowed 205.3 to" in view.figures.object
     view.model.sections[0].limit_kmh = 70.0
     assert "s too early" in view.figures.object
     view.model.set([20.0, 20.0], [1200.0])
@@ -96,3 +97,29 @@ def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView)
     both = np.isfinite(drive) & np.isfinite(motor)
     assert np.all(motor[both] >= drive[both])
     assert motor[both].max() > drive[both].max()
+
+
+def test_inter_station_runs_stand_side_by_side(view: SpeedLimitsView) -> None:
+    """The time of each run by itself is its share of the length, and both ways have the same sections."""
+    state, model = view.state, view.model
+    assert not view.together.visible
+    state.scenario.choose("metro-with-limit")
+    state.scenario.edit({"line.stations": [{"name": "Middle", "position_m": 750.0}], "timetable.travel_time_s": 200.0})
+    assert view.together.visible
+    assert model.section_count == 4
+    together = model.path
+    assert set(model.comparison.runs) == {"together", "separate"}
+    assert model.comparison.names == ("from the start to Middle", "from Middle to the end")
+    times, energies = run_figures(model.comparison.runs["separate"])
+    assert times == pytest.approx(1.01 * 200 * np.array([750, 1550]) / 2300, rel=1e-5)
+    assert energies.sum() == pytest.approx(model.comparison.runs["separate"].energy_kwh)
+    assert "more than together" in view.runs.object
+    model.inter_station_runs = "separate"
+    assert len(model.path.search.runs) == 2
+    assert list(view.pair.options) == ["1 and 2", "3 and 4"]
+    view.pair.value = 1
+    assert view.plane.figure.xaxis[0].axis_label == "Section 3, km/h"
+    assert model.comparison.runs["separate"] is model.path.run
+    assert model.comparison.runs["together"].energy_kwh == pytest.approx(together.run.energy_kwh, rel=1e-6)
+    state.scenario.choose("kharkiv-like-40kmh")
+    assert not view.runs.visible

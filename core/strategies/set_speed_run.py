@@ -1,0 +1,220 @@
+"""Runs under limits of sections: the problem of a task, its trips made runs with one effort in each cell, refusals.
+
+A task may be that of a whole line or of one inter-station run, a part of its nodes.
+"""
+
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, limit_problem
+from railjoule.core.limit_search.search import LimitSearch
+from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
+from railjoule.core.motion import Course, build_course
+from railjoule.core.motion.mesh import finer_at_stops
+from railjoule.core.strategies.literal_regulator import literal_cost, literal_run, require_literal
+from railjoule.core.strategies.plain_line import require_no_neutral_sections
+from railjoule.core.task import Task
+from railjoule.core.units import MS_PER_KMH, distinct_numbers
+
+LEAST_LIMIT_KMH = 1.0
+"""Below (16): the least limit of a section."""
+# near its stop a train's motors begin to draw power: where, only short cells tell
+HALVINGS_AT_STOPS = 6
+# A cell has one effort, that at its mean speed. Where the train speeds up or slows down faster than this, a limit of
+# power changes much from one end of a cell to the other, and cells are cut to at most that length.
+FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
+
+
+class SetSpeedRun(NamedTuple):
+    """A run under limits.
+
+    Parameters
+    ----------
+    course : Course
+        Over its own nodes, with its dwells.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    boundaries_m : array of shape (k - 1,)
+        Between them [m].
+    switches : int
+        How often the printed relay changes between driving, nothing and braking; 0 with the others.
+    """
+
+    course: Course
+    speed2: FloatArray
+    limits_ms: FloatArray
+    boundaries_m: FloatArray
+    switches: int = 0
+
+
+def limit_problem_of(task: Task) -> LimitProblem:
+    """Return the problem that the search of a task solves: trips within the latest time that its window allows.
+
+    The printed relay is searched with its own runs.
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the line has neutral sections, or the printed relay does not take the task.
+    """
+    options = task.scenario.search
+    earliest_s, latest_s = ((1 + sign * options.time_window) * task.running_time_s for sign in (-1, 1))
+    problem = problem_within(task, latest_s)
+    if options.regulator != "literal":
+        return problem
+    require_literal(task)
+    return replace(problem, relay=RelayRuns(earliest_s, latest_s, partial(literal_cost, task)))
+
+
+def problem_within(task: Task, running_time_s: float) -> LimitProblem:
+    """Return the problem of a task with an ideal regulator within a time [s]; the printed relay's ideal brakes."""
+    require_no_neutral_sections(task)
+    options, vehicle = task.scenario.search, task.scenario.vehicle
+    stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
+    nodes = finer_at_stops(task.course.position_m, stops, HALVINGS_AT_STOPS)
+    return limit_problem(
+        course_over(task, nodes),
+        options.stop_deceleration_ms2,
+        options.regulator != "coast",
+        LEAST_LIMIT_KMH * MS_PER_KMH,
+        vehicle.traction.max_speed_kmh * MS_PER_KMH,
+        running_time_s,
+    )
+
+
+def course_over(task: Task, position_m: FloatArray) -> Course:
+    """Return the course of a task over other nodes between the same ends [m]."""
+    course = build_course(task.scenario, *task.end_speeds_ms, position_m)
+    # a part of a line ends at stations, whose dwells are none of its run's
+    dwell = course.dwell_s.copy()
+    dwell[[0, -1]] = 0.0
+    return replace(course, dwell_s=frozen_array(dwell))
+
+
+def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpeedRun:
+    """Return the run under limits, over a mesh with nodes wherever the regulator changes its effort.
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the regulator drives no run that the train can, or comes too late.
+    """
+    if task.scenario.search.regulator == "literal":
+        return drive_literal(task, best.limits_ms, best.boundaries_m)
+    # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
+    finer, best = _over_corners(task, problem, best, whole_cells=False)
+    cells, best = _over_corners(task, finer, best, whole_cells=True)
+    places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
+    if not np.isfinite(best.running_time_s):
+        raise StrategyRefusedError(_failure(cells, places, speed2))
+    if not np.isfinite(best.energy_j):
+        raise StrategyRefusedError(_too_late(task, cells, best.running_time_s))
+    return SetSpeedRun(cells.course, speed2, best.limits_ms, best.boundaries_m)
+
+
+def drive_literal(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
+    """Return the run of the printed regulator; arguments and errors as `literal_run`."""
+    run = literal_run(task, limits_ms, boundaries_m)
+    return SetSpeedRun(run.course, run.speed2, limits_ms, boundaries_m, run.switches)
+
+
+def _over_corners(
+    task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
+) -> tuple[LimitProblem, Evaluation]:
+    """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
+    places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
+    # the second time those cells are short already
+    fast = [] if whole_cells else _within_fast_changes(places, speed2)
+    nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
+    finer = problem.over(course_over(task, nodes), whole_cells)
+    if best.stage == "given":
+        return finer, finer.as_given(best.limits_ms, best.boundaries_m)
+    return finer, finer.evaluate("refine", best.limits_ms, best.boundaries_m)
+
+
+def _merged(position_m: FloatArray, places_m: FloatArray) -> FloatArray:
+    """Return nodes [m] with further ones at places that are not too close to them, or to one another."""
+    places = np.setdiff1d(places_m, position_m)
+    after = np.searchsorted(position_m, places)
+    inside = (after > 0) & (after < len(position_m))
+    places, after = places[inside], after[inside]
+    free = np.minimum(places - position_m[after - 1], position_m[after] - places) > SHORTEST_PART_M
+    # one by one: whether a place is too close depends on which of those before it stay
+    kept: list[float] = []
+    for place in places[free]:
+        if not kept or place - kept[-1] > SHORTEST_PART_M:
+            kept.append(place)
+    return np.union1d(position_m, kept)
+
+
+def _within_fast_changes(position_m: FloatArray, speed2: FloatArray) -> list[float]:
+    """Return places [m] that cut cells in which the train speeds up or slows down fast."""
+    length = np.diff(position_m)
+    # v^2 changes by 2 a h over a cell
+    fast = np.abs(np.diff(speed2)) > 2 * FAST_CHANGE_MS2 * length
+    pieces = np.ceil(length / LONGEST_FAST_CELL_M).astype(int)
+    cut = np.flatnonzero(fast & (pieces > 1))
+    return [float(position_m[i] + length[i] * number / pieces[i]) for i in cut for number in range(1, int(pieces[i]))]
+
+
+def no_limits_reason(task: Task, problem: LimitProblem, found: LimitSearch) -> str:
+    """Return why a search found no limits."""
+    if problem.relay is not None:
+        return (
+            f"finds no set speeds with which the literal regulator takes {problem.relay.earliest_s:.1f} to "
+            f"{problem.relay.latest_s:.1f} s between stops. Use a longer time, or another search.regulator."
+        )
+    fastest = min(found.evaluations, key=lambda one: one.running_time_s)
+    if np.isfinite(fastest.running_time_s):
+        return _too_late(task, problem, fastest.running_time_s)
+    cells = problem.over(problem.course, whole_cells=True)
+    return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
+
+
+def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) -> str:
+    """Return why a trip does not reach the end of the line, from its nodes up to where it fails."""
+    place = position_m[-1]
+    if speed2[-1] <= 0.0:
+        return f"comes to a stand at {place:.0f} m with these set speeds."
+    if not np.isfinite(speed2[-1]):
+        most = problem.course.data.max_deceleration_ms2
+        return (
+            f"slows down by more than the {most:g} m/s2 that are allowed before {place:.0f} m, which it approaches at "
+            f"{np.sqrt(speed2[-2]) / MS_PER_KMH:.1f} km/h, even at full effort."
+        )
+    bound = problem.regulation.bound_speed2[len(speed2) - 1]
+    if bound == 0.0:
+        return f"cannot brake in time: it passes the stop at {place:.0f} m."
+    passed, allowed = distinct_numbers(float(np.sqrt(speed2[-1])) / MS_PER_KMH, float(np.sqrt(bound)) / MS_PER_KMH)
+    return f"cannot brake in time: it passes {place:.0f} m at {passed} km/h, where {allowed} km/h is the limit."
+
+
+def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
+    """Return why no limits keep a time, from the shortest running time under limits [s]."""
+    # a timetable so much shorter would be kept with all of its window used
+    least = (running_time_s / (1 + task.scenario.search.time_window)) + task.dwell_s
+    return (
+        f"needs at least {least:.1f} s with its regulator, which brakes at "
+        f"{problem.regulation.deceleration_ms2:g} m/s2."
+    )
+
+
+def run_notes(task: Task, run: SetSpeedRun) -> tuple[str, ...]:
+    """Return the set speeds of a run as a sentence, and one on the printed relay."""
+    limits = ", ".join(f"{limit / MS_PER_KMH:.1f}" for limit in run.limits_ms)
+    borders = ", ".join(f"{border:.0f}" for border in run.boundaries_m)
+    words = f"Set speeds: {limits} km/h, changing at {borders} m." if borders else f"Set speed: {limits} km/h."
+    if task.scenario.search.regulator != "literal":
+        return (words,)
+    step = f"{task.scenario.search.time_step_s:g}"
+    return words, (
+        f"The literal regulator switches {run.switches} times with time steps of {step} s; energy and time depend on "
+        "that step."
+    )
