@@ -170,7 +170,7 @@ def _told(field: FieldInfo) -> str:
 
 
 def papers() -> str:
-    """Return all claims and printed numbers of the papers beside ours, as `railjoule validate` prints them, as Markdown."""
+    """Return all claims and printed numbers of the papers as Markdown, as `railjoule validate` prints them."""
     kept = json.loads(files("railjoule.assets").joinpath("papers", "computed.json").read_text(encoding="utf-8"))
     return "\n".join(line for name, paper in kept["papers"].items() for line in _paper(name, paper))
 

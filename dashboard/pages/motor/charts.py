@@ -242,9 +242,7 @@ class FluxChart(LoneChart):
     """Cruise on level track over the flux current: efficiency, power factor, and voltage and loss as shares."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        caption = (
-            "Cruise, %: efficiency, power factor, voltage over its limit, loss over that at rated flux"
-        )
+        caption = "Cruise, %: efficiency, power factor, voltage over its limit, loss over that at rated flux"
         super().__init__("flux_sweep", caption, height, palette)
 
     def build(self) -> None:
