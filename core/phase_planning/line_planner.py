@@ -57,8 +57,8 @@ class LinePlan:
     ----------
     border_m : array of shape (k + 1,)
         Places where stretches begin, and the end of the line [m].
-    speeds_ms : array of shape (2, k)
-        Speed of the cruise and speed at which coasting ends, as planned [m/s].
+    speeds_ms : array of shape (3, k)
+        Cruise, speed at which coasting ends, and speed above which the train brakes, as planned [m/s].
     times_s, energies_j : array of shape (k,)
         Times [s], and line energies without auxiliaries [J].
     speed2 : array of shape (n + 1,)
@@ -88,7 +88,7 @@ class LinePlan:
         return float(self.energies_j.sum())
 
 
-NO_PLAN = LinePlan(np.zeros(0), np.zeros((2, 0)), np.zeros(1), np.array([math.inf]), np.zeros(0), None)
+NO_PLAN = LinePlan(np.zeros(0), np.zeros((3, 0)), np.zeros(1), np.array([math.inf]), np.zeros(0), None)
 """The plan at a starting current with which there is no run."""
 
 
@@ -100,14 +100,11 @@ class LinePlanner:
     ----------
     course : Course
         The train and its line.
-    options : PhasesOptions
-        The runs it chooses from.
     stretches : Stretches
         The line as the compiled search takes it.
     """
 
     course: Course
-    options: PhasesOptions
     stretches: Stretches
 
     def plan(self, running_time_s: float) -> LinePlan | None:
@@ -121,34 +118,32 @@ class LinePlanner:
         return None if bracket is None else self._in_time(running_time_s, *bracket)
 
     def drive(self, speeds_ms: FloatArray, price_w: float | None = None) -> LinePlan:
-        """Return the run with given speeds of all stretches; shape (2, k) [m/s]."""
+        """Return the run with given speeds of all stretches; shape (3, k) [m/s]."""
         times, energies, speed2 = drive_stretches(self.stretches, speeds_ms)
         border = self.course.position_m[self.stretches.borders]
         return LinePlan(border, speeds_ms, times, energies, frozen_array(speed2), price_w)
 
     @property
     def fastest_speeds_ms(self) -> FloatArray:
-        """Speeds of the fastest run; shape (2, k) [m/s]."""
-        return np.tile(self.stretches.top_ms, (2, 1))
+        """Speeds of the fastest run; shape (3, k) [m/s]."""
+        return np.tile(self.stretches.top_ms, (3, 1))
 
     @property
     def slowest_speeds_ms(self) -> FloatArray:
-        """Speeds of the slowest run that the options allow; shape (2, k) [m/s]."""
-        slowest, top = self.stretches.slowest_ms, self.stretches.top_ms
-        return np.array([slowest if self.options.cruise else top, slowest if self.options.coast else top])
+        """Speeds of the slowest run that the options allow; shape (3, k) [m/s]."""
+        return np.where(self.stretches.is_free, self.stretches.slowest_ms, self.stretches.top_ms)
 
     def _bracket(self, running_time_s: float, fastest: LinePlan) -> tuple[LinePlan, LinePlan] | None:
         """Return the best runs at two prices, the first too late, the second in time; None if none is too late."""
-        free = self.options.cruise, self.options.coast
         kinetic = self.course.data.half_inertia_kg * (self.course.length_m / running_time_s) ** 2
         first = price = kinetic / running_time_s
         early, late = fastest, self.drive(self.slowest_speeds_ms, 0.0)
         if late.running_time_s < running_time_s:
             return None
-        speeds, step = guess_speeds(self.stretches, price, *free), FIRST_STEP_MS
+        speeds, step = guess_speeds(self.stretches, price), FIRST_STEP_MS
         prices = [0.0, math.inf]
         for _ in range(MOST_PRICES):
-            speeds, step = descend(self.stretches, price, speeds, step, *free), NEXT_STEP_MS
+            speeds, step = descend(self.stretches, price, speeds, step), NEXT_STEP_MS
             found = self.drive(speeds, price)
             is_late = found.running_time_s > running_time_s
             late, early = (found, early) if is_late else (late, found)
@@ -240,7 +235,7 @@ def _plan_with_current(task: Task, current_a: float | None) -> LinePlan:
 
 
 def _planners(task: Task, current_a: float | None) -> Iterator[LinePlanner]:
-    """Yield planners in order of preference: electric brakes, then all brakes; coasting first, then braking first."""
+    """Yield planners in order of preference: with electric brakes, then with all brakes."""
     course, vehicle = task.course, task.scenario.vehicle
     data = course.data if current_a is None else _with_current(course, current_a)
     brakes = [data]
@@ -248,10 +243,8 @@ def _planners(task: Task, current_a: float | None) -> Iterator[LinePlanner]:
         brakes.insert(0, data._replace(friction_effort_n=0.0))
     for braked in brakes:
         greatest2, obstacle, _ = greatest_speeds(braked)
-        if obstacle != MOVED:
-            continue
-        for at_once in (False, True) if greatest2[0] > 0 else (False,):
-            yield LinePlanner(course, task.scenario.phases, cut_line(course, braked, greatest2, at_once))
+        if obstacle == MOVED:
+            yield LinePlanner(course, cut_line(course, braked, greatest2, task.scenario.phases))
 
 
 def _with_current(course: Course, current_a: float) -> CourseData:
@@ -267,7 +260,7 @@ def _with_current(course: Course, current_a: float) -> CourseData:
     return course.data._replace(traction=fitted_limit(constant, limit_n, top, drive.limit_corners_ms(False)))
 
 
-def cut_line(course: Course, data: CourseData, greatest_speed2: FloatArray, brakes_at_once: bool = False) -> Stretches:
+def cut_line(course: Course, data: CourseData, greatest_speed2: FloatArray, options: PhasesOptions) -> Stretches:
     """Return a line cut where its limit changes and where the train stops.
 
     Parameters
@@ -278,12 +271,16 @@ def cut_line(course: Course, data: CourseData, greatest_speed2: FloatArray, brak
         Its data with the brakes of the plan.
     greatest_speed2 : array of shape (n + 1,)
         The fastest run with them [m2/s2].
-    brakes_at_once : bool
-        As in `Stretches`.
+    options : PhasesOptions
+        The runs to choose from.
     """
     limit = course.cell_limit_ms
     changes = np.abs(np.diff(limit)) > SAME_LIMIT * np.max(limit)
     inner = np.flatnonzero(changes | (data.fixed_speed2[1:-1] >= 0)) + 1
     borders = np.concatenate([[0], inner, [course.cell_count]]).astype(np.int64)
     top = limit[borders[:-1]]
-    return Stretches(data, borders, greatest_speed2, SLOWEST_SHARE * top, top, brakes_at_once)
+    # a train that coasts gains speed somewhere, or the run begins in motion
+    brakes = np.minimum.reduceat(data.resistance_constant_n + data.line_force_n, borders[:-1]) < 0
+    brakes[0] |= greatest_speed2[0] > 0
+    is_free = np.array([np.full(len(top), options.cruise), np.full(len(top), options.coast), brakes])
+    return Stretches(data, borders, greatest_speed2, SLOWEST_SHARE * top, top, is_free)

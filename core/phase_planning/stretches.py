@@ -1,10 +1,12 @@
 """Runs of one start / cruise / coast / brake cycle per stretch of a line, and the best of them for a price of time.
 
-A stretch has one speed limit; its gradients and curves vary. Two speeds describe its cycle: the speed of the cruise and
-the speed at which coasting ends. Below the cruise the train starts with full effort, above it the train coasts, and it
-holds the cruise as far as its effort allows. Coasting ends at the next border, or earlier on the braking curve of the
-lower limit or stop ahead. The coasting curve is integrated backwards from that end, and the train coasts from the place
-where it meets the curve. Each cell has one effort, as in a trajectory, so that efforts and limits hold exactly.
+A stretch has one speed limit; its gradients and curves vary. Three speeds describe its cycle: the cruise, the speed at
+which coasting ends, and the speed above which the train brakes. Below the cruise the train starts with full effort,
+above it the train coasts, and it holds the cruise as far as its effort allows. Down a hill that speeds a coasting train
+up, and where a run begins too fast for its time, the brakes hold the third speed. Coasting ends at the next border, or
+earlier on the braking curve of the lower limit or stop ahead. The coasting curve is integrated backwards from that end,
+and the train coasts from the place where it meets the curve. Each cell has one effort, as in a trajectory, so that
+efforts and limits hold exactly.
 
 For a price of time [W] the best speeds minimise energy + price x time. All stretches have one price, so that a second
 moved from one stretch to another saves nothing: the equal division of Rawicki, (44)-(55), with stretches for his parts.
@@ -15,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import negligible_effort
 from railjoule.core.motion.cell_step import COAST, EXACT, FULL_BRAKE, FULL_TRACTION, STEPS, cell_cost, exit_speed2
@@ -23,7 +25,7 @@ from railjoule.core.physics.cell import Cell, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
-CRUISE, COAST_END = range(2)
+CRUISE, COAST_END, BRAKING = range(3)
 """Rows of the speeds of all stretches."""
 # A coasting curve that falls backwards, down a steep hill, ends here: a train does not coast from a stand
 SLOWEST2 = 0.1**2
@@ -53,8 +55,8 @@ class Stretches(NamedTuple):
         Squares of the fastest speeds with the brakes of the plan [m2/s2].
     slowest_ms, top_ms : array of shape (k,)
         Bounds of the speeds of each stretch [m/s].
-    brakes_at_once : bool
-        Whether a train that begins above its first cruise brakes down to it; else it coasts.
+    is_free : array of shape (3, k)
+        Whether a speed is searched; else it is the top speed.
     """
 
     course: CourseData
@@ -62,7 +64,7 @@ class Stretches(NamedTuple):
     greatest_speed2: FloatArray
     slowest_ms: FloatArray
     top_ms: FloatArray
-    brakes_at_once: bool
+    is_free: BoolArray
 
 
 @njit(cache=True, error_model="numpy")
@@ -118,13 +120,14 @@ def _next_speed2(
     braking: EffortLimit,
     speed2: float,
     wanted2: float,
+    braking2: float,
     ceiling2: float,
-    brakes: bool,
     negligible_n: float,
 ) -> float:
     """Return the square of speed after a cell [m2/s2]: the wanted one, as far as effort or coasting lead there.
 
-    At most `ceiling2`, for which the train brakes; negative where it comes to a stand.
+    The train brakes above `braking2`, as far as its brakes allow, and for `ceiling2` in any case. The result is
+    negative where the train comes to a stand.
     """
     wanted2 = min(wanted2, ceiling2)
     v = mean_speed(math.sqrt(speed2), math.sqrt(wanted2))
@@ -134,12 +137,11 @@ def _next_speed2(
         if force <= largest_effort(traction, v) and rise <= 2.0 * train.max_acceleration_ms2 * cell.length_m:
             return wanted2
         return min(exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION), ceiling2)
-    if brakes and wanted2 < speed2:
-        braked2 = exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE)
-        return min(max(braked2, wanted2), ceiling2)
     coasted2 = exit_speed2(cell, train, traction, braking, speed2, COAST)
     # up a hill so steep that coasting slows the train down more than it may, it takes the effort that this needs
     coasted2 = max(coasted2, speed2 - 2.0 * train.max_deceleration_ms2 * cell.length_m)
+    if coasted2 > braking2:
+        coasted2 = max(braking2, exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE))
     return min(coasted2, ceiling2)
 
 
@@ -155,12 +157,13 @@ def _drive_stretch(
     course = line.course
     train, traction, braking, drive = shared_by_cells(course)
     negligible_n = negligible_effort(train.drive_kind, drive)
-    brakes = line.brakes_at_once and stretch == 0
+    # the brakes leave the cruise alone
+    braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2
     time = energy = 0.0
     for i in range(line.borders[stretch], line.borders[stretch + 1]):
         cell = cell_of(course, i)
         ceiling2 = line.greatest_speed2[i + 1]
-        after2 = _next_speed2(cell, train, traction, braking, speed2, target2[i + 1], ceiling2, brakes, negligible_n)
+        after2 = _next_speed2(cell, train, traction, braking, speed2, target2[i + 1], braking2, ceiling2, negligible_n)
         if after2 < 0.0 or (after2 < SLOWEST2 and after2 < speed2 and after2 < ceiling2):
             return math.inf, math.inf, 0.0
         taken, duration, _ = cell_cost(cell, train, traction, braking, drive, speed2, after2)
@@ -179,8 +182,8 @@ def drive_stretches(line: Stretches, speeds_ms: FloatArray) -> tuple[FloatArray,
     ----------
     line : Stretches
         The line.
-    speeds_ms : array of shape (2, k)
-        Speed of the cruise and speed at which coasting ends, of each stretch [m/s].
+    speeds_ms : array of shape (3, k)
+        Cruise, speed at which coasting ends, and speed above which the train brakes, of each stretch [m/s].
     """
     k, nodes = speeds_ms.shape[1], line.greatest_speed2.shape[0]
     times, energies, run2, target2 = np.empty(k), np.empty(k), np.empty(nodes), np.empty(nodes)
@@ -238,33 +241,32 @@ def _cost_change(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def guess_speeds(line: Stretches, price_w: float, cruises: bool, coasts: bool) -> FloatArray:
+def guess_speeds(line: Stretches, price_w: float) -> FloatArray:
     """Return the best speeds of a grid: one cruise for all stretches, one share of it at which coasting ends."""
     k = line.top_ms.shape[0]
-    best, best_cost, tried = np.empty((2, k)), math.inf, np.empty((2, k))
+    best, best_cost, tried = np.empty((3, k)), math.inf, np.empty((3, k))
     for step in range(CRUISES_TRIED, 0, -1):
         cruise = np.max(line.top_ms) * step / CRUISES_TRIED
         for part in range(COASTS_TRIED, 0, -1):
             share = LEAST_COAST_SHARE + (1.0 - LEAST_COAST_SHARE) * part / COASTS_TRIED
             for j in range(k):
                 held = min(max(cruise, line.slowest_ms[j]), line.top_ms[j])
-                tried[CRUISE, j] = held if cruises else line.top_ms[j]
-                tried[COAST_END, j] = max(share * held, line.slowest_ms[j]) if coasts else line.top_ms[j]
+                tried[:, j] = line.top_ms[j]
+                if line.is_free[CRUISE, j]:
+                    tried[CRUISE, j] = held
+                if line.is_free[COAST_END, j]:
+                    tried[COAST_END, j] = max(share * held, line.slowest_ms[j])
             times, energies, _ = drive_stretches(line, tried)
             cost = np.sum(energies) + price_w * np.sum(times)
             # the fastest is the first: it always arrives
             if cost < best_cost or step == CRUISES_TRIED == part:
                 best_cost, best[:] = cost, tried
-            if not coasts:
-                break
     return best
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def descend(
-    line: Stretches, price_w: float, speeds_ms: FloatArray, step_ms: float, cruises: bool, coasts: bool
-) -> FloatArray:
-    """Return the speeds of the least energy + price x time near other speeds; shapes (2, k).
+def descend(line: Stretches, price_w: float, speeds_ms: FloatArray, step_ms: float) -> FloatArray:
+    """Return the speeds of the least energy + price x time near other speeds; shapes (3, k).
 
     Parameters
     ----------
@@ -272,23 +274,21 @@ def descend(
         The line.
     price_w : float
         Price of time [W].
-    speeds_ms : array of shape (2, k)
+    speeds_ms : array of shape (3, k)
         Where it begins [m/s].
     step_ms : float
         First step [m/s].
-    cruises, coasts : bool
-        Whether the cruising speeds, and the speeds at which coasting ends, are free.
     """
     best = speeds_ms.copy()
     k, nodes = best.shape[1], line.greatest_speed2.shape[0]
     times, energies, run2 = drive_stretches(line, best)
     state = _State(run2[line.borders[:-1]].copy(), energies + price_w * times, np.empty(nodes), np.empty(nodes))
-    steps = np.full((2, k), step_ms)
+    steps = np.where(line.is_free, step_ms, 0.0)
     for _ in range(MOST_SWEEPS):
         for j in range(k):
             _approach_reached(line, best, state, j)
-            for row in range(2):
-                if (cruises if row == CRUISE else coasts) and steps[row, j] >= LEAST_STEP_MS:
+            for row in range(3):
+                if steps[row, j] >= LEAST_STEP_MS:
                     _improve(line, price_w, best, state, steps, row, j)
         if np.max(steps) < LEAST_STEP_MS:
             break
@@ -306,9 +306,11 @@ def _approach_reached(line: Stretches, speeds_ms: FloatArray, state: _State, str
         peak2 = max(peak2, state.run2[i])
     # within a cell it may be a little faster than at its ends
     reached_ms = max(math.sqrt(peak2) + BEYOND_REACHED_MS, line.slowest_ms[stretch])
-    speeds_ms[CRUISE, stretch] = min(speeds_ms[CRUISE, stretch], reached_ms)
+    for row in (CRUISE, BRAKING):
+        if line.is_free[row, stretch]:
+            speeds_ms[row, stretch] = min(speeds_ms[row, stretch], reached_ms)
     # a train that coasts over the border without braking
-    if leaving2 < line.greatest_speed2[last] * (1.0 - SAME_SPEED2):
+    if line.is_free[COAST_END, stretch] and leaving2 < line.greatest_speed2[last] * (1.0 - SAME_SPEED2):
         slow_ms = math.sqrt(leaving2) - BEYOND_REACHED_MS
         speeds_ms[COAST_END, stretch] = max(speeds_ms[COAST_END, stretch], slow_ms)
 
