@@ -27,7 +27,7 @@ from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 CRUISE, COAST_END, BRAKING = range(3)
 """Rows of the speeds of all stretches."""
-# A coasting curve that falls backwards, down a steep hill, ends here: a train does not coast from a stand
+# Square of the speed below which a train that slows down counts as standing
 SLOWEST2 = 0.1**2
 # Two runs whose squares of speed at a border differ by less than this share are the same from there on
 SAME_SPEED2 = 1e-10
@@ -76,7 +76,7 @@ def _coasting_speed2(cell: Cell, leaving_speed2: float, max_deceleration_ms2: fl
     for _ in range(STEPS):
         before = speed2
         resistance = cell.constant_n + cell.linear * mean_speed(math.sqrt(speed2), leaving)
-        speed2 = max(((cell.inertia + half) * leaving_speed2 + resistance) / (cell.inertia - half), SLOWEST2)
+        speed2 = max(((cell.inertia + half) * leaving_speed2 + resistance) / (cell.inertia - half), 0.0)
         if abs(speed2 - before) <= EXACT * speed2:
             break
     return min(speed2, leaving_speed2 + 2.0 * max_deceleration_ms2 * cell.length_m)
@@ -104,8 +104,10 @@ def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: 
         if share > 0.0:
             cell = cell_of(course, node)
             speed2 = _coasting_speed2(part_of_cell(cell, share * cell.length_m), speed2, limit)
-    while speed2 < cruise2:
-        target2[node] = speed2
+    after2 = 0.0
+    # down a steep hill the curve falls backwards: the train coasts there anyway, as it is faster than its cruise
+    while after2 <= speed2 < cruise2:
+        target2[node] = after2 = speed2
         node -= 1
         if node < first:
             break
