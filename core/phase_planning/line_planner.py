@@ -171,21 +171,32 @@ class LinePlanner:
         lies between two values that are best.
         """
         price = late.price_of_time_w or early.price_of_time_w
-        run, speeds = late, late.speeds_ms
+        speeds, run = late.speeds_ms, early
         for place in np.ndindex(speeds.shape):
-            slow, fast = speeds.copy(), speeds.copy()
-            fast[place] = early.speeds_ms[place]
-            run = self.drive(fast, price)
-            if run.running_time_s > running_time_s:
-                speeds = fast
-                continue
-            # bisection, as a run that comes to a stand has an infinite time
-            for _ in range(HALVINGS):
-                middle = 0.5 * (slow + fast)
-                run = self.drive(middle, price)
-                slow, fast = (middle, fast) if run.running_time_s > running_time_s else (slow, middle)
-            break
-        return self.drive(fast, price)
+            faster = speeds.copy()
+            faster[place] = early.speeds_ms[place]
+            if self.drive(faster).running_time_s <= running_time_s:
+                run = self._bisect(running_time_s, speeds, faster)
+                break
+            speeds = faster
+        # the time may jump over the one asked for where a coasting curve ends in a hill: another speed takes it up
+        for place in np.ndindex(speeds.shape):
+            if run.running_time_s >= running_time_s * (1 - ON_TIME):
+                break
+            slower = run.speeds_ms.copy()
+            slower[place] = self.slowest_speeds_ms[place]
+            if self.drive(slower).running_time_s > running_time_s:
+                run = self._bisect(running_time_s, slower, run.speeds_ms)
+        return replace(run, price_of_time_w=price)
+
+    def _bisect(self, running_time_s: float, slow_ms: FloatArray, fast_ms: FloatArray) -> LinePlan:
+        """Return the slowest run in time [s] between speeds that are too slow and speeds that are not."""
+        # bisection, as a run that comes to a stand has an infinite time
+        for _ in range(HALVINGS):
+            middle = 0.5 * (slow_ms + fast_ms)
+            is_late = self.drive(middle).running_time_s > running_time_s
+            slow_ms, fast_ms = (middle, fast_ms) if is_late else (slow_ms, middle)
+        return self.drive(fast_ms)
 
 
 def plan_line(task: Task) -> LinePlan:

@@ -95,6 +95,7 @@ def _plain_run(task: Task) -> Trajectory:
 
 def _line_run(task: Task) -> Trajectory:
     """Compute the run over a line with several limits or gradients."""
+    task.require_budget("phases")
     plan = plan_line(task)
     check_accelerations(task.course, plan.speed2)
     check_speeds(task.course, plan.speed2)
