@@ -6,5 +6,8 @@ speed of its cruise: `search` finds the best one in compiled code. `planner` add
 and the cycles of starts, by `choice`, and the times of parts between stops. A `plan` is the result; `run` lays it out
 as the nodes of a trajectory, whose cells have constant effort and so differ from the tables by some millionths.
 
+On a line with several limits or gradients, `stretches` drives one cycle per stretch cell by cell and searches the
+speeds of all stretches for one price of time; `line_planner` finds the price whose run takes the given time.
+
 Read the docstring of `search` first, then `planner.PhasePlanner.plan`.
 """

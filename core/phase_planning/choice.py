@@ -1,12 +1,23 @@
 """Choices between plans: the best one over a number, and the best division of a time over several."""
 
 from collections.abc import Callable, Sequence
+from typing import Protocol, TypeVar
 
 import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.phase_planning.plan import PhasePlan
+
+
+class HasEnergy(Protocol):
+    """A plan with a line energy [J], infinite where there is no run."""
+
+    @property
+    def energy_j(self) -> float:
+        """Line energy [J]."""
+
+
+Plan = TypeVar("Plan", bound=HasEnergy)
 
 # Parabolas after the scan; their accuracy ends them earlier: 6 or 24 give the same plans
 MOST_STEPS = 12
@@ -17,7 +28,7 @@ MOST_UNEVEN = 4.0
 LEAST_SLACK = 1e-9
 
 
-def best_plan(plan_at: Callable[[float], PhasePlan], low: float, high: float, count: int, accuracy: float) -> PhasePlan:
+def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: int, accuracy: float) -> Plan:
     """Return the best plan over one number: a scan, then parabolas through the three best points.
 
     Parameters

@@ -1,16 +1,19 @@
-"""The run in four phases: start, cruise, coast, brake, as tram drivers know it; between stops, on a plain line.
+"""The run in four phases, as tram drivers know it: start, cruise, coast, brake.
 
 The start is at full effort or with a current that is given or free, braking is full electric braking, and between the
-two the train holds its speed, then coasts. Stops divide the line into parts whose times are chosen together.
-Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`.
+two the train holds its speed, then coasts. Stops and changes of the speed limit divide the line into parts whose times
+are chosen together. Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`: of tables over
+speed on a plain line, which has one limit, gradient and curve, and cell by cell on all others.
 """
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course, running_time
+from railjoule.core.phase_planning.line_planner import LinePlan, plan_line
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
 from railjoule.core.phase_planning.run import PhaseRun, lay_out
@@ -29,38 +32,31 @@ from railjoule.core.units import MS_PER_KMH
 # Forces and limits that differ by less are the same; a force as a share of half the inertia, which is a difference of
 # acceleration of 5e-10 m/s2
 UNEVEN = 1e-9
+SAME_KMH = 0.05
+"""Speeds that differ by less are one speed in a sentence."""
 SLOWEST_BRAKE_KMH = 0.05
 """Below this speed one decimal would round the start of braking to 0."""
 
 
+MOST_SENTENCES = 8
+"""A run of more stretches is not described stretch by stretch."""
+
+
 def phases(task: Task) -> Trajectory:
-    """Return the best start / cruise / coast / brake run.
+    """Compute the best start / cruise / coast / brake run.
 
     Raises
     ------
     TimetableError
         If the timetable cannot be kept.
     StrategyRefusedError
-        If gradient, curve, limit or supply change along the line, it is passed at a given speed, the phases cannot be
-        driven, or not in this time.
+        If the line has passing points or neutral sections, the phases cannot be driven, or not in this time.
     """
     task.require_timetable()
     require_no_passing_points(task)
     require_no_neutral_sections(task)
-    planner = planner_of(task)
-    first, last = task.course.position_m[[0, -1]].tolist()
-    stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
-    distances = np.diff([first, *stops, last]).tolist()
-    initial, final = np.sqrt(task.course.data.fixed_speed2[[0, -1]]).tolist()
-    # the planner divides the time of parts that end at rest
-    if len(distances) > 1 and final > 0:
-        raise StrategyRefusedError("needs a run that ends at rest where it stops on its way.")
-    plans: tuple[PhasePlan, ...]
     try:
-        if len(distances) == 1:
-            plans = (planner.plan(distances[0], task.running_time_s, initial, final),)
-        else:
-            plans = planner.plan_parts(distances, task.running_time_s, initial)
+        return _plain_run(task) if _is_plain(task) else _line_run(task)
     except TimetableError as late:
         # the timetable can be kept: only these phases need longer
         least = TimetableError(task.travel_time_s, late.shortest_time_s + task.dwell_s)
@@ -68,29 +64,66 @@ def phases(task: Task) -> Trajectory:
             f"needs at least {least.least_tenth_s:.1f} s with these phases; the fastest run needs "
             f"{task.shortest_travel_time_s:.1f} s."
         ) from late
-    return trajectory_of(task, planner, plans)
 
 
-def planner_of(task: Task) -> PhasePlanner:
-    """Return the planner of a task's train and line.
+def _is_plain(task: Task) -> bool:
+    """Return whether one table over speed holds for each phase, wherever it is driven."""
+    course, limits = task.course, plain_limits_ms(task.course)
+    force, tunnels = course.data.line_force_n, course.tunnel_factor
+    uneven = np.ptp(force) > UNEVEN * course.data.half_inertia_kg or np.any(np.abs(tunnels - 1) > UNEVEN)
+    if uneven or np.ptp(limits) > UNEVEN * np.max(limits):
+        return False
+    # the planner of a plain line divides the time of parts that end at rest
+    if task.scenario.line.inner_stations and task.end_speeds_ms[1] > 0:
+        return False
+    # downhill a coasting train may gain speed: then no table over falling speed holds
+    speeds = np.linspace(0.0, float(limits[0]), 10)
+    return bool(np.min(_planner(task).model.resistance_n(speeds)) > 0)
+
+
+def _plain_run(task: Task) -> Trajectory:
+    """Compute the run over a plain line."""
+    planner = _planner(task)
+    first, last = task.course.position_m[[0, -1]].tolist()
+    stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
+    distances = np.diff([first, *stops, last]).tolist()
+    initial, final = task.end_speeds_ms
+    if len(distances) == 1:
+        return _plain_trajectory(task, planner, (planner.plan(distances[0], task.running_time_s, initial, final),))
+    return _plain_trajectory(task, planner, planner.plan_parts(distances, task.running_time_s, initial))
+
+
+def _line_run(task: Task) -> Trajectory:
+    """Compute the run over a line with several limits or gradients."""
+    task.require_budget("phases")
+    plan = plan_line(task)
+    check_accelerations(task.course, plan.speed2)
+    check_speeds(task.course, plan.speed2)
+    price = plan.price_of_time_w
+    return make_trajectory(
+        task.scenario,
+        task.course,
+        "phases",
+        plan.speed2,
+        price_of_time_w=None if price is None else price - task.course.data.auxiliary_power_w,
+        notes=_stretch_sentences(task.course, plan),
+    )
+
+
+def _planner(task: Task) -> PhasePlanner:
+    """Return the planner of a task's train on a plain line.
 
     Raises
     ------
     StrategyRefusedError
-        If gradient, curve or limit change along the line, or a starting current is given that the drive does not have.
+        If a starting current is given that the drive does not have.
     """
-    return PhasePlanner(
-        phase_model(
-            task.scenario.vehicle,
-            _line_force_n(task.course),
-            _top_speed_ms(task.course),
-            task.scenario.line.head_wind_kmh * MS_PER_KMH,
-        ),
-        task.scenario.phases,
-    )
+    force, top = float(task.course.data.line_force_n[0]), float(plain_limits_ms(task.course)[0])
+    wind = task.scenario.line.head_wind_kmh * MS_PER_KMH
+    return PhasePlanner(phase_model(task.scenario.vehicle, force, top, wind), task.scenario.phases)
 
 
-def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
+def _plain_trajectory(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
     """Return the trajectory of plans for the parts of a task's line, in order."""
     nodes, speeds = [task.course.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
     for run in _laid_out(task, planner, plans):
@@ -130,24 +163,6 @@ def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -
     return runs
 
 
-def _line_force_n(course: Course) -> float:
-    """Return the force of a line that is the same everywhere [N]."""
-    force, tunnels = course.data.line_force_n, course.tunnel_factor
-    if np.any(np.abs(tunnels - 1) > UNEVEN):
-        raise StrategyRefusedError("needs a line without tunnels.")
-    if np.ptp(force) > UNEVEN * course.data.half_inertia_kg:
-        raise StrategyRefusedError("needs a line whose gradient and curve stay the same.")
-    return float(force[0])
-
-
-def _top_speed_ms(course: Course) -> float:
-    """Return the limit of a line that has one limit [m/s]."""
-    limits = plain_limits_ms(course)
-    if np.ptp(limits) > UNEVEN * np.max(limits):
-        raise StrategyRefusedError("needs a line with one speed limit from end to end.")
-    return float(limits[0])
-
-
 def _sentence(plan: PhasePlan) -> str:
     """Tell the numbers of a plan."""
     first = {"start": "It starts", "coast": "It coasts", "brake": "It brakes"}[plan.first]
@@ -162,3 +177,23 @@ def _sentence(plan: PhasePlan) -> str:
     if brake_kmh < SLOWEST_BRAKE_KMH:
         return f"{words} and coasts almost to rest: it brakes from {brake_kmh:.2g} km/h."
     return f"{words} and brakes from {brake_kmh:.1f} km/h."
+
+
+def _stretch_sentences(course: Course, plan: LinePlan) -> tuple[str, ...]:
+    """Describe the cycles of a plan, one sentence per stretch; or all in one where they are many."""
+    borders, speed_kmh = plan.border_m, np.sqrt(plan.speed2) / MS_PER_KMH
+    count = len(borders) - 1
+    if count > MOST_SENTENCES:
+        return (f"It drives {count} stretches between stops and changes of the limit in one cycle of phases each.",)
+    nodes = np.searchsorted(course.position_m, borders)
+    sentences = []
+    for k, (first, last) in enumerate(pairwise(nodes.tolist())):
+        entry, peak, end = (float(speed_kmh[first]), float(np.max(speed_kmh[first : last + 1])), float(speed_kmh[last]))
+        coasts_to = max(min(float(plan.speeds_ms[1, k]) / MS_PER_KMH, peak), end)
+        words = f"From {borders[k]:.0f} to {borders[k + 1]:.0f} m it "
+        words += f"runs at {peak:.1f} km/h" if peak - entry < SAME_KMH else f"starts to {peak:.1f} km/h"
+        goal = "a stand" if end < SAME_KMH else f"{end:.1f} km/h"
+        steps = [f"coasts to {coasts_to:.1f} km/h"] if peak - coasts_to >= SAME_KMH else []
+        steps += [f"brakes to {goal}"] if coasts_to - end >= SAME_KMH else []
+        sentences.append(" and ".join([words, *steps]) + ".")
+    return tuple(sentences)

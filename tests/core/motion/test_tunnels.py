@@ -47,7 +47,7 @@ def test_work_of_resistance_by_hand():
     assert more == pytest.approx(2 * quadratic * 15**2 * 400, rel=1e-9)
 
 
-@pytest.mark.parametrize("strategy", ["eoc", "enoc", "phases"])
+@pytest.mark.parametrize("strategy", ["eoc", "enoc"])
 def test_who_cannot_tunnels_says_so(strategy):
     scenario = plain_scenario({"line.sections": TUNNEL, "vehicle.drive": COPPER_LOSS})
     with pytest.raises(StrategyRefusedError, match="needs a line without tunnels"):

@@ -139,21 +139,6 @@ def test_other_drives(drive):
     ("changes", "sentence"),
     [
         (
-            {"line__sections": [{"length_m": 400.0}, {"length_m": 550.0, "gradient_permille": 5.0}]},
-            "needs a line whose gradient and curve stay the same.",
-        ),
-        (
-            {
-                "line__speed_limits": [{"from_m": 300.0, "to_m": 400.0, "limit_kmh": 30.0}],
-                "timetable__travel_time_s": 150.0,
-            },
-            "needs a line with one speed limit from end to end.",
-        ),
-        (
-            {"line__sections": [{"length_m": 950.0, "gradient_permille": -9.0}]},
-            "needs a line on which a coasting train loses speed.",
-        ),
-        (
             {"phases__starting_current_a": 300.0},
             "needs phases.starting_current_a = 300 to be at most the 201.05 A of the drive.",
         ),
