@@ -156,8 +156,8 @@ def window() -> Finding:
     return judge(
         "; ".join(f"{share:.4f} of the scheduled time at {case}" for case, share in shares.items()),
         all(abs(share - 1) <= width + LATE_SHARE for share in shares.values()),
-        "The minimum lies at the late end, as time saves energy: the earliest time never binds. The search must run the "
-        f"relay itself: with the limits found for an ideal regulator it takes {replayed.travel_time_s:.1f} s, where "
+        "The minimum lies at the late end, as time saves energy: the earliest time never binds. The search must run "
+        f"the relay itself: with the limits found for an ideal regulator it takes {replayed.travel_time_s:.1f} s, where "
         f"{latest:.1f} s are allowed.",
     )
 
@@ -168,7 +168,7 @@ def time_without_train() -> Finding:
     whole = scenario.with_(**{"timetable.deduct_train_length": False}).travel_time_s
     share = 1 - scenario.travel_time_s / whole
     return undecided(
-        f"{whole:.1f} s over the line, {scenario.travel_time_s:.1f} s less a train of {scenario.vehicle.length_m:.0f} m",
+        f"{whole:.1f} s over the line, {scenario.travel_time_s:.1f} s less {scenario.vehicle.length_m:.0f} m of train",
         f"X_tr is not defined. Taken for the train's length, as here, it changes the time by {100 * share:.0f} %, more "
         f"than the window of {100 * scenario.search.time_window:g} %; between stations a train moves over all of it.",
     )
