@@ -79,7 +79,8 @@ def _coasting_speed2(cell: Cell, leaving_speed2: float, max_deceleration_ms2: fl
         speed2 = max(((cell.inertia + half) * leaving_speed2 + resistance) / (cell.inertia - half), 0.0)
         if abs(speed2 - before) <= EXACT * speed2:
             break
-    return min(speed2, leaving_speed2 + 2.0 * max_deceleration_ms2 * cell.length_m)
+    slowest: float = min(speed2, leaving_speed2 + 2.0 * max_deceleration_ms2 * cell.length_m)
+    return slowest
 
 
 @njit(cache=True, error_model="numpy")

@@ -157,8 +157,8 @@ def window() -> Finding:
         "; ".join(f"{share:.4f} of the scheduled time at {case}" for case, share in shares.items()),
         all(abs(share - 1) <= width + LATE_SHARE for share in shares.values()),
         "The minimum lies at the late end, as time saves energy: the earliest time never binds. The search must run "
-        f"the relay itself: with the limits found for an ideal regulator it takes {replayed.travel_time_s:.1f} s, where "
-        f"{latest:.1f} s are allowed.",
+        f"the relay itself: with the limits found for an ideal regulator it takes {replayed.travel_time_s:.1f} s, "
+        f"where {latest:.1f} s are allowed.",
     )
 
 
