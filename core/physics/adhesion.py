@@ -55,6 +55,11 @@ def adhesion_coefficient(speed_ms: FloatArray | float) -> FloatArray:
     return coefficient
 
 
+def driven_adhesion_n(scenario: Scenario, speed_ms: FloatArray) -> FloatArray:
+    """Return the largest force of the driven axles [N] at speeds [m/s]; infinite where adhesion sets no limit."""
+    return adhesive_weight(scenario).driven_n * adhesion_coefficient(speed_ms)
+
+
 def friction_limit_n(scenario: Scenario, electric: EffortLimit) -> float:
     """Return the largest effort of the friction brakes [N] beside the full electric brake, the same at all speeds.
 

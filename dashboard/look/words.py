@@ -63,6 +63,8 @@ LOSS_WORDS = {
     "magnetising": "Magnetising loss",
     "iron": "Iron loss",
     "mechanical": "Friction in the motors",
+    "harmonics": "Harmonics of the inverter",
+    "inverter": "Inverter",
     "motors_and_inverters": "Motors and inverters",
     "gear": "Gears",
     "standstill_brake": "Standstill brake",
