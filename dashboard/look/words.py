@@ -51,7 +51,7 @@ PHASE_WORDS: dict[PhaseName, str] = {
 CAUSE_WORDS: "dict[CauseName, str]" = {
     "load": "Other load",
     "position": "Position error",
-    "conditions": "Resistance, voltage",
+    "conditions": "Resistance, voltage, rails",
     "stops": "Unplanned stops",
     "events": "Limits, changes",
 }

@@ -235,7 +235,7 @@ def _numbers(parameters: Synchronous) -> tuple[Machine, LossNumbers, Winding, Fl
     )
     winding = Winding(
         stator_resistance_ohm=parameters.stator_resistance_ohm,
-        # currents go as 1 / L, losses as their square: the mean of both 1 / L^2. No harmonic current passes an infinite L
+        # currents go as 1 / L, losses as their square: the mean of both 1 / L^2; an infinite L lets no harmonic pass
         harmonic_inductance_h=math.sqrt(2 / (direct**-2 + quadrature**-2)) if parameters.harmonic_losses else math.inf,
         conductor_height_m=parameters.conductor_height_mm * M_PER_MM,
         conductor_layers=float(parameters.conductor_layers),
