@@ -1,4 +1,4 @@
-"""The adhesion between wheels and rails, by the words of the file format alone.
+"""The adhesion between wheels and rails, as the file format states it.
 
 With `line.rail_condition`, the driven axles transmit at most mu(v) times their weight, in driving and in electric
 braking, and all brakes together at most mu(v) times the weight of the braked axles. On dry rails (Curtius, Kniffler,

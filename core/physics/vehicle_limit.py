@@ -69,8 +69,8 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float, dri
     steps = table_speeds(top_speed_ms)
     # the highest point of a curve counts as a constant limit: the table need only be close to what lies below that
     by_curve = max((effort * N_PER_KN for _, effort in limits.curve or ()), default=np.inf)
-    by_drive_n = np.max(drive.effort_limit_n(steps, braking))
-    constant = float(min(_constant_n(limits), by_curve, by_drive_n, driven_n * adhesion_coefficient(0.0)))
+    by_drive_n = float(np.max(drive.effort_limit_n(steps, braking)))
+    constant = min(_constant_n(limits), by_curve, by_drive_n, driven_n * float(adhesion_coefficient(0.0)))
     if not np.isfinite(constant):
         table = "braking" if braking else "traction"
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")

@@ -126,8 +126,8 @@ def test_a_plan_for_dry_rails_is_late_on_wet_ones():
 def test_a_sweep_over_the_load_takes_the_adhesion_of_each_load():
     base = load_scenario("liashenko-ii").with_(**WET)
     table = sweep(base, {"vehicle.load_factor": (0.0, 0.5)}, 2, "grid")
-    alone = [solve(base.with_(**{"vehicle.load_factor": load})).energy_kwh for load in (0.0, 0.5)]
-    assert table.columns["energy_kwh"] == pytest.approx(alone, rel=1e-7)
+    single = [solve(base.with_(**{"vehicle.load_factor": load})).energy_kwh for load in (0.0, 0.5)]
+    assert table.columns["energy_kwh"] == pytest.approx(single, rel=1e-7)
 
 
 @pytest.mark.parametrize("table", ["line", "disturbance"])

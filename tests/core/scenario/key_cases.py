@@ -276,6 +276,8 @@ CASES: dict[str, Case] = {
             "line.sections.2.curve_radius_m": 500.0,
             "line.limits_hold_for": "front",
             "line.rail_condition": "dry",
+            # below what adhesion leaves beside the electric brake
+            "vehicle.braking.friction_effort_kn": 15.0,
         },
         idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name"),
     ),

@@ -1,4 +1,4 @@
-"""The charts beneath the speed: what they draw of a run."""
+"""The charts below the speed: what they draw of a run."""
 
 import numpy as np
 import pytest
