@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.check.adhesion import adhesion_limits_n
 from railjoule.core.check.drives import loss_model
 from railjoule.core.check.limits import limit_beyond_breakdown_n, stated_limit_n
 from railjoule.core.check.loss_model import Losses, LossModel
@@ -217,7 +218,13 @@ class Case:
         """Largest effort of the electric brake, within the limits of vehicle, motors and supply [N]."""
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
         stated = np.minimum(stated_limit_n(braking, speed), limit_beyond_breakdown_n(braking, speed))
+        stated = np.minimum(stated, self.adhesion_n[0])
         return np.where(self.neutral, 0.0, np.minimum(self.model.largest_effort_n(speed, True), stated))
+
+    @cached_property
+    def adhesion_n(self) -> tuple[FloatArray, FloatArray]:
+        """Largest forces that the driven and the braked axles transmit to the rails [N]."""
+        return adhesion_limits_n(self.scenario, self.record.mean_speed_ms)
 
     def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""

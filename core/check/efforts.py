@@ -58,6 +58,8 @@ def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
     if traction.breakdown_speed_kmh is not None:
         limit = limit_beyond_breakdown_n(traction, speed)
         yield _effort(case, "breakdown of tractive effort", effort_n, limit, ROUNDED_CORNERS)
+    if case.scenario.line.rail_condition is not None:
+        yield _effort(case, "adhesion of the driven axles", effort_n, case.adhesion_n[0])
     yield from _motors(case, "motors while driving", effort_n, False)
 
 
@@ -89,13 +91,17 @@ def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Itera
     yield from _motors(case, "motors while braking", electric_n, True)
     limit = np.full(len(friction_n), braking.friction_effort_kn * N_PER_KN)
     yield _effort(case, "friction braking effort", friction_n, limit)
+    if case.scenario.line.rail_condition is not None:
+        yield _effort(case, "adhesion under the electric brake", electric_n, case.adhesion_n[0])
+        yield _effort(case, "adhesion of the braked axles", electric_n + friction_n, case.adhesion_n[1])
 
 
 def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
     """Compare the sum of the brakes alone, where nothing tells how they share."""
     friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
     # the weakest true statement: whatever the sharing, both brakes together do not do more than both can
-    excess = (braking_n - case.electric_limit_n - friction - case.rounding_n) / case.effort_scale_n
+    limit = np.minimum(case.electric_limit_n + friction, case.adhesion_n[1])
+    excess = (braking_n - limit - case.rounding_n) / case.effort_scale_n
     yield largest_of("effort of all brakes", "the largest effort", ROUNDED_CORNERS, excess, case.record.middle_m)
     for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):
         yield Unchecked(name, "the table tells one effort for both brakes")

@@ -34,7 +34,6 @@ from railjoule.core.check.loss_model import (
     EDGE,
     Losses,
     effort_of_torque_n,
-    geared_losses_w,
     shaft_torque_nm,
     turns_per_metre,
 )
@@ -74,7 +73,9 @@ class SynchronousLosses:
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
         """Return the losses by kind [W]; NaN beyond current or voltage."""
         torque, speed = shaft_torque_nm(self.parameters, effort_n), turns_per_metre(self.parameters) * speed_ms
-        return geared_losses_w(self.parameters, effort_n, speed_ms, self.machine.loss_w(torque, speed))
+        motors, of_one = self.parameters.motors, self.machine.losses_w(torque, speed)
+        gear = self.parameters.gear_loss_share * np.abs(effort_n * speed_ms)
+        return {**{kind: motors * loss_w for kind, loss_w in of_one.items()}, "gear": gear}
 
     def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest effort within current and voltage [N]."""
@@ -99,8 +100,8 @@ class Machine:
         six_steps = parameters.modulation == "six_step"
         self.largest_voltage_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.space_vector_voltage_v
 
-    def loss_w(self, torque: FloatArray, speed: FloatArray) -> FloatArray:
-        """Return the loss at torques of the shaft, negative in braking [W]; NaN beyond current or voltage."""
+    def losses_w(self, torque: FloatArray, speed: FloatArray) -> Losses:
+        """Return the losses by kind at torques of the shaft, negative in braking [W]; NaN beyond current or voltage."""
         p, rads = self.parameters, self.parameters.pole_pairs * speed
         drag = p.mechanical_loss_torque_nm + p.ventilation_loss_w_per_rads3 * speed**2
         along, across = self._currents(torque + drag, rads)
@@ -123,8 +124,11 @@ class Machine:
         frequency = np.where(blocks, rads / (2 * math.pi), p.switching_frequency_hz)
         energy = p.switching_energy_j * mean / p.switching_current_a * p.link_voltage_v / p.switching_voltage_v
         harmonics = np.where(blocks, self._six_step_loss_w(rads, voltage), self._space_vector_loss_w(rads, voltage))
-        loss: FloatArray = copper + iron + drag * speed + harmonics + conduction + 3 * frequency * energy
-        return loss
+        if not p.harmonic_losses:
+            harmonics = 0.0 * current
+        inverter = conduction + 3 * frequency * energy
+        kinds = {"copper": copper, "iron": iron, "mechanical": drag * speed, "harmonics": harmonics}
+        return {**kinds, "inverter": inverter}
 
     def greatest_torque(self, speed: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of the shaft within current and voltage, without sign [N m]."""

@@ -12,6 +12,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2, permitted_speed2
+from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of, data_between
 from railjoule.core.physics.effort_limit import EffortLimit
@@ -24,7 +25,7 @@ from railjoule.core.physics.resistance import (
 )
 from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario
-from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
+from railjoule.core.units import MS_PER_KMH, W_PER_KW
 
 # no square of a speed is negative, and compiled code wants a number
 FREE = -1.0
@@ -208,8 +209,9 @@ def limits_of(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimi
     ScenarioError
         If a limit of effort is missing.
     """
-    pulling = effort_limit(scenario.vehicle, drive)
-    electric = effort_limit(scenario.vehicle, drive, braking=True)
+    driven_n = adhesive_weight(scenario).driven_n
+    pulling = effort_limit(scenario.vehicle, drive, driven_n=driven_n)
+    electric = effort_limit(scenario.vehicle, drive, braking=True, driven_n=driven_n)
     least_braking = MISSING_BRAKE_SHARE * pulling.constant_n
     return pulling, electric._replace(constant_n=max(electric.constant_n, least_braking))
 
@@ -293,7 +295,7 @@ def _course_data(
         resistance_quadratic=quadratic_in_tunnels(quadratic, line.tunnel_factor),
         traction=parts.traction,
         braking=parts.braking,
-        friction_effort_n=braking.friction_effort_kn * N_PER_KN,
+        friction_effort_n=friction_limit_n(scenario, parts.braking),
         # infinite, not None: compiled code compares numbers
         max_acceleration_ms2=traction.max_acceleration_ms2 or np.inf,
         max_deceleration_ms2=braking.max_deceleration_ms2 or np.inf,

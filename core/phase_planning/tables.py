@@ -9,12 +9,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2
+from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
 from railjoule.core.physics.vehicle_limit import limit_corners_ms, vehicle_limit_n
@@ -62,6 +64,8 @@ class PhaseModel:
         Whether a start holds its current at all speeds, as printed by Rawicki, where less of it would give more effort.
     head_wind_ms : float
         Wind against the train [m/s].
+    driven_n : float
+        Adhesive weight of the driven axles [N], infinite where adhesion sets no limit.
     """
 
     vehicle: Vehicle
@@ -70,6 +74,7 @@ class PhaseModel:
     top_speed_ms: float
     holds_current: bool = False
     head_wind_ms: float = 0.0
+    driven_n: float = np.inf
 
     @property
     def inertia_kg(self) -> float:
@@ -93,7 +98,7 @@ class PhaseModel:
             by_drive = self.drive.effort_limit_n(speed_ms)
         else:
             by_drive = self.drive.effort_at_current_n(starting_current_a, speed_ms)
-        effort = np.minimum(vehicle_limit_n(self.vehicle, speed_ms), by_drive)
+        effort = np.minimum(vehicle_limit_n(self.vehicle, speed_ms, driven_n=self.driven_n), by_drive)
         limit_ms2 = self.vehicle.traction.max_acceleration_ms2
         if limit_ms2 is None:
             return effort
@@ -104,9 +109,8 @@ class PhaseModel:
         if self.brakes_with_friction:
             effort = np.full(np.shape(speed_ms), N_PER_KN * self.vehicle.braking.friction_effort_kn)
         else:
-            effort = np.minimum(
-                vehicle_limit_n(self.vehicle, speed_ms, braking=True), self.drive.effort_limit_n(speed_ms, braking=True)
-            )
+            by_vehicle = vehicle_limit_n(self.vehicle, speed_ms, True, self.driven_n)
+            effort = np.minimum(by_vehicle, self.drive.effort_limit_n(speed_ms, braking=True))
         limit_ms2, _ = self._largest_deceleration
         effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         at_least_none: FloatArray = np.maximum(effort, 0.0)
@@ -246,6 +250,7 @@ class PhaseModel:
             if limits.max_effort_kn and limits.max_power_kw:
                 corners.append(limits.max_power_kw / limits.max_effort_kn)
             corners += limit_corners_ms(limits).tolist()
+        corners += self._adhesion_corners_ms()
         inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
         count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)
         uniform = np.linspace(0, self.top_speed_ms, count + 1)
@@ -254,11 +259,30 @@ class PhaseModel:
             uniform = uniform[to_corner > SAME_KNOT_MS]
         return np.union1d(uniform, inside)
 
+    def _adhesion_corners_ms(self) -> list[float]:
+        """Return the speeds at which adhesion begins or ceases to be the lowest limit of the drive [m/s]."""
+        if np.isinf(self.driven_n):
+            return []
+        speeds = np.arange(0.0, self.top_speed_ms, KNOT_STEP_MS)
+        corners = []
+        for braking in (False, True):
+
+            def excess(speed: FloatArray, braking: bool = braking) -> FloatArray:
+                by_vehicle = vehicle_limit_n(self.vehicle, speed, braking)
+                by_drive = self.drive.effort_limit_n(np.asarray(speed), braking)
+                return np.minimum(by_vehicle, by_drive) - self.driven_n * adhesion_coefficient(speed)
+
+            for turn in np.flatnonzero(np.diff(np.sign(excess(speeds)))):
+                corners.append(float(scipy.optimize.brentq(excess, speeds[turn], speeds[turn + 1])))
+        return corners
+
 
 @lru_cache(maxsize=32)
-def phase_model(vehicle: Vehicle, line_force_n: float, top_speed_ms: float, head_wind_ms: float = 0.0) -> PhaseModel:
+def phase_model(
+    vehicle: Vehicle, line_force_n: float, top_speed_ms: float, head_wind_ms: float = 0.0, driven_n: float = np.inf
+) -> PhaseModel:
     """Return the model of a vehicle; kept for the next call."""
-    return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms, head_wind_ms=head_wind_ms)
+    return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms, False, head_wind_ms, driven_n)
 
 
 @lru_cache(maxsize=128)

@@ -7,6 +7,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive import Drive
 from railjoule.core.errors import ScenarioError
+from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit, fitted_limit, table_speeds, untabulated_limit
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.vehicle import Braking, Traction
@@ -28,17 +29,29 @@ def curve_effort_n(curve: Curve, speed_ms: FloatArray) -> FloatArray:
     return effort
 
 
-def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+def vehicle_limit_n(
+    vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False, driven_n: float = np.inf
+) -> FloatArray:
     """Return the largest effort [N] that a vehicle's own limits allow, not its drive's; shape as the speeds'.
 
-    Infinite where it sets none.
+    Infinite where it sets none. `driven_n` is the adhesive weight of the driven axles [N].
     """
-    limits = vehicle.braking if braking else vehicle.traction
-    return np.minimum(_varying_n(limits, np.asarray(speed_ms, dtype=float)), _constant_n(limits))
+    limits, speed = vehicle.braking if braking else vehicle.traction, np.asarray(speed_ms, dtype=float)
+    return np.minimum(
+        np.minimum(_varying_n(limits, speed), _constant_n(limits)), driven_n * adhesion_coefficient(speed)
+    )
 
 
-def effort_limit(vehicle: Vehicle, drive: Drive, braking: bool = False) -> EffortLimit:
+def effort_limit(vehicle: Vehicle, drive: Drive, braking: bool = False, driven_n: float = np.inf) -> EffortLimit:
     """Return the limit of a vehicle and its drive in one direction, for compiled code.
+
+    Parameters
+    ----------
+    vehicle, drive : Vehicle and Drive
+    braking : bool
+        Whether it is that of the electric brake.
+    driven_n : float
+        Adhesive weight of the driven axles [N], infinite where adhesion sets no limit.
 
     Raises
     ------
@@ -46,27 +59,32 @@ def effort_limit(vehicle: Vehicle, drive: Drive, braking: bool = False) -> Effor
         If neither limits the effort.
     """
     limits = vehicle.braking if braking else vehicle.traction
-    return _combined(limits, drive, vehicle.traction.max_speed_kmh * MS_PER_KMH)
+    return _combined(limits, drive, vehicle.traction.max_speed_kmh * MS_PER_KMH, driven_n)
 
 
 @lru_cache(maxsize=64)
-def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float) -> EffortLimit:
-    """Combine the limits of a vehicle's table with those of its drive; kept for the next call."""
+def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float, driven_n: float) -> EffortLimit:
+    """Combine the limits of a vehicle's table with those of its drive and of adhesion; kept for the next call."""
     braking = isinstance(limits, Braking)
     steps = table_speeds(top_speed_ms)
     # the highest point of a curve counts as a constant limit: the table need only be close to what lies below that
     by_curve = max((effort * N_PER_KN for _, effort in limits.curve or ()), default=np.inf)
-    constant = float(min(_constant_n(limits), by_curve, np.max(drive.effort_limit_n(steps, braking))))
+    by_drive_n = float(np.max(drive.effort_limit_n(steps, braking)))
+    constant = min(_constant_n(limits), by_curve, by_drive_n, driven_n * float(adhesion_coefficient(0.0)))
     if not np.isfinite(constant):
         table = "braking" if braking else "traction"
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
     by_drive = np.isfinite(drive.weakening_limit_n(steps, braking)).any()
+    power = np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW
+    # adhesion falls with speed and its power rises: what it leaves at the corner of effort and power it leaves always
+    by_adhesion = driven_n * float(adhesion_coefficient(min(power / max(constant, 1e-9), top_speed_ms))) < constant
     # a limit of power alone is closed and exact: no table
-    if not limits.curve and limits.breakdown_speed_kmh is None and not by_drive:
-        return untabulated_limit(constant, np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW)
+    if not (limits.curve or limits.breakdown_speed_kmh is not None or by_drive or by_adhesion):
+        return untabulated_limit(constant, power)
 
     def varying(speed: FloatArray) -> FloatArray:
-        return np.minimum(drive.weakening_limit_n(speed, braking), _varying_n(limits, speed))
+        by_vehicle = np.minimum(_varying_n(limits, speed), driven_n * adhesion_coefficient(speed))
+        return np.minimum(drive.weakening_limit_n(speed, braking), by_vehicle)
 
     # a cubic across a corner of the curve would cut it off: pieces end there
     corners = np.append(limit_corners_ms(limits), drive.limit_corners_ms(braking))

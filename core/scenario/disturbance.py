@@ -5,7 +5,7 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Number, Part
-from railjoule.core.scenario.line import SpeedLimit
+from railjoule.core.scenario.line import RailCondition, SpeedLimit
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 
 Reaction = Literal["driver", "computer", "known"]
@@ -87,6 +87,7 @@ class Disturbance(Part):
         1.0, ge=0, le=10, description="Running resistance over the planned one, as in a head wind."
     )
     line_voltage_factor: Number = Field(1.0, gt=0, le=2, description="Supply voltage over its nominal value.")
+    rail_condition: RailCondition | None = Field(None, description="Actual rail condition; if empty, as planned.")
     departure_delay_s: Number = Field(0.0, ge=0, le=86400, description="Departure delay [s].")
 
     @property

@@ -241,6 +241,9 @@ class Synchronous(GearedMotors):
     switching_energy_j: Number = Field(ge=0, le=100, description="Turn-on, turn-off and recovery of one leg [J].")
     switching_current_a: Current = Field(description="Current at which that energy is given [A].")
     switching_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage at which that energy is given [V].")
+    harmonic_losses: bool = Field(
+        True, strict=True, description="The harmonics of the inverter heat the windings; if false, they are left out."
+    )
 
     @property
     def knows_voltage(self) -> bool:

@@ -101,6 +101,7 @@ class PassingPoint(Part):
     speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
 
 
+RailCondition = Literal["dry", "wet"]
 Stretch = TypeVar("Stretch", SpeedLimit, NeutralSection)
 
 
@@ -133,6 +134,9 @@ class Line(Part):
     # no line is driven in a gale of more than 150 km/h; a wind from behind would turn the sign of v + wind near rest
     head_wind_kmh: Number = Field(
         0.0, ge=0, le=150, description="Wind against the train, whichever way it runs [km/h]."
+    )
+    rail_condition: RailCondition | None = Field(
+        None, description="Rail condition, by which adhesion limits the efforts; if empty, it does not."
     )
 
     @model_validator(mode="after")

@@ -80,6 +80,16 @@ class Scenario(Part):
         return self
 
     @model_validator(mode="after")
+    def _driven_mass_is_known(self) -> Self:
+        for name, part in (("line", self.line), ("disturbance", self.disturbance)):
+            if part.rail_condition is not None and self.vehicle.adhesion.driven_mass_share is None:
+                raise ValueError(
+                    f"{name}.rail_condition = '{part.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
+                    "share of the mass on driven axles; it is 1 where all axles are driven"
+                )
+        return self
+
+    @model_validator(mode="after")
     def _real_load_can_be_carried(self) -> Self:
         # against the crush load and not 1: what a train really carries may exceed its nominal capacity
         load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor

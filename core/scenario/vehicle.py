@@ -128,6 +128,29 @@ class Braking(Part):
         return self
 
 
+class Adhesion(Part):
+    """Masses on the axles that transmit forces to the rails; in force where the line has a `rail_condition`."""
+
+    # no default: a train with trailing cars whose axles all counted as driven would pull more than it can
+    driven_mass_share: Number | None = Field(
+        None, gt=0, le=1, description="Mass on the driven axles, as a share of the total mass."
+    )
+    braked_mass_share: Number = Field(
+        1.0, gt=0, le=1, description="Mass on the braked axles, as a share of the total mass."
+    )
+    # Koffman 1948; core/physics/adhesion.py names the source
+    wet_share: Number = Field(0.6, gt=0, le=1, description="Adhesion on wet rails, as a share of that on dry rails.")
+
+    @model_validator(mode="after")
+    def _driven_axles_are_braked(self) -> Self:
+        if self.driven_mass_share is not None and self.driven_mass_share > self.braked_mass_share:
+            raise ValueError(
+                f"driven_mass_share = {self.driven_mass_share:g} must be at most braked_mass_share = "
+                f"{self.braked_mass_share:g}: the driven axles have the electric brake"
+            )
+        return self
+
+
 class Vehicle(Part):
     """One electric rail vehicle with its load."""
 
@@ -159,6 +182,7 @@ class Vehicle(Part):
     resistance: Resistance
     traction: Traction
     braking: Braking
+    adhesion: Adhesion = Adhesion()
     drive: Drive
 
     @model_validator(mode="after")

@@ -173,8 +173,10 @@ def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Scenario]]:
     followed = Disturbance(actual_load_factor=load, coordinate_error_m=real.coordinate_error_m)
     if real.coordinate_error_m != 0 or options.speed_error != 0 or any(options.sensor_errors_m):
         yield "position", _with(scenario, followed)
-    if any(factor != 1 for factor in conditions.values()):
-        yield "conditions", _with(scenario, followed.model_copy(update=conditions))
+    has_other_rails = real.rail_condition not in {None, scenario.line.rail_condition}
+    if has_other_rails or any(factor != 1 for factor in conditions.values()):
+        conditions_now = {**conditions, "rail_condition": real.rail_condition}
+        yield "conditions", _with(scenario, followed.model_copy(update=conditions_now))
     # from here on the place is that of the followed run
     known = real.model_copy(update={"coordinate_error_m": 0.0, "departure_delay_s": 0.0})
     if real.stops:

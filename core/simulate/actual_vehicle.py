@@ -1,4 +1,4 @@
-"""The vehicle of the day: its actual load, its running resistance and the line voltage that it finds."""
+"""The vehicle of the day: its actual load, its running resistance, and the line voltage and rails that it finds."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadrati
 
 
 def actual_vehicle(scenario: Scenario) -> Scenario:
-    """Return a scenario whose vehicle is as its disturbance says.
+    """Return a scenario whose vehicle and rails are as its disturbance says.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
     factor, and so do the speeds of a tabulated curve of effort and the voltage of induction and synchronous motors.
@@ -22,14 +22,16 @@ def actual_vehicle(scenario: Scenario) -> Scenario:
     scenario : Scenario
         With its disturbance.
     """
-    disturbance, vehicle = scenario.disturbance, scenario.vehicle
+    disturbance, vehicle, line = scenario.disturbance, scenario.vehicle, scenario.line
     if disturbance.actual_load_factor is not None:
         vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)
     if disturbance.resistance_factor != 1:
         vehicle = changed(vehicle, resistance=_times(vehicle.resistance, disturbance.resistance_factor))
     if disturbance.line_voltage_factor != 1:
         vehicle = at_voltage(vehicle, disturbance.line_voltage_factor)
-    return scenario.model_copy(update={"vehicle": vehicle})
+    if disturbance.rail_condition is not None:
+        line = line.model_copy(update={"rail_condition": disturbance.rail_condition})
+    return scenario.model_copy(update={"vehicle": vehicle, "line": line})
 
 
 def _times(resistance: Resistance, factor: float) -> Resistance:

@@ -18,6 +18,7 @@ from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
 from railjoule.core.phase_planning.run import PhaseRun, lay_out
 from railjoule.core.phase_planning.tables import phase_model
+from railjoule.core.physics.adhesion import adhesive_weight
 from railjoule.core.strategies.plain_line import (
     check_accelerations,
     check_speeds,
@@ -27,7 +28,7 @@ from railjoule.core.strategies.plain_line import (
 )
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # Forces and limits that differ by less are the same; a force as a share of half the inertia, which is a difference of
 # acceleration of 5e-10 m/s2
@@ -118,9 +119,16 @@ def _planner(task: Task) -> PhasePlanner:
     StrategyRefusedError
         If a starting current is given that the drive does not have.
     """
-    force, top = float(task.course.data.line_force_n[0]), float(plain_limits_ms(task.course)[0])
-    wind = task.scenario.line.head_wind_kmh * MS_PER_KMH
-    return PhasePlanner(phase_model(task.scenario.vehicle, force, top, wind), task.scenario.phases)
+    scenario, course = task.scenario, task.course
+    vehicle, driven_n = scenario.vehicle, adhesive_weight(scenario).driven_n
+    if np.isfinite(driven_n):
+        # the friction brakes have what adhesion leaves them
+        friction_kn = course.data.friction_effort_n / N_PER_KN
+        braking = vehicle.braking.model_copy(update={"friction_effort_kn": friction_kn})
+        vehicle = vehicle.model_copy(update={"braking": braking})
+    force_n, top_ms = float(course.data.line_force_n[0]), float(plain_limits_ms(course)[0])
+    model = phase_model(vehicle, force_n, top_ms, scenario.line.head_wind_kmh * MS_PER_KMH, driven_n)
+    return PhasePlanner(model, scenario.phases)
 
 
 def _plain_trajectory(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:

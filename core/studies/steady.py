@@ -20,6 +20,7 @@ import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.physics.adhesion import adhesive_weight
 from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
 from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Scenario
@@ -134,13 +135,14 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
     vehicle, price = scenario.vehicle, steady.price_of_time_w
     level = steady.driving_adjoint * _resistance_n(scenario, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
-    effort = vehicle_limit_n(vehicle, up)
+    driven_n = adhesive_weight(scenario).driven_n
+    effort = vehicle_limit_n(vehicle, up, driven_n=driven_n)
     # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
     full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(scenario, up))
     down = np.linspace(steady.highest_ms, steady.brake_ms, POINTS)
     coast = (level - price / down) / _resistance_n(scenario, down)
     last = np.linspace(steady.brake_ms, SLOWEST_MS, POINTS)
-    brakes = vehicle_limit_n(vehicle, last, braking=True)
+    brakes = vehicle_limit_n(vehicle, last, braking=True, driven_n=driven_n)
     # the same with f = -B, of which the line gets k B v
     brake = (level + steady.braking_adjoint * brakes - price / last) / (brakes + _resistance_n(scenario, last))
     return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)

@@ -7,6 +7,8 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import height_profile, section_borders
+from railjoule.core.physics.adhesion import driven_adhesion_n
+from railjoule.core.units import N_PER_KN
 from railjoule.dashboard.charts.chart import Axis, add_zero, columns, nice_range, text_style, xy
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import (
@@ -255,22 +257,36 @@ class DifferenceChart(SceneChart):
 
 
 class EffortChart(CellChart):
-    """Tractive and braking effort, with the largest one dotted."""
+    """Tractive and braking effort, with the largest one dotted and the adhesion of the driven axles dashed."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(EFFORT, height, axis, palette)
 
     def above(self) -> None:
-        """Draw the largest effort."""
+        """Draw the largest effort and the adhesion."""
         self.line("largest", "ink3", line_width=1, line_dash=[2, 3])
+        self.line("adhesion", "limit", line_width=1, line_dash=[6, 3])
 
     def draw(self, scene: RunScene) -> None:
-        """Draw the efforts and the largest one."""
+        """Draw the efforts, the largest one and, where the rail condition is known, the adhesion."""
         super().draw(scene)
         # after the runs, whose range is only widened here
         largest = LARGEST_EFFORT.values(scene.run)
         self.put("largest", **xy(scene.x(scene.run), largest))
+        # the adhesion does not widen the range: on dry rails it may lie far above all efforts
         self.set_range(min(self.y_range.start, -0.05 * largest.max()), max(self.y_range.end, 1.08 * largest.max()))
+        self._draw_adhesion(scene)
+
+    def _draw_adhesion(self, scene: RunScene) -> None:
+        run, condition = scene.run, scene.run.scenario.line.rail_condition
+        if condition is None:
+            self.rename(EFFORT.words)
+            self.clear("adhesion")
+            return
+        self.rename(f"{EFFORT.words}; dashed: adhesion on {condition} rails")
+        places, most = scene.x(run), driven_adhesion_n(run.scenario, run.speed_ms) / N_PER_KN
+        # one line with a gap between its two sides
+        self.put("adhesion", x=[*places, np.nan, *places], y=[*most, np.nan, *-most])
 
 
 class CurrentChart(CellChart):

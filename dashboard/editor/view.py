@@ -45,7 +45,7 @@ SCENARIO_FIELDS = (
     "acceleration_time_s",
 )
 MORE_ROWS = "{} more rows are not shown; paste a table to replace them all."
-OWN = "Custom"
+OWN, NOT_SET = "Custom", "Not set"
 # abbreviations, of which `words_of` would make Eoc and Enoc
 HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 CHOICES = {"vehicle": "Vehicle", "line": "Line"}
@@ -202,7 +202,10 @@ class Group:
             "kind": field.kind,
             "label": field.label,
             "help": field.help_words,
-            "choices": [[choice, words_of(choice)] for choice in field.choices],
+            "choices": [
+                *([["", NOT_SET]] if field.optional else []),
+                *([choice, words_of(choice)] for choice in field.choices),
+            ],
             "text": look.text(field) if refusal is None else refusal.text,
             "sentence": "" if refusal is None else refusal.sentence,
             "changed": field.key in look.changes,

@@ -51,7 +51,7 @@ PHASE_WORDS: dict[PhaseName, str] = {
 CAUSE_WORDS: "dict[CauseName, str]" = {
     "load": "Other load",
     "position": "Position error",
-    "conditions": "Resistance, voltage",
+    "conditions": "Resistance, voltage, rails",
     "stops": "Unplanned stops",
     "events": "Limits, changes",
 }
@@ -63,6 +63,8 @@ LOSS_WORDS = {
     "magnetising": "Magnetising loss",
     "iron": "Iron loss",
     "mechanical": "Friction in the motors",
+    "harmonics": "Harmonics of the inverter",
+    "inverter": "Inverter",
     "motors_and_inverters": "Motors and inverters",
     "gear": "Gears",
     "standstill_brake": "Standstill brake",

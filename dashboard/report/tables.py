@@ -18,9 +18,15 @@ from railjoule.dashboard.parts.html import table
 
 MOST_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
-PARTS = {"resistance": "Running resistance", "traction": "Traction", "braking": "Braking", "drive": "Powertrain"}
+PARTS = {
+    "resistance": "Running resistance",
+    "traction": "Traction",
+    "braking": "Braking",
+    "adhesion": "Adhesion",
+    "drive": "Powertrain",
+}
 EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
-OF_LINE = ("limits_hold_for", "head_wind_kmh")
+OF_LINE = ("limits_hold_for", "head_wind_kmh", "rail_condition")
 Row = tuple[str, str, str]
 
 
@@ -101,8 +107,9 @@ def _timetable(scenario: Scenario) -> Iterator[Row]:
     yield from _fields(scenario.timetable)
     yield "Length of the track", words.distance(scenario.line.length_m), "km"
     for field in describe(Line):
-        if field.key in OF_LINE and isinstance(field, Field):
-            yield _row(field, getattr(scenario.line, field.key))
+        value = getattr(scenario.line, field.key)
+        if field.key in OF_LINE and isinstance(field, Field) and value is not None:
+            yield _row(field, value)
     yield from _fields(scenario.solver)
 
 

@@ -115,6 +115,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
         and changes.get("simulation.speed_error", measured.speed_error) == 0
         and not any(measured.sensor_errors_m)
         and day.resistance_factor == day.line_voltage_factor == 1
+        and day.rail_condition in {None, state.scenario.edited.line.rail_condition}
     )
 
 

@@ -1,7 +1,7 @@
 """From the numbers of a synchronous machine and its inverter to maps of efficiency, and to the drive of a train."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
@@ -10,13 +10,23 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.loss_map.drive import LossMap, MapDrive, make_map_drive
 from railjoule.core.drive.synchronous.harmonics import Winding, side_bands
-from railjoule.core.drive.synchronous.losses import KINDS, MOTOR_KINDS, LossNumbers, fill_envelope, fill_map
+from railjoule.core.drive.synchronous.losses import (
+    CONDUCTION,
+    KINDS,
+    MOTOR_KINDS,
+    LossNumbers,
+    fill_envelope,
+    fill_map,
+    fill_points,
+)
 from railjoule.core.drive.synchronous.machine import Machine
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "harmonics", "conduction", "switching")
+ACCOUNT_KINDS = (*LOSS_KINDS[:CONDUCTION], "inverter")
+"""The same in the energy account, where the inverter's conduction and switching are one kind."""
 # Of the shipped motor, a table four times as fine each way changes the power by 1e-6 in the median, by 0.4 % at worst.
 TABLE_TORQUES, TABLE_SPEEDS = 36, 41
 # just inside the envelope, where a search still finds the torque, and a little further in, for the slope of the losses
@@ -44,6 +54,42 @@ class EfficiencyMaps:
     motor: FloatArray
     drive: FloatArray
     losses_w: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SynchronousDrive(MapDrive):
+    """A drive that divides the losses of its motors and inverters into kinds.
+
+    Parameters
+    ----------
+    machine : Synchronous
+        One of its motors with its inverter.
+    """
+
+    machine: Synchronous
+
+    def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
+        """Return the losses by kind [W]: of motors, their inverters, gears, and brake resistors.
+
+        The table of the drive has the sum of the kinds of motor and inverter; their shares are those of the formulas.
+        """
+        losses = super().losses_w(effort_n, speed_ms)
+        whole = losses.pop(self.loss_kind)
+        shares = self._loss_shares(*np.broadcast_arrays(np.asarray(effort_n, float), np.asarray(speed_ms, float)))
+        parts = [*shares[:CONDUCTION], shares[CONDUCTION:].sum(axis=0)]
+        kinds = {kind: whole * part for kind, part in zip(ACCOUNT_KINDS, parts, strict=True)}
+        return kinds | losses
+
+    def _loss_shares(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the share of each kind of `LOSS_KINDS` in the losses of motor and inverter; shape (6, ...)."""
+        turns = turns_per_metre(self.machine)
+        gear = np.where(effort_n < 0, 1 - self.gear_loss_share, 1 + self.gear_loss_share)
+        torque = effort_n * gear / (self.machine.motors * turns)
+        losses = np.empty((effort_n.size, KINDS))
+        fill_points(*_numbers(self.machine), torque.ravel(), (turns * speed_ms).ravel(), losses)
+        # a machine at rest without friction, current or voltage loses nothing
+        total = np.maximum(losses.sum(axis=1, keepdims=True), np.finfo(float).tiny)
+        return np.moveaxis((losses / total).reshape(*effort_n.shape, KINDS), -1, 0)
 
 
 def efficiency_maps(parameters: Synchronous, torque_nm: FloatArray, speed_rads: FloatArray) -> EfficiencyMaps:
@@ -80,7 +126,7 @@ def torque_envelope(parameters: Synchronous, speed_rads: FloatArray, braking: bo
 
 
 @lru_cache(maxsize=8)
-def make_synchronous_drive(parameters: Synchronous) -> MapDrive:
+def make_synchronous_drive(parameters: Synchronous) -> SynchronousDrive:
     """Return the drive that uses the map of its machine; kept for the next call.
 
     Raises
@@ -98,7 +144,7 @@ def make_synchronous_drive(parameters: Synchronous) -> MapDrive:
     driving, braking = (
         _loss_map(parameters, speed, envelope, sign) for envelope, sign in zip(envelopes, (1.0, -1.0), strict=True)
     )
-    return make_map_drive(
+    drive = make_map_drive(
         driving,
         braking,
         parameters.motors,
@@ -107,6 +153,7 @@ def make_synchronous_drive(parameters: Synchronous) -> MapDrive:
         parameters.recuperation_factor,
         envelopes,
     )
+    return SynchronousDrive(**{field.name: getattr(drive, field.name) for field in fields(drive)}, machine=parameters)
 
 
 def _loss_map(parameters: Synchronous, speed: FloatArray, envelope: FloatArray, sign: float) -> LossMap:
@@ -188,8 +235,8 @@ def _numbers(parameters: Synchronous) -> tuple[Machine, LossNumbers, Winding, Fl
     )
     winding = Winding(
         stator_resistance_ohm=parameters.stator_resistance_ohm,
-        # currents go as 1 / L, losses as their square: the mean of both 1 / L^2
-        harmonic_inductance_h=math.sqrt(2 / (direct**-2 + quadrature**-2)),
+        # currents go as 1 / L, losses as their square: the mean of both 1 / L^2; an infinite L lets no harmonic pass
+        harmonic_inductance_h=math.sqrt(2 / (direct**-2 + quadrature**-2)) if parameters.harmonic_losses else math.inf,
         conductor_height_m=parameters.conductor_height_mm * M_PER_MM,
         conductor_layers=float(parameters.conductor_layers),
     )

@@ -132,6 +132,21 @@ def fill_map(
                 losses[i, j, :] = math.nan
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def fill_points(
+    machine: Machine,
+    numbers: LossNumbers,
+    winding: Winding,
+    bands: FloatArray,
+    torque: FloatArray,
+    speed: FloatArray,
+    losses: FloatArray,
+) -> None:
+    """Fill `losses` [W] of shape (n, 6) at pairs of a torque of the shaft [N m] and a speed [rad/s]."""
+    for i in range(torque.shape[0]):
+        fill_losses(machine, numbers, winding, bands, torque[i], speed[i], losses[i])
+
+
 @njit(cache=True, nogil=True)
 def fill_envelope(
     machine: Machine, numbers: LossNumbers, sign: float, most_nm: float, speed: FloatArray, torque: FloatArray

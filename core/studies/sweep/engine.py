@@ -181,7 +181,9 @@ class Engine:
         self._patch = Patch(plan.scenario, plan.fields)
         names = [".".join(field.path) for field in plan.fields]
         self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
-        self._keeps_limits = all(name.startswith(SPARES_LIMITS) for name in names)
+        # by adhesion the limits depend on the mass
+        by_adhesion = plan.scenario.line.rail_condition is not None
+        self._keeps_limits = not by_adhesion and all(name.startswith(SPARES_LIMITS) for name in names)
         # other threads may find neither and make both as well: they are the same
         self._kept: CourseParts | None = None
         self._windows: bool | None = None

@@ -3,13 +3,16 @@
 from collections.abc import Sequence
 from functools import partial
 
+import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import Scenario
+from railjoule.core import Scenario, Trajectory
 from railjoule.core.energy import share_above
+from railjoule.core.energy_flow import BRAKES
 from railjoule.core.limit_search.search import LimitSearch
+from railjoule.core.units import J_PER_KWH, W_PER_KW
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY
@@ -78,7 +81,7 @@ class SpeedLimitsView(PageView):
         palette = self.palette
         self.model = model = self.state.speed_limits
         self.table, self.search_text, self.storage_text, self.no_map, self.notes = (parts.html_pane() for _ in range(5))
-        self.runs = parts.html_pane()
+        self.runs, self.losses = parts.html_pane(), parts.html_pane()
         self.axis = Axis(palette)
         self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
@@ -128,7 +131,8 @@ class SpeedLimitsView(PageView):
         left = parts.stack(
             self.runs, self.table, self.plane.host, self.pair, self.path.host, self.search_text, css=GAP_CSS
         )
-        right = parts.stack(self.no_map, self.map.host, self.whose, self.storage.host, self.storage_text, css=GAP_CSS)
+        motors = self.no_map, self.map.host, self.whose, self.losses
+        right = parts.stack(*motors, self.storage.host, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
         notes = parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
@@ -238,6 +242,7 @@ class SpeedLimitsView(PageView):
             self.no_map.object = parts.note_paragraphs([refusal], "padding-left:6px")
         if found is not None and run is not None:
             self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
+            self.losses.object = losses_table(run.run)
 
     def _show_storage(self) -> None:
         storage = self.model.storage
@@ -289,6 +294,22 @@ class SpeedLimitsView(PageView):
         else:
             detail = parts.markup('<span class="open">{} s too early</span>', words.number(first - time_s))
         return parts.figure("Travel time", words.time(time_s), "s", detail)
+
+
+def losses_table(run: Trajectory) -> str:
+    """Return the losses of a run's drive by kind; their mean powers are over the time in motion."""
+    losses_j = {kind: joules for kind, joules in run.energy.losses_j.items() if kind not in BRAKES}
+    whole_j, moves = sum(losses_j.values()), np.diff(run.position_m) > 0
+    seconds = float(np.sum(np.diff(run.time_s)[moves]))
+
+    def row(name: str, joules: float, strong: bool = False) -> tuple[tuple[str, ...], bool]:
+        share = words.share(joules / whole_j) if whole_j > 0 else ""
+        power = words.number(joules / seconds / W_PER_KW)
+        return (name, words.energy(joules / J_PER_KWH), share, power), strong
+
+    rows = [row(words.LOSS_WORDS[kind], joules) for kind, joules in losses_j.items()]
+    head = ("Lost to", "kWh", "%", "mean power, kW")
+    return parts.inset(parts.table("Losses of the powertrain", head, [*rows, row("All", whole_j, True)]))
 
 
 def rule_html(scenario: Scenario) -> Markup:

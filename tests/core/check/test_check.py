@@ -267,6 +267,7 @@ def test_a_reported_gap_that_is_another_is_found(run):
     assert set(broken(run.scenario, SimpleNamespace(**values))) == {"gap"}
 
 
+WET = {"line.rail_condition": "wet", "vehicle.adhesion": {"driven_mass_share": 0.3, "braked_mass_share": 0.3}}
 STRICTER: list[tuple[str, dict[str, Any]]] = [
     ("late arrival", {"timetable.travel_time_s": 229.9}),
     ("early arrival", {"timetable.travel_time_s": 232.0}),
@@ -293,6 +294,9 @@ STRICTER: list[tuple[str, dict[str, Any]]] = [
     ("electric braking effort", {"vehicle.braking.max_effort_kn": 30.0}),
     ("electric braking power", {"vehicle.braking.max_power_kw": 200.0}),
     ("breakdown of tractive effort", {"vehicle.traction.breakdown_speed_kmh": 20.0}),
+    ("adhesion of the driven axles", WET),
+    ("adhesion under the electric brake", WET),
+    ("adhesion of the braked axles", WET),
     ("curve of electric braking effort", {"vehicle.braking.curve": [[0, 40], [100, 10]]}),
     ("breakdown of electric braking effort", {"vehicle.braking.breakdown_speed_kmh": 20.0}),
     ("braking curve", {"vehicle.braking.permitted_deceleration": [[0, 0.3]]}),

@@ -158,6 +158,8 @@ TRAIN = change_document(
         "line.passing_points": [{"name": "P", "position_m": 1300.0, "speed_kmh": 40.0}],
         "line.limits_hold_for": "whole_train",
         "line.head_wind_kmh": 5.0,
+        "line.rail_condition": "wet",
+        "vehicle.adhesion": {"driven_mass_share": 0.45, "braked_mass_share": 0.5},
         "timetable": {"travel_time_s": 270.0, "entry_speed_kmh": 4.0, "exit_speed_kmh": 5.0},
         "solver.mesh_m": 25.0,
     },
@@ -273,6 +275,9 @@ CASES: dict[str, Case] = {
             "line.sections.0.curve_radius_m": 500.0,
             "line.sections.2.curve_radius_m": 500.0,
             "line.limits_hold_for": "front",
+            "line.rail_condition": "dry",
+            # below what adhesion leaves beside the electric brake
+            "vehicle.braking.friction_effort_kn": 15.0,
         },
         idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name"),
     ),
@@ -364,6 +369,7 @@ CASES: dict[str, Case] = {
         shortened(
             {
                 "vehicle.load_factor": 0.3,
+                "vehicle.adhesion.driven_mass_share": 0.5,
                 "disturbance": {
                     "coordinate_error_m": 8.0,
                     "actual_load_factor": 0.6,
@@ -380,7 +386,10 @@ CASES: dict[str, Case] = {
             }
         ),
         ("disturbance", "simulation"),
-        {"simulation.target_braking": {"simulation": {"target_braking": False, "speed_error": 0.02}}},
+        {
+            "simulation.target_braking": {"simulation": {"target_braking": False, "speed_error": 0.02}},
+            "disturbance.rail_condition": "wet",
+        },
         idle=("disturbance.accepted_delay_s", *(f"simulation.{key}" for key in OF_THE_LOOP)),
     ),
     "accepted delay": Case(

@@ -218,3 +218,14 @@ def test_a_passing_point_is_added_away_from_the_stations(editor: EditorModel) ->
     assert editor.refused == {}
     (row,) = editor.look().rows(points)
     assert (row["position_m"], row["speed_kmh"]) in {(575.0, 30.0), (1725.0, 30.0)}
+
+
+def test_the_rail_condition_is_chosen_and_taken_back(model: ScenarioModel, editor: EditorModel) -> None:
+    rails = field(editor, "line.rail_condition")
+    assert (rails.optional, rails.choices, editor.look().text(rails)) == (True, ("dry", "wet"), "")
+    editor.type(rails, "wet")
+    assert dict(model.changes) == {"line.rail_condition": "wet"}
+    editor.type(field(editor, "vehicle.adhesion.driven_mass_share"), "1.5")
+    assert "At most 1." in editor.refused["vehicle.adhesion.driven_mass_share"].sentence
+    editor.type(rails, "")
+    assert dict(model.changes) == {}

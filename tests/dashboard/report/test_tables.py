@@ -62,6 +62,14 @@ def test_choices_are_told_in_words() -> None:
     assert not any("_" in cell for row in told for cell in row)
 
 
+def test_the_rail_condition_and_the_driven_mass_are_shown() -> None:
+    wet = scenario_tables(load_scenario("kharkiv-like-40kmh", {"line.rail_condition": "wet"}))
+    assert ["Wet"] in [row[1:2] for row in rows(wet)]
+    assert ["0.6"] in [row[1:2] for row in rows(wet)]
+    assert "Rail condition" in wet
+    assert "Rail condition" not in scenario_tables(load_scenario("kharkiv-like-40kmh"))
+
+
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
     sections = [{"length_m": 20.0}] * (MOST_ROWS + 7)
     markup = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))

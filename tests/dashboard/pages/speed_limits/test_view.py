@@ -8,6 +8,7 @@ from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.words import energy
 from railjoule.dashboard.pages.speed_limits.compute import run_figures
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
@@ -88,6 +89,13 @@ def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> 
     view.state.scenario.choose("liashenko-ii")
     assert not view.map.host.visible
     assert "there is no efficiency map" in view.no_map.object
+
+
+def test_the_losses_by_kind_stand_below_the_map(view: SpeedLimitsView) -> None:
+    losses = view.model.run.run.energy.losses_j
+    for kind in ("copper", "iron", "mechanical", "harmonics", "inverter", "gear"):
+        assert f">{energy(losses[kind] / 3.6e6)}<" in view.losses.object
+    assert "Brake resistors" not in view.losses.object
 
 
 def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView) -> None:
