@@ -1,6 +1,7 @@
 """Many scenarios at once, as labelled tables."""
 
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
+from railjoule.core.studies.robust_plan import RobustPlan, robust_plan, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
 from railjoule.core.studies.storage import (
     Storage,
@@ -15,6 +16,7 @@ from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc
 __all__ = [
     "Frontier",
     "MonteCarloTable",
+    "RobustPlan",
     "SensitivityTable",
     "Storage",
     "StorageNeed",
@@ -24,6 +26,8 @@ __all__ = [
     "frontier_times",
     "monte_carlo",
     "monte_carlo_steps",
+    "robust_plan",
+    "robust_plan_steps",
     "saving_over_size",
     "sensitivity",
     "sensitivity_steps",

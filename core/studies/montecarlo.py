@@ -155,11 +155,24 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
         *(frozen_array([]),) * RESULTS,
     )
     yield table
-    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
-    work = RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
+    work = drawn_runs(planned, scenario)
     for rows in rows_in_order(work, np.column_stack([drawn[name] for name in QUANTITIES]), executor, RUNS_PER_STEP):
         energy, delay, stop_error = (frozen_array(column) for column in rows.values.T)
         yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
+
+
+def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
+    """Return the work that follows a plan with rows of `QUANTITIES`: energy [kWh], delay [s], stopping error [m].
+
+    Parameters
+    ----------
+    planned : Trajectory
+        The plan that is followed.
+    scenario : Scenario
+        The train and the line as they are; rows of drawn values replace its disturbance.
+    """
+    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
+    return RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
 
 
 def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> tuple[float, float, float]:
