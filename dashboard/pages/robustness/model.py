@@ -9,9 +9,10 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
 from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_FIELDS
-from railjoule.dashboard.pages.robustness.compute import Reality
+from railjoule.dashboard.pages.robustness.compute import Reality, RobustAnswer
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 
@@ -20,6 +21,8 @@ CHANCE = MonteCarloOptions()
 FIRST_LOAD_PERCENT, FIRST_ERROR_M = 100.0, 10.0
 """The reality shown at first, where the scenario names none: one in which something goes wrong."""
 PREVIEW_RUNS, FULL_RUNS = 500, 10_000
+ROBUST_RUNS = 1500
+"""Draws of the check of a robust plan; its candidates have a fifth of them."""
 CHANCE_FIELDS = (
     "load_deviation_percent",
     "error_deviation_m",
@@ -29,6 +32,8 @@ CHANCE_FIELDS = (
     "seed",
 )
 """What is drawn by chance, and how."""
+ROBUST_FIELDS = ("probability_percent", "accepted_delay_s", "candidates")
+"""The search for a robust plan."""
 TABLE_FIELDS = ("both_directions", "knows")
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
@@ -42,8 +47,8 @@ def sensor(label: str, unit: str, digits: int, key: str) -> TypedNumber:
 class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
-    kept = (*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS, "measure")
-    passing = ("drawing", "most_load_percent")
+    kept = (*REALITY, *FOLLOWER, *CHANCE_FIELDS, *ROBUST_FIELDS, *TABLE_FIELDS, "measure")
+    passing = ("drawing", "searching", "most_load_percent")
 
     actual_load_percent = TypedNumber(
         "Actual load, % of capacity",
@@ -82,6 +87,11 @@ class RobustnessModel(TypedParameters, PageModel):
     voltage_deviation_percent = TypedNumber("Supply voltage, \u00b1 %", "%", 1, default=3.0, bounds=(0.01, 50))
     mean_departure_delay_s = TypedNumber("Departure delay, mean, s", "s", default=0.0, bounds=(0, 3600))
     seed = TypedInteger("Seed", default=CHANCE.seed, bounds=(0, 2**31))
+    probability_percent = TypedNumber("Probability, %", "%", default=100 * PROBABILITY, bounds=(1, 99.9))
+    accepted_delay_s = TypedNumber(
+        "Accepted lateness, s", "s", 1, default=0.0, **core_bounds(Disturbance, "accepted_delay_s")
+    )
+    candidates = TypedInteger("Candidate plans", default=CANDIDATES, bounds=(1, MAX_CANDIDATES))
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
     knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
@@ -91,6 +101,10 @@ class RobustnessModel(TypedParameters, PageModel):
     chance = result(MonteCarloTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
+    robust = result(RobustAnswer, "The robust plan, or the search for it so far.")
+    searching = param.Boolean(default=False, doc="Whether a robust plan is being searched.")
+    find_robust = param.Event(doc="Search the robust plan.")
+    stop_search = param.Event(doc="Stop the search for a robust plan.")
     draw_all = param.Event(doc="Draw all Monte Carlo runs.")
     stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
 
@@ -106,6 +120,7 @@ class RobustnessModel(TypedParameters, PageModel):
             speed_error_percent=100 * simulation.speed_error,
             target_braking=simulation.target_braking,
             target_deceleration_ms2=simulation.target_deceleration_ms2,
+            accepted_delay_s=disturbance.accepted_delay_s,
             **{
                 name: getattr(simulation, name)
                 for name in ("reset_sensor_m", "calibration_length_m", "stop_sensor_m")
@@ -134,6 +149,10 @@ class RobustnessModel(TypedParameters, PageModel):
             "simulation.target_braking": self.target_braking,
             **sensors,
         }
+
+    def robust_changes(self, runs: int) -> Mapping[str, Any]:
+        """Return what the search for a robust plan changes in a scenario, by the keys of the file."""
+        return {**self.chance_changes(runs), "disturbance.accepted_delay_s": float(self.accepted_delay_s)}
 
     def chance_changes(self, runs: int) -> Mapping[str, Any]:
         """Return the distributions, by the keys of the file: normal, but for resistance and departure."""

@@ -30,6 +30,8 @@ from railjoule.dashboard.pages.robustness.heat_map import (
     percent_difference,
     printed_table,
 )
+from railjoule.dashboard.pages.robustness.robust_section import HEIGHTS as ROBUST_HEIGHTS
+from railjoule.dashboard.pages.robustness.robust_section import RobustSection
 from railjoule.dashboard.pages.robustness.work import PAGE, Robustness
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import tie
@@ -44,6 +46,7 @@ HEIGHTS = {
     "driven_effort": (134, 150, 120),
     "braking": (240, 280, 220),
     "place": (150, 170, 140),
+    **ROBUST_HEIGHTS,
     **EXPLORER_HEIGHTS,
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
@@ -120,6 +123,7 @@ class RobustnessView(PageView):
             parts.stack(self.late.host, self.chance_table),
             css=LAYOUT_CSS,
         )
+        self.robust = RobustSection(self.axis, palette, LAYOUT_CSS)
         self.explorer = Explorer(self.state, self._take_charts)
         tie(self.measure, model, "measure")
         tie(self.knows, model, "knows")
@@ -127,8 +131,9 @@ class RobustnessView(PageView):
         self.shows(self._show_run, (model, ["reality", "failure"]))
         self.shows(self._show_table, (model, ["table", "measure"]))
         self.shows(self._show_chance, (model, ["chance", "drawing"]))
+        self.shows(lambda: self.robust.show(self.model.robust), (model, ["robust"]))
         self.shows(self.explorer.follow, (model, ["chance", "drawing"]))
-        return parts.stack(self.heading, self.message, self.figures, upper, lower, self.explorer.view)
+        return parts.stack(self.heading, self.message, self.figures, upper, lower, self.robust.view, self.explorer.view)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -143,6 +148,7 @@ class RobustnessView(PageView):
             self.effort,
             self.braking,
             self.position_error,
+            *self.robust.charts,
             *self.explorer.charts,
         )
 

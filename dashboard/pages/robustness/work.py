@@ -10,15 +10,20 @@ from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,
     RealityRequest,
+    RobustAnswer,
+    RobustRequest,
     TableRequest,
     compute_chance,
     compute_reality,
+    compute_robust,
     compute_table,
 )
 from railjoule.dashboard.pages.robustness.model import (
     CHANCE_FIELDS,
     FULL_RUNS,
     PREVIEW_RUNS,
+    ROBUST_FIELDS,
+    ROBUST_RUNS,
     TABLE_FIELDS,
     RobustnessModel,
 )
@@ -36,7 +41,7 @@ class Robustness(PageWork[RobustnessModel]):
     """Asks for the run, the table and the draws of one page, while it is in sight."""
 
     page = PAGE
-    at_rest = {"drawing": False}  # noqa: RUF012
+    at_rest = {"drawing": False, "searching": False}  # noqa: RUF012
 
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state.robustness)
@@ -48,7 +53,10 @@ class Robustness(PageWork[RobustnessModel]):
         )
         self.table = self.study(compute_table, self._take_table, marked=True)
         self.chance = self.study(compute_chance, self._take_chance, marked=True)
+        # not marked: the page stays as it is while a search goes on
+        self.robust = self.study(compute_robust, self._take_robust)
         self._all = False
+        self._sought: RobustRequest | None = None
         self._waiting: dict[str, Any] = {}
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
@@ -56,15 +64,18 @@ class Robustness(PageWork[RobustnessModel]):
         self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
-        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS])
+        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *ROBUST_FIELDS, *TABLE_FIELDS])
         self.model.param.watch(self._draw_all, "draw_all")
         self.model.param.watch(self._stop, "stop_drawing")
+        self.model.param.watch(self._find_robust, "find_robust")
+        self.model.param.watch(self._stop_search, "stop_search")
 
     def forget(self, *_: Any) -> None:
         """Forget what was asked for and end it, as the scenario has gone."""
         super().forget()
         self.table.stop()
         self._stop()
+        self._drop_robust()
         self._waiting.clear()
 
     def _take_crush_load(self, *_: Any) -> None:
@@ -91,6 +102,8 @@ class Robustness(PageWork[RobustnessModel]):
         plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
         table = TableRequest(plan, self.model.both_directions, self.model.knows)
         draws = self._draws(scenario, PREVIEW_RUNS)
+        if self._sought is not None and self._sought != self._robust_request():
+            self._drop_robust()
         if self.is_new(table, "table"):
             self.table.stop()
             self._waiting["table"] = table
@@ -137,6 +150,30 @@ class Robustness(PageWork[RobustnessModel]):
     def _stop(self, *_: Any) -> None:
         self.chance.stop()
         self.model.drawing = False
+
+    def _robust_request(self) -> RobustRequest:
+        model = self.model
+        changes = self._with_strategy({**model.robust_changes(ROBUST_RUNS), **NOTHING_WRONG})
+        reality = RealityRequest(self.state.scenario.scenario(), changes)
+        return RobustRequest(reality, model.probability_percent / 100, model.candidates)
+
+    def _find_robust(self, *_: Any) -> None:
+        self._sought = self._robust_request()
+        self.model.param.update(robust=None, searching=True)
+        self.robust.ask(self._sought)
+
+    def _stop_search(self, *_: Any) -> None:
+        self.robust.stop()
+        self.model.searching = False
+
+    def _drop_robust(self) -> None:
+        """Drop a robust plan of settings that have changed."""
+        self._sought = None
+        self._stop_search()
+        self.model.robust = None
+
+    def _take_robust(self, robust: RobustAnswer, last: bool) -> None:
+        self.model.param.update(robust=robust, searching=not last)
 
     def _take_run(self, reality: Reality) -> None:
         self.model.param.update(reality=reality, failure=None)

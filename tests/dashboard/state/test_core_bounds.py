@@ -49,6 +49,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
             "resistance_deviation_percent": (LogNormal, "log_standard_deviation", 100),
             "voltage_deviation_percent": (Normal, "standard_deviation", 100),
             "seed": (MonteCarloOptions, "seed", 1),
+            "accepted_delay_s": (Disturbance, "accepted_delay_s", 1),
         },
     ),
     "stop": (
@@ -124,7 +125,7 @@ NO_SINGLE_KEY = {
     # an entry of a list of the file, held to the vehicle's speed, and how many there are
     *("section_count", "to_m"),
     # of a study, not of its scenario
-    *("runs", "seed"),
+    *("runs", "seed", "probability_percent", "candidates"),
     # a drive's, whichever it is
     "recuperation_percent",
 }
