@@ -1,5 +1,6 @@
 """Many scenarios at once, as labelled tables."""
 
+from railjoule.core.studies.braking_sensors import BrakingSensors, braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, robust_plan, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
@@ -14,6 +15,7 @@ from railjoule.core.studies.storage import (
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
 
 __all__ = [
+    "BrakingSensors",
     "Frontier",
     "MonteCarloTable",
     "RobustPlan",
@@ -21,6 +23,7 @@ __all__ = [
     "Storage",
     "StorageNeed",
     "StorageRun",
+    "braking_sensors",
     "energy_time_frontier",
     "enoc_frontier",
     "frontier_times",

@@ -27,6 +27,7 @@ STUDIES = {
     "tradeoff": "solve a scenario for many travel times",
     "sensitivity": "drive a plan with other loads and errors of place than planned",
     "montecarlo": "drive a plan under what chance brings",
+    "braking": "stop with errors of the braking sensors and the measured speed, with precision braking and without",
     "robust": "find the plan with the least expected energy that is on time with a chosen probability",
     "sweep": "solve a scenario very many times with other numbers",
 }

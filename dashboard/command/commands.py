@@ -197,7 +197,13 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     RailjouleError
         If anything is wrong with the scenario or the file to write.
     """
-    from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
+    from railjoule.core.studies import (  # noqa: PLC0415
+        braking_sensors,
+        energy_time_frontier,
+        frontier_times,
+        monte_carlo,
+        sensitivity,
+    )
     from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
     path = table_file(target, "-o", LABELLED_SUFFIXES)
@@ -207,6 +213,8 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
             table = sensitivity(scenario, executor=executor).to_dataset()
         elif name == "montecarlo":
             table = monte_carlo(scenario, executor).to_dataset()
+        elif name == "braking":
+            table = braking_sensors(scenario, executor).to_dataset()
         else:
             task = prepare_task(scenario)
             frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)

@@ -5,7 +5,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.actual.follower import SENSOR_FIELDS
+from railjoule.dashboard.actual.follower import SENSOR_ERRORS, SENSOR_FIELDS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.robustness.model import CHANCE_FIELDS, FULL_RUNS, ROBUST_FIELDS
 from railjoule.dashboard.parts.html import html_pane, stack
@@ -27,7 +27,7 @@ class RealityFields:
         )
         self.drawing = _Study(state, f"Run {words.number(FULL_RUNS, 0)}", "Stop", "draw_all", "stop_drawing")
         self.search = _Study(state, "Find the robust plan", "Cancel", "find_robust", "stop_search")
-        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS), visible=model.target_braking)
+        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS, *SENSOR_ERRORS), visible=model.target_braking)
         self.view = stack(
             html_pane('<div class="section">Actual conditions <span>\u00b7 the framed cell</span></div>'),
             LoadField(model, "actual_load_percent", ["most_load_percent"]),

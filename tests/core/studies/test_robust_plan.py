@@ -20,6 +20,7 @@ CERTAIN = {
         "coordinate_error_m": 0.0,
         "resistance_factor": 1.0,
         "line_voltage_factor": 1.0,
+        **dict.fromkeys(("speed_error", "d1_error_m", "d2_error_m", "d3_error_m"), 0.0),
     }.items()
 }
 
@@ -30,11 +31,11 @@ def drawn(**changes):
 
 @pytest.fixture(scope="module")
 def found():
-    return robust_plan(drawn(), 0.85, 12)
+    return robust_plan(drawn(), 0.8, 12)
 
 
 def test_the_robust_plan_has_the_least_expected_energy_of_those_on_time(found):
-    on_time = [one for one in found.candidates if one.drawn.share_interval[0] >= 0.85]
+    on_time = [one for one in found.candidates if one.drawn.share_interval[0] >= 0.8]
     assert found.chosen in on_time
     assert found.chosen.drawn.expected_kwh == min(one.drawn.expected_kwh for one in on_time)
     # the plan for half of the load is late with the heavier half of the trains
@@ -45,12 +46,12 @@ def test_it_holds_under_other_and_more_draws(found):
     nominal, robust = found.checked
     assert robust.runs == CHECK_RATIO * found.chosen.drawn.runs == RUNS
     assert found.is_held
-    assert robust.share_on_time > 0.85 > nominal.share_on_time
+    assert robust.share_on_time > 0.8 > nominal.share_on_time
     assert not np.isin(robust.energy_kwh, found.chosen.drawn.energy_kwh).any()
     extra, error = found.extra_kwh
     assert extra == pytest.approx(robust.expected_kwh - nominal.expected_kwh, rel=1e-9)
     # runs under the same draws differ far less than two samples of runs do
-    assert 0 < error < 0.1 * 1.96 * robust.energy_kwh.std() / RUNS**0.5
+    assert 0 < error < 0.5 * 1.96 * robust.energy_kwh.std() / RUNS**0.5
 
 
 def test_all_plans_are_followed_by_monte_carlo_under_the_same_draws(found):
@@ -64,7 +65,7 @@ def test_all_plans_are_followed_by_monte_carlo_under_the_same_draws(found):
 
 
 def test_the_same_seed_finds_the_same_plan():
-    first, again = (robust_plan(drawn(**{"montecarlo.runs": 100}), 0.5, 3) for _ in range(2))
+    first, again = (robust_plan(drawn(**{"montecarlo.runs": 100}), 0.3, 3) for _ in range(2))
     assert again.chosen.reserve_s == first.chosen.reserve_s
     assert np.array_equal(again.checked[1].energy_kwh, first.checked[1].energy_kwh)
 
