@@ -8,6 +8,7 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
+from railjoule.core.studies.braking_sensors import BrakingSensors
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
@@ -114,6 +115,7 @@ class RobustnessModel(TypedParameters, PageModel):
     chance = result(MonteCarloTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
+    stops = result(BrakingSensors, "Stopping errors with precision braking and without.")
     robust = result(RobustAnswer, "The robust plan, or the search for it so far.")
     searching = param.Boolean(default=False, doc="Whether a robust plan is being searched.")
     find_robust = param.Event(doc="Search the robust plan.")

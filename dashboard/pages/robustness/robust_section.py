@@ -159,7 +159,7 @@ def robust_notes(found: RobustPlan) -> list[str]:
     assert found.checked is not None
     extra, error = found.extra_kwh
     accepted = found.scenario.disturbance.accepted_delay_s
-    late = f", at most {words.number(accepted, 1)} s late" if accepted else ""
+    late = f" or at most {words.number(accepted, 1)} s late" if accepted else ""
     asked, runs = words.share(found.probability), words.number(found.checked[1].runs, 0)
     held = "enough" if found.is_held else "not enough; choose a higher probability or more candidates"
     cost = f"{words.energy_difference(extra)} \u00b1 {words.number(error, 4)} kWh"

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from railjoule.core import Scenario
+from railjoule.core.studies.braking_sensors import BrakingSensors
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
@@ -16,6 +17,7 @@ from railjoule.dashboard.pages.robustness.compute import (
     compute_chance,
     compute_reality,
     compute_robust,
+    compute_stops,
     compute_table,
 )
 from railjoule.dashboard.pages.robustness.model import (
@@ -53,6 +55,7 @@ class Robustness(PageWork[RobustnessModel]):
         )
         self.table = self.study(compute_table, self._take_table, marked=True)
         self.chance = self.study(compute_chance, self._take_chance, marked=True)
+        self.stops = self.study(compute_stops, self._take_stops)
         # not marked: the page stays as it is while a search goes on
         self.robust = self.study(compute_robust, self._take_robust)
         self._all = False
@@ -74,6 +77,7 @@ class Robustness(PageWork[RobustnessModel]):
         """Forget what was asked for and end it, as the scenario has gone."""
         super().forget()
         self.table.stop()
+        self.stops.stop()
         self._stop()
         self._drop_robust()
         self._waiting.clear()
@@ -91,7 +95,7 @@ class Robustness(PageWork[RobustnessModel]):
     def _ask(self, *_: Any) -> None:
         """Ask for what the last change concerns, and only while the page is in sight.
 
-        The run comes first, then the table, then chance: each waits until the one before is done.
+        The run comes first, then table, chance and stopping errors: each waits until the one before is done.
         """
         if not self.in_sight:
             self._rest()
@@ -110,6 +114,11 @@ class Robustness(PageWork[RobustnessModel]):
         if self.is_new(draws, "chance"):
             self.chance.stop()
             self._waiting["chance"] = draws
+        planned_load = {**NOTHING_WRONG, "disturbance.actual_load_factor": self.state.scenario.load_percent / 100}
+        stops = RealityRequest(scenario, {**draws.changes, **planned_load})
+        if self.is_new(stops, "stops"):
+            self.stops.stop()
+            self._waiting["stops"] = stops
         if self.is_new(run):
             self.run.ask(run)
         else:
@@ -130,6 +139,9 @@ class Robustness(PageWork[RobustnessModel]):
         if self.chance.busy and not self._all:
             self._stop()
             self._asked.pop("chance", None)
+        if self.stops.busy:
+            self.stops.stop()
+            self._asked.pop("stops", None)
 
     def _go_on(self) -> None:
         """Begin with the next study that waits."""
@@ -137,6 +149,8 @@ class Robustness(PageWork[RobustnessModel]):
             self.table.ask(self._waiting.pop("table"))
         elif "chance" in self._waiting and not self.table.busy:
             self._draw(self._waiting.pop("chance"))
+        elif "stops" in self._waiting and not (self.table.busy or self.chance.busy):
+            self.stops.ask(self._waiting.pop("stops"))
 
     def _draw(self, request: RealityRequest, all_runs: bool = False) -> None:
         self._all = all_runs
@@ -186,3 +200,8 @@ class Robustness(PageWork[RobustnessModel]):
 
     def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
         self.model.param.update(chance=chance, drawing=not last)
+        if last:
+            self._go_on()
+
+    def _take_stops(self, stops: BrakingSensors, _: bool) -> None:
+        self.model.stops = stops

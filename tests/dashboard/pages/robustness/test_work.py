@@ -6,6 +6,7 @@ from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.robustness.robust_section import RobustSection
+from railjoule.dashboard.pages.robustness.stop_table import stop_table
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -71,6 +72,22 @@ def test_another_seed_draws_anew(state: Workbench) -> None:
     before = model.chance.energy_kwh
     model.seed = 5
     assert not np.array_equal(model.chance.energy_kwh, before)
+
+
+def test_the_stopping_errors_follow_the_fields_of_the_sensors(state: Workbench) -> None:
+    model = state.robustness
+    stops, chance = model.stops, model.chance
+    model.sensor_deviation_m = 1.0
+    assert model.stops.spread_with.deviation_m == pytest.approx(2 * stops.spread_with.deviation_m, rel=0.1)
+    assert model.stops.spread_without.deviation_m == stops.spread_without.deviation_m
+    assert model.chance is not chance
+    text = stop_table(model.stops)
+    assert words.number(model.stops.spread_with.half_width_m, 2) in text
+    # an error of D3 is one of the stop, of the run in sight as of all that are drawn
+    model.d3_error_m = 0.8
+    assert model.reality.following.stop_error_m == pytest.approx(0.8, abs=1e-6)
+    assert model.stops.spread_with.mean_m == pytest.approx(0.8, abs=0.1)
+    model.param.update(sensor_deviation_m=0.5, d3_error_m=0.0)
 
 
 def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
