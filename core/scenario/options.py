@@ -30,6 +30,9 @@ TARGET_BRAKING_KEYS = (
 )
 """Keys of a simulation that belong to target braking: its curve and the sensors along it."""
 
+SENSOR_ERROR = Normal(distribution="normal", standard_deviation=0.5)
+"""Of the place of a braking sensor [m], assumed: where it is mounted, and how far the train drives until it is read."""
+
 
 class SolverOptions(Part):
     """How finely the line is cut."""
@@ -192,6 +195,13 @@ class MonteCarloOptions(Part):
         Normal(distribution="normal", standard_deviation=0.03), description="Supply voltage over its nominal value."
     )
     departure_delay_s: Distribution = Field(Fixed(distribution="fixed", value=0.0), description="Departure delay [s].")
+    speed_error: Distribution = Field(
+        Normal(distribution="normal", standard_deviation=0.005),
+        description="Measured speed over the true one, minus 1.",
+    )
+    d1_error_m: Distribution = Field(SENSOR_ERROR, description="By how much D1 is farther on than assumed [m].")
+    d2_error_m: Distribution = Field(SENSOR_ERROR, description="By how much D2 is farther on than assumed [m].")
+    d3_error_m: Distribution = Field(SENSOR_ERROR, description="By how much D3 is farther on than assumed [m].")
 
 
 class EocOptions(Part):

@@ -295,6 +295,9 @@ def follow_cells(
         # without a response length the error is gone at the next node
         remaining = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
         request = target_speed2[i + 1] + (speed2[i] - target_speed2[i]) * remaining if i < n - 1 else target_speed2[n]
+        # after a sensor has moved the estimate back, an error below the plan can exceed its last metres per second
+        if request <= 0.0:
+            request = target_speed2[i + 1]
         top = exit_speed2(cell, train, traction, braking, speed2[i], FULL_TRACTION)
         low = exit_speed2(cell, train, traction, braking, speed2[i], FULL_BRAKE)
         speed2[i + 1] = min(max(request, low, 0.0), top)

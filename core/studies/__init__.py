@@ -1,6 +1,8 @@
 """Many scenarios at once, as labelled tables."""
 
+from railjoule.core.studies.braking_sensors import BrakingSensors, braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
+from railjoule.core.studies.robust_plan import RobustPlan, robust_plan, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
 from railjoule.core.studies.storage import (
     Storage,
@@ -13,17 +15,22 @@ from railjoule.core.studies.storage import (
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
 
 __all__ = [
+    "BrakingSensors",
     "Frontier",
     "MonteCarloTable",
+    "RobustPlan",
     "SensitivityTable",
     "Storage",
     "StorageNeed",
     "StorageRun",
+    "braking_sensors",
     "energy_time_frontier",
     "enoc_frontier",
     "frontier_times",
     "monte_carlo",
     "monte_carlo_steps",
+    "robust_plan",
+    "robust_plan_steps",
     "saving_over_size",
     "sensitivity",
     "sensitivity_steps",

@@ -1,6 +1,6 @@
-"""What chance makes of a plan: load, place, resistance, voltage and departure drawn from distributions."""
+"""A plan under random conditions: load, resistance, voltage, departure and errors of measurement are drawn."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,19 +23,21 @@ from railjoule.core.trajectory import Trajectory
 if TYPE_CHECKING:
     import xarray
 
-# The order is part of the result: each quantity has a column of the random numbers, so a new one must come last, or
-# the same seed would draw other runs than before.
-QUANTITIES = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
-"""What is drawn, in the order of the random numbers."""
-UNITS = {"load_factor": "1", "coordinate_error_m": "m", "departure_delay_s": "s"}
+# The order is part of the result: each quantity has a column of the random numbers, so that the same seed always draws
+# the same runs. Quantities that are added to a block would change all of its numbers: they need a block of their own.
+CONDITIONS = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
+SENSOR_ERRORS = ("d1_error_m", "d2_error_m", "d3_error_m")
+QUANTITIES = (*CONDITIONS, "speed_error", *SENSOR_ERRORS)
+"""What is drawn, in the order of the random numbers: a block of conditions, and one of errors of measurement."""
+UNITS = {"load_factor": "1", "departure_delay_s": "s", **dict.fromkeys(("coordinate_error_m", *SENSOR_ERRORS), "m")}
 RESULTS = 3
 """Energy, delay and stopping error."""
 # Wide enough to cut nothing off the defaults, whose standard deviations are 3 and 8 per cent, and narrow enough that a
 # drive keeps some voltage and a train some resistance: with none of either there is no run to simulate.
 FACTOR_BOUNDS = (0.05, 2.0)
 """Between these drawn factors lie: a train without any voltage or resistance is not meant."""
-# a day, as the scenario bounds its own delay
-LONGEST_DELAY_S = 86400.0
+# a day, and half of the speed, as the scenario bounds its own delay and error
+LONGEST_DELAY_S, LARGEST_SPEED_ERROR = 86400.0, 0.5
 # Energy bends little over the load: straight lines between nine plans are exact to 2e-4 (measured on liashenko-ii and
 # tram-950m), and nine plans are fewer than one a run.
 PLANNED_LOADS = np.linspace(0.0, 1.0, 9)
@@ -155,20 +157,49 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
         *(frozen_array([]),) * RESULTS,
     )
     yield table
-    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
-    work = RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
+    work = drawn_runs(planned, scenario)
     for rows in rows_in_order(work, np.column_stack([drawn[name] for name in QUANTITIES]), executor, RUNS_PER_STEP):
         energy, delay, stop_error = (frozen_array(column) for column in rows.values.T)
         yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
 
 
+def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
+    """Return the work that follows a plan with rows of `QUANTITIES`: energy [kWh], delay [s], stopping error [m].
+
+    Parameters
+    ----------
+    planned : Trajectory
+        The plan that is followed.
+    scenario : Scenario
+        The train and the line as they are; rows of drawn values replace its disturbance.
+    """
+    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
+    return RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
+
+
 def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> tuple[float, float, float]:
     """Return energy [kWh], delay [s] and stopping error [m] of a run with a value of each of `QUANTITIES`."""
-    one = dict(zip(QUANTITIES, drawn, strict=True))
-    one["actual_load_factor"] = one.pop("load_factor")
-    real = scenario.model_copy(update={"disturbance": scenario.disturbance.model_copy(update=one)})
-    driven = follow(planned, real)
+    driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
     return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+
+
+def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
+    """Return a scenario with drawn values of `QUANTITIES`; those that are not drawn stay."""
+    disturbance = {name: drawn[name] for name in CONDITIONS if name in drawn}
+    if "load_factor" in disturbance:
+        disturbance["actual_load_factor"] = disturbance.pop("load_factor")
+    options = scenario.simulation
+    planned = dict(zip(SENSOR_ERRORS, options.sensor_errors_m, strict=True))
+    measured = {
+        "speed_error": drawn.get("speed_error", options.speed_error),
+        "sensor_errors_m": tuple(drawn.get(name, planned[name]) for name in SENSOR_ERRORS),
+    }
+    return scenario.model_copy(
+        update={
+            "disturbance": scenario.disturbance.model_copy(update=disturbance),
+            "simulation": options.model_copy(update=measured),
+        }
+    )
 
 
 def draw(scenario: Scenario) -> dict[str, FloatArray]:
@@ -184,21 +215,31 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
         If a distribution has nothing within the bounds.
     """
     options = scenario.montecarlo
-    # One block of uniform numbers, row by row, and the distributions by their quantiles: so the first rows do not
-    # depend on the number of runs, and a column not on the distributions of the others.
-    probabilities = np.random.default_rng(options.seed).random((options.runs, len(QUANTITIES)))
+    # Blocks of uniform numbers, row by row, and the distributions by their quantiles: so the first rows do not depend
+    # on the number of runs, and a column not on the distributions of the others.
+    probabilities = np.hstack(
+        [
+            np.random.default_rng(options.seed).random((options.runs, len(CONDITIONS))),
+            np.random.default_rng((options.seed, 1)).random((options.runs, len(QUANTITIES) - len(CONDITIONS))),
+        ]
+    )
     shortest_distance_m = float(min(np.diff([0.0, *stops_of(scenario)])))
+    # an error of a whole section would put the train at another stop; the bound itself is excluded
+    places = np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)
     bounds = {
         "load_factor": (0.0, _largest_load(scenario)),
-        # an error of a whole section would put the train at another stop; the bound itself is excluded
-        "coordinate_error_m": (np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)),
+        "coordinate_error_m": places,
         "resistance_factor": FACTOR_BOUNDS,
         "line_voltage_factor": FACTOR_BOUNDS,
         "departure_delay_s": (0.0, LONGEST_DELAY_S),
+        "speed_error": (np.nextafter(-LARGEST_SPEED_ERROR, 0), np.nextafter(LARGEST_SPEED_ERROR, 0)),
+        **dict.fromkeys(SENSOR_ERRORS, places),
     }
-    disturbance = scenario.disturbance
-    planned = {"load_factor": scenario.vehicle.load_factor} | {
-        name: getattr(disturbance, name) for name in QUANTITIES if name != "load_factor"
+    planned = {
+        **{name: getattr(scenario.disturbance, name) for name in CONDITIONS if name != "load_factor"},
+        "load_factor": scenario.vehicle.load_factor,
+        "speed_error": scenario.simulation.speed_error,
+        **dict(zip(SENSOR_ERRORS, scenario.simulation.sensor_errors_m, strict=True)),
     }
     return {
         name: frozen_array(_truncated(name, getattr(options, name), planned[name], bounds[name], probabilities[:, k]))

@@ -38,10 +38,12 @@ from railjoule.dashboard.scenario_folder import ScenarioFolder, default_folder
 
 if TYPE_CHECKING:
     import pandas
+    import xarray
 
     from railjoule.dashboard.server.options import ServerOptions
 
 TABLE_SUFFIXES = (".csv", ".parquet")
+LABELLED_SUFFIXES = (".nc", *TABLE_SUFFIXES)
 REPORT_SUFFIXES = (".html", ".htm")
 
 
@@ -195,29 +197,48 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     RailjouleError
         If anything is wrong with the scenario or the file to write.
     """
-    from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
+    from railjoule.core.studies import (  # noqa: PLC0415
+        braking_sensors,
+        energy_time_frontier,
+        frontier_times,
+        monte_carlo,
+        sensitivity,
+    )
     from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
-    path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
+    path = table_file(target, "-o", LABELLED_SUFFIXES)
     scenario = load(file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         if name == "sensitivity":
             table = sensitivity(scenario, executor=executor).to_dataset()
         elif name == "montecarlo":
             table = monte_carlo(scenario, executor).to_dataset()
+        elif name == "braking":
+            table = braking_sensors(scenario, executor).to_dataset()
         else:
             task = prepare_task(scenario)
             frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)
             table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
             table.attrs["notes"] = " ".join(frontier.notes)
+    write_labelled_table(table, path)
+    shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
+    print(f"{shortened(str(path))}: {shape}")
+
+
+def write_labelled_table(table: "xarray.Dataset", path: Path) -> None:
+    """Write a labelled table as its suffix says.
+
+    Raises
+    ------
+    CommandError
+        If the file cannot be written.
+    """
     if path.suffix.lower() == ".nc":
         with failures_named(path), written(path) as place:
             # scipy is there anyway; the default engine would need one of netCDF's own libraries
             table.to_netcdf(place, engine="scipy")
     else:
         write_table(table.to_dataframe(), path, index=True)
-    shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
-    print(f"{shortened(str(path))}: {shape}")
 
 
 def report(

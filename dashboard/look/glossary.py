@@ -325,7 +325,7 @@ TRAIN = (
     Term(
         "Spread of the days",
         "How far simulated days typically stray around the plan, to each side.",
-        ("Resistance, \u00b1 %", "Supply voltage, \u00b1 %"),
+        ("Resistance, \u00b1 %", "Supply voltage, \u00b1 %", "Sensor places, \u00b1 m"),
     ),
     Term(
         "Position error",
@@ -337,7 +337,7 @@ TRAIN = (
         "Speed error",
         "How far the measured speed is from the actual one, in percent. It grows into a position error "
         "until a sensor resets the position.",
-        ("Speed error, %",),
+        ("Speed error, %", "Speed error, \u00b1 %"),
     ),
     Term(
         "Reset of the position",

@@ -6,7 +6,9 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
+from railjoule.core.studies.braking_sensors import BrakingSensors, braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
+from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable, sensitivity_steps
 from railjoule.dashboard.work.refusals import named_refusals
 
@@ -76,3 +78,42 @@ def compute_chance(request: RealityRequest) -> Iterator[MonteCarloTable]:
     scenario = request.scenario_in_reality()
     with named_refusals(scenario):
         yield from monte_carlo_steps(scenario)
+
+
+def compute_stops(request: RealityRequest) -> Iterator[BrakingSensors]:
+    """Yield where the train stops with errors of measurement; errors as `compute_reality`."""
+    scenario = request.scenario_in_reality()
+    with named_refusals(scenario):
+        yield braking_sensors(scenario)
+
+
+@dataclass(frozen=True)
+class RobustRequest:
+    """The scenario with its distributions, the probability of an arrival on time, and the number of candidates."""
+
+    reality: RealityRequest
+    probability: float
+    candidates: int
+
+
+@dataclass(frozen=True, eq=False)
+class RobustAnswer:
+    """The robust plan, or the search for it so far, and the reason if no candidate is on time often enough."""
+
+    found: RobustPlan
+    refusal: str = ""
+
+
+def compute_robust(request: RobustRequest) -> Iterator[RobustAnswer]:
+    """Yield the search for a robust plan as its candidates come, then the plan; errors as `compute_reality`."""
+    scenario = request.reality.scenario_in_reality()
+    with named_refusals(scenario):
+        steps = robust_plan_steps(scenario, request.probability, request.candidates)
+        found = next(steps)
+        yield RobustAnswer(found)
+        try:
+            for found in steps:
+                yield RobustAnswer(found)
+        except UnreachedProbabilityError as error:
+            # the candidates stay in sight, and with them the best share that was reached
+            yield RobustAnswer(found, str(error))

@@ -67,6 +67,8 @@ COLUMNS: Mapping[str, Column] = {
     "resistance": _drawn("resistance_factor", "Running resistance, %", words.number, 100),
     "voltage": _drawn("line_voltage_factor", "Supply voltage, %", words.number, 100),
     "departure": _drawn("departure_delay_s", "Departure delay, s", words.time),
+    "speed": _drawn("speed_error", "Speed error, %", lambda value: words.signed(value, 2), 100),
+    **{name: _drawn(f"{name}_error_m", f"{name.upper()}'s place, m", words.stop_error) for name in ("d1", "d2", "d3")},
     "energy": Column("Energy, kWh", lambda table: table.energy_kwh, words.energy),
     "extra": Column("Extra energy, %", lambda table: 100 * table.over_replanned, _percent(words.share_difference)),
     "above_plan": Column(

@@ -5,9 +5,9 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.actual.follower import SENSOR_FIELDS
+from railjoule.dashboard.actual.follower import SENSOR_ERRORS, SENSOR_FIELDS
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.robustness.model import CHANCE_FIELDS, FULL_RUNS
+from railjoule.dashboard.pages.robustness.model import CHANCE_FIELDS, FULL_RUNS, ROBUST_FIELDS
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, number_fields, tie
 from railjoule.dashboard.state.workbench import Workbench
@@ -25,25 +25,9 @@ class RealityFields:
             margin=(0, 16, 0, 14),
             sx={"& .MuiTypography-root": {"fontSize": "13px"}},
         )
-        self.run = pmui.Button(
-            label=f"Run {words.number(FULL_RUNS, 0)}",
-            variant="outlined",
-            size="small",
-            margin=(8, 8, 8, 16),
-            on_click=lambda _: model.param.trigger("draw_all"),
-        )
-        self.stop = pmui.Button(
-            label="Stop",
-            variant="text",
-            size="small",
-            margin=(8, 8),
-            visible=False,
-            on_click=lambda _: model.param.trigger("stop_drawing"),
-        )
-        self.progress = pmui.LinearProgress(
-            value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
-        )
-        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS), visible=model.target_braking)
+        self.drawing = _Study(state, f"Run {words.number(FULL_RUNS, 0)}", "Stop", "draw_all", "stop_drawing")
+        self.search = _Study(state, "Find the robust plan", "Cancel", "find_robust", "stop_search")
+        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS, *SENSOR_ERRORS), visible=model.target_braking)
         self.view = stack(
             html_pane('<div class="section">Actual conditions <span>\u00b7 the framed cell</span></div>'),
             LoadField(model, "actual_load_percent", ["most_load_percent"]),
@@ -53,13 +37,15 @@ class RealityFields:
             self.sensors,
             html_pane('<div class="section">Monte Carlo <span>\u00b7 normal, resistance log-normal</span></div>'),
             *number_fields(model, *CHANCE_FIELDS),
-            pn.Row(self.run, self.stop, margin=0, sizing_mode="stretch_width"),
-            self.progress,
+            self.drawing.view,
+            html_pane('<div class="section">Robust plan <span>\u00b7 on time under these draws</span></div>'),
+            *number_fields(model, *ROBUST_FIELDS),
+            self.search.view,
             html_pane('<hr class="rule">'),
         )
         tie(self.braking, model, "target_braking")
         model.param.watch(self._show_sensors, "target_braking")
-        model.param.watch(self._show_progress, ["chance", "drawing"])
+        model.param.watch(self._show_progress, ["chance", "drawing", "robust", "searching"])
 
     def _show_sensors(self, *_: Any) -> None:
         # without the target curve nothing depends on them
@@ -67,6 +53,45 @@ class RealityFields:
 
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness
-        self.progress.visible = self.stop.visible = model.drawing
-        if model.drawing and model.chance is not None:
-            self.progress.value = int(100 * model.chance.done / model.chance.runs)
+        chance, robust = model.chance, model.robust
+        self.drawing.show(model.drawing, 0.0 if chance is None else chance.done / chance.runs)
+        tried = 0 if robust is None else len(robust.found.candidates) + robust.found.refused
+        # the check of the chosen plan comes last
+        self.search.show(model.searching, 0.0 if robust is None else tried / (robust.found.asked + 2))
+
+
+class _Study:
+    """Buttons that begin and stop a study of the page, and its progress.
+
+    Parameters
+    ----------
+    state : Workbench
+    label, stop_label : str
+    begin, stop : str
+        The events of the page's model.
+    """
+
+    def __init__(self, state: Workbench, label: str, stop_label: str, begin: str, stop: str) -> None:
+        trigger = state.robustness.param.trigger
+        run = pmui.Button(
+            label=label, variant="outlined", size="small", margin=(8, 8, 8, 16), on_click=lambda _: trigger(begin)
+        )
+        self._stop = pmui.Button(
+            label=stop_label,
+            variant="text",
+            size="small",
+            margin=(8, 8),
+            visible=False,
+            on_click=lambda _: trigger(stop),
+        )
+        self._progress = pmui.LinearProgress(
+            value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
+        )
+        row = pn.Row(run, self._stop, margin=0, sizing_mode="stretch_width")
+        self.view = stack(row, self._progress)
+
+    def show(self, is_running: bool, share: float) -> None:
+        """Show whether the study goes on, and which share of it is done."""
+        self._progress.visible = self._stop.visible = is_running
+        if is_running:
+            self._progress.value = int(100 * share)

@@ -8,10 +8,12 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
+from railjoule.core.studies.braking_sensors import BrakingSensors
 from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
-from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_FIELDS
-from railjoule.dashboard.pages.robustness.compute import Reality
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_ERRORS, SENSOR_FIELDS
+from railjoule.dashboard.pages.robustness.compute import Reality, RobustAnswer
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 
@@ -20,17 +22,31 @@ CHANCE = MonteCarloOptions()
 FIRST_LOAD_PERCENT, FIRST_ERROR_M = 100.0, 10.0
 """The reality shown at first, where the scenario names none: one in which something goes wrong."""
 PREVIEW_RUNS, FULL_RUNS = 500, 10_000
+ROBUST_RUNS = 1500
+"""Draws of the check of a robust plan; its candidates have a fifth of them."""
 CHANCE_FIELDS = (
     "load_deviation_percent",
     "error_deviation_m",
     "resistance_deviation_percent",
     "voltage_deviation_percent",
+    "speed_deviation_percent",
+    "sensor_deviation_m",
     "mean_departure_delay_s",
     "seed",
 )
 """What is drawn by chance, and how."""
+ROBUST_FIELDS = ("probability_percent", "accepted_delay_s", "candidates")
+"""The search for a robust plan."""
 TABLE_FIELDS = ("both_directions", "knows")
+# beyond any distance of a sensor from its stop a mistake, which the file would take
+MAX_SENSOR_ERROR_M = 1000.0
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
+
+
+def sensor_error(name: str) -> TypedNumber:
+    """Return the error of the place of a sensor."""
+    label = f"{name}, farther on than assumed, m"
+    return TypedNumber(label, "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
 
 
 def sensor(label: str, unit: str, digits: int, key: str) -> TypedNumber:
@@ -42,8 +58,8 @@ def sensor(label: str, unit: str, digits: int, key: str) -> TypedNumber:
 class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
-    kept = (*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS, "measure")
-    passing = ("drawing", "most_load_percent")
+    kept = (*REALITY, *FOLLOWER, *CHANCE_FIELDS, *ROBUST_FIELDS, *TABLE_FIELDS, "measure")
+    passing = ("drawing", "searching", "most_load_percent")
 
     actual_load_percent = TypedNumber(
         "Actual load, % of capacity",
@@ -76,12 +92,20 @@ class RobustnessModel(TypedParameters, PageModel):
     calibration_length_m = sensor("D1 to D2, calibrates", "m", 0, "calibration_length_m")
     stop_sensor_m = sensor("D3, resets position", "m", 0, "stop_sensor_m")
     target_deceleration_ms2 = sensor("Target curve, m/s\u00b2", "m/s\u00b2", 2, "target_deceleration_ms2")
+    d1_error_m, d2_error_m, d3_error_m = map(sensor_error, ("D1", "D2", "D3"))
     load_deviation_percent = TypedNumber("Load, \u00b1 %", "%", default=18.0, bounds=(0.01, 100))
     error_deviation_m = TypedNumber("Position error, \u00b1 m", "m", 1, default=5.0, bounds=(0.01, 1000))
     resistance_deviation_percent = TypedNumber("Resistance, \u00b1 %", "%", 1, default=8.0, bounds=(0.01, 100))
     voltage_deviation_percent = TypedNumber("Supply voltage, \u00b1 %", "%", 1, default=3.0, bounds=(0.01, 50))
+    speed_deviation_percent = TypedNumber("Speed error, \u00b1 %", "%", 2, default=0.5, bounds=(0.01, 10))
+    sensor_deviation_m = TypedNumber("Sensor places, \u00b1 m", "m", 1, default=0.5, bounds=(0.01, 100))
     mean_departure_delay_s = TypedNumber("Departure delay, mean, s", "s", default=0.0, bounds=(0, 3600))
     seed = TypedInteger("Seed", default=CHANCE.seed, bounds=(0, 2**31))
+    probability_percent = TypedNumber("Probability, %", "%", default=100 * PROBABILITY, bounds=(1, 99.9))
+    accepted_delay_s = TypedNumber(
+        "Accepted lateness, s", "s", 1, default=0.0, **core_bounds(Disturbance, "accepted_delay_s")
+    )
+    candidates = TypedInteger("Candidate plans", default=CANDIDATES, bounds=(1, MAX_CANDIDATES))
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
     knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
@@ -91,6 +115,11 @@ class RobustnessModel(TypedParameters, PageModel):
     chance = result(MonteCarloTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
+    stops = result(BrakingSensors, "Stopping errors with precision braking and without.")
+    robust = result(RobustAnswer, "The robust plan, or the search for it so far.")
+    searching = param.Boolean(default=False, doc="Whether a robust plan is being searched.")
+    find_robust = param.Event(doc="Search the robust plan.")
+    stop_search = param.Event(doc="Stop the search for a robust plan.")
     draw_all = param.Event(doc="Draw all Monte Carlo runs.")
     stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
 
@@ -106,6 +135,8 @@ class RobustnessModel(TypedParameters, PageModel):
             speed_error_percent=100 * simulation.speed_error,
             target_braking=simulation.target_braking,
             target_deceleration_ms2=simulation.target_deceleration_ms2,
+            accepted_delay_s=disturbance.accepted_delay_s,
+            **dict(zip(SENSOR_ERRORS, simulation.sensor_errors_m, strict=True)),
             **{
                 name: getattr(simulation, name)
                 for name in ("reset_sensor_m", "calibration_length_m", "stop_sensor_m")
@@ -125,8 +156,8 @@ class RobustnessModel(TypedParameters, PageModel):
         """The reality and the sensors, by the keys of the file."""
         sensors: dict[str, Any] = dict.fromkeys(f"simulation.{key}" for key in TARGET_BRAKING_KEYS)
         if self.target_braking:
-            # not `sensor_errors_m`: the page has no field for it, and leaves that of a file
             sensors = {f"simulation.{key}": float(getattr(self, key)) for key in SENSOR_FIELDS}
+            sensors["simulation.sensor_errors_m"] = tuple(float(getattr(self, name)) for name in SENSOR_ERRORS)
         return {
             "disturbance.actual_load_factor": self.actual_load_percent / 100,
             "disturbance.coordinate_error_m": float(self.coordinate_error_m),
@@ -134,6 +165,10 @@ class RobustnessModel(TypedParameters, PageModel):
             "simulation.target_braking": self.target_braking,
             **sensors,
         }
+
+    def robust_changes(self, runs: int) -> Mapping[str, Any]:
+        """Return what the search for a robust plan changes in a scenario, by the keys of the file."""
+        return {**self.chance_changes(runs), "disturbance.accepted_delay_s": float(self.accepted_delay_s)}
 
     def chance_changes(self, runs: int) -> Mapping[str, Any]:
         """Return the distributions, by the keys of the file: normal, but for resistance and departure."""
@@ -157,4 +192,6 @@ class RobustnessModel(TypedParameters, PageModel):
             "montecarlo.resistance_factor": resistance,
             "montecarlo.line_voltage_factor": normal(self.voltage_deviation_percent / 100),
             "montecarlo.departure_delay_s": departure,
+            "montecarlo.speed_error": normal(self.speed_deviation_percent / 100),
+            **{f"montecarlo.{name}": normal(float(self.sensor_deviation_m)) for name in SENSOR_ERRORS},
         }

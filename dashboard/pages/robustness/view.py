@@ -30,6 +30,9 @@ from railjoule.dashboard.pages.robustness.heat_map import (
     percent_difference,
     printed_table,
 )
+from railjoule.dashboard.pages.robustness.robust_section import HEIGHTS as ROBUST_HEIGHTS
+from railjoule.dashboard.pages.robustness.robust_section import RobustSection
+from railjoule.dashboard.pages.robustness.stop_table import stop_table
 from railjoule.dashboard.pages.robustness.work import PAGE, Robustness
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import tie
@@ -44,6 +47,7 @@ HEIGHTS = {
     "driven_effort": (134, 150, 120),
     "braking": (240, 280, 220),
     "place": (150, 170, 140),
+    **ROBUST_HEIGHTS,
     **EXPLORER_HEIGHTS,
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
@@ -74,7 +78,7 @@ class RobustnessView(PageView):
         """Make the pieces of the page, and return them laid out."""
         self.model = model = self.state.robustness
         palette = self.palette
-        self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
+        self.printed, self.chance_table, self.stops = (parts.html_pane() for _ in range(3))
         self.measure = pmui.Select(
             label="Show",
             options={m.words: key for key, m in MEASURES.items()},
@@ -113,13 +117,14 @@ class RobustnessView(PageView):
             self.costs.host,
             self.printed,
         )
-        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host)
+        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host, self.stops)
         upper = parts.stack(left, right, css=LAYOUT_CSS)
         lower = parts.stack(
             parts.stack(self.more.host, self.scatter.host),
             parts.stack(self.late.host, self.chance_table),
             css=LAYOUT_CSS,
         )
+        self.robust = RobustSection(self.axis, palette, LAYOUT_CSS)
         self.explorer = Explorer(self.state, self._take_charts)
         tie(self.measure, model, "measure")
         tie(self.knows, model, "knows")
@@ -127,8 +132,10 @@ class RobustnessView(PageView):
         self.shows(self._show_run, (model, ["reality", "failure"]))
         self.shows(self._show_table, (model, ["table", "measure"]))
         self.shows(self._show_chance, (model, ["chance", "drawing"]))
+        self.shows(self._show_stops, (model, ["stops"]))
+        self.shows(lambda: self.robust.show(self.model.robust), (model, ["robust"]))
         self.shows(self.explorer.follow, (model, ["chance", "drawing"]))
-        return parts.stack(self.heading, self.message, self.figures, upper, lower, self.explorer.view)
+        return parts.stack(self.heading, self.message, self.figures, upper, lower, self.robust.view, self.explorer.view)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -143,6 +150,7 @@ class RobustnessView(PageView):
             self.effort,
             self.braking,
             self.position_error,
+            *self.robust.charts,
             *self.explorer.charts,
         )
 
@@ -208,6 +216,10 @@ class RobustnessView(PageView):
         self.scatter.show(partial(self.scatter.draw, chance))
         self._show_texts()
         self.chance_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
+
+    def _show_stops(self) -> None:
+        if self.model.stops is not None:
+            self.stops.object = stop_table(self.model.stops)
 
     def _show_texts(self) -> None:
         reality = self.model.reality

@@ -4,21 +4,28 @@ from collections.abc import Mapping
 from typing import Any
 
 from railjoule.core import Scenario
+from railjoule.core.studies.braking_sensors import BrakingSensors
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,
     RealityRequest,
+    RobustAnswer,
+    RobustRequest,
     TableRequest,
     compute_chance,
     compute_reality,
+    compute_robust,
+    compute_stops,
     compute_table,
 )
 from railjoule.dashboard.pages.robustness.model import (
     CHANCE_FIELDS,
     FULL_RUNS,
     PREVIEW_RUNS,
+    ROBUST_FIELDS,
+    ROBUST_RUNS,
     TABLE_FIELDS,
     RobustnessModel,
 )
@@ -36,7 +43,7 @@ class Robustness(PageWork[RobustnessModel]):
     """Asks for the run, the table and the draws of one page, while it is in sight."""
 
     page = PAGE
-    at_rest = {"drawing": False}  # noqa: RUF012
+    at_rest = {"drawing": False, "searching": False}  # noqa: RUF012
 
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state.robustness)
@@ -48,7 +55,11 @@ class Robustness(PageWork[RobustnessModel]):
         )
         self.table = self.study(compute_table, self._take_table, marked=True)
         self.chance = self.study(compute_chance, self._take_chance, marked=True)
+        self.stops = self.study(compute_stops, self._take_stops)
+        # not marked: the page stays as it is while a search goes on
+        self.robust = self.study(compute_robust, self._take_robust)
         self._all = False
+        self._sought: RobustRequest | None = None
         self._waiting: dict[str, Any] = {}
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
@@ -56,15 +67,19 @@ class Robustness(PageWork[RobustnessModel]):
         self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
-        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS])
+        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *ROBUST_FIELDS, *TABLE_FIELDS])
         self.model.param.watch(self._draw_all, "draw_all")
         self.model.param.watch(self._stop, "stop_drawing")
+        self.model.param.watch(self._find_robust, "find_robust")
+        self.model.param.watch(self._stop_search, "stop_search")
 
     def forget(self, *_: Any) -> None:
         """Forget what was asked for and end it, as the scenario has gone."""
         super().forget()
         self.table.stop()
+        self.stops.stop()
         self._stop()
+        self._drop_robust()
         self._waiting.clear()
 
     def _take_crush_load(self, *_: Any) -> None:
@@ -80,7 +95,7 @@ class Robustness(PageWork[RobustnessModel]):
     def _ask(self, *_: Any) -> None:
         """Ask for what the last change concerns, and only while the page is in sight.
 
-        The run comes first, then the table, then chance: each waits until the one before is done.
+        The run comes first, then table, chance and stopping errors: each waits until the one before is done.
         """
         if not self.in_sight:
             self._rest()
@@ -91,12 +106,19 @@ class Robustness(PageWork[RobustnessModel]):
         plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
         table = TableRequest(plan, self.model.both_directions, self.model.knows)
         draws = self._draws(scenario, PREVIEW_RUNS)
+        if self._sought is not None and self._sought != self._robust_request():
+            self._drop_robust()
         if self.is_new(table, "table"):
             self.table.stop()
             self._waiting["table"] = table
         if self.is_new(draws, "chance"):
             self.chance.stop()
             self._waiting["chance"] = draws
+        planned_load = {**NOTHING_WRONG, "disturbance.actual_load_factor": self.state.scenario.load_percent / 100}
+        stops = RealityRequest(scenario, {**draws.changes, **planned_load})
+        if self.is_new(stops, "stops"):
+            self.stops.stop()
+            self._waiting["stops"] = stops
         if self.is_new(run):
             self.run.ask(run)
         else:
@@ -117,6 +139,9 @@ class Robustness(PageWork[RobustnessModel]):
         if self.chance.busy and not self._all:
             self._stop()
             self._asked.pop("chance", None)
+        if self.stops.busy:
+            self.stops.stop()
+            self._asked.pop("stops", None)
 
     def _go_on(self) -> None:
         """Begin with the next study that waits."""
@@ -124,6 +149,8 @@ class Robustness(PageWork[RobustnessModel]):
             self.table.ask(self._waiting.pop("table"))
         elif "chance" in self._waiting and not self.table.busy:
             self._draw(self._waiting.pop("chance"))
+        elif "stops" in self._waiting and not (self.table.busy or self.chance.busy):
+            self.stops.ask(self._waiting.pop("stops"))
 
     def _draw(self, request: RealityRequest, all_runs: bool = False) -> None:
         self._all = all_runs
@@ -138,6 +165,30 @@ class Robustness(PageWork[RobustnessModel]):
         self.chance.stop()
         self.model.drawing = False
 
+    def _robust_request(self) -> RobustRequest:
+        model = self.model
+        changes = self._with_strategy({**model.robust_changes(ROBUST_RUNS), **NOTHING_WRONG})
+        reality = RealityRequest(self.state.scenario.scenario(), changes)
+        return RobustRequest(reality, model.probability_percent / 100, model.candidates)
+
+    def _find_robust(self, *_: Any) -> None:
+        self._sought = self._robust_request()
+        self.model.param.update(robust=None, searching=True)
+        self.robust.ask(self._sought)
+
+    def _stop_search(self, *_: Any) -> None:
+        self.robust.stop()
+        self.model.searching = False
+
+    def _drop_robust(self) -> None:
+        """Drop a robust plan of settings that have changed."""
+        self._sought = None
+        self._stop_search()
+        self.model.robust = None
+
+    def _take_robust(self, robust: RobustAnswer, last: bool) -> None:
+        self.model.param.update(robust=robust, searching=not last)
+
     def _take_run(self, reality: Reality) -> None:
         self.model.param.update(reality=reality, failure=None)
         self._go_on()
@@ -149,3 +200,8 @@ class Robustness(PageWork[RobustnessModel]):
 
     def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
         self.model.param.update(chance=chance, drawing=not last)
+        if last:
+            self._go_on()
+
+    def _take_stops(self, stops: BrakingSensors, _: bool) -> None:
+        self.model.stops = stops

@@ -211,7 +211,9 @@ def kind_of_chance(**drawn: Mapping[str, Any]) -> dict[str, Any]:
 
 NORMAL = {"distribution": "normal", "mean": 0.4, "standard_deviation": 0.1}
 FIXED = {"distribution": "fixed", "value": 0.9}
-QUANTITIES = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
+FIXED_ERROR = {"distribution": "fixed", "value": 0.05}
+ERRORS = ("speed_error", "d1_error_m", "d2_error_m", "d3_error_m")
+CONDITIONS = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
 FTOREK = load_scenario("ftorek-300s").model_dump(mode="json", exclude_none=True)
 LOOP = change_document(
     FTOREK,
@@ -429,9 +431,13 @@ CASES: dict[str, Case] = {
             resistance_factor={"distribution": "log_normal", "median": 1.0, "log_standard_deviation": 0.1},
             line_voltage_factor={"distribution": "triangular", "low": 0.8, "mode": 0.9, "high": 1.0},
             departure_delay_s={"distribution": "exponential", "mean": 5.0},
+            **{name: {"distribution": "normal", "mean": 0.01, "standard_deviation": 0.02} for name in ERRORS},
         ),
         ("montecarlo",),
-        {f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED} for name in QUANTITIES},
+        {
+            **{f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED} for name in CONDITIONS},
+            **{f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED_ERROR} for name in ERRORS},
+        },
     ),
     "no chance": Case(
         by_chance,

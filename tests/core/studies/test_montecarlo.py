@@ -4,9 +4,12 @@ import pytest
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.studies import monte_carlo, monte_carlo_steps
-from railjoule.core.studies.montecarlo import QUANTITIES, draw
+from railjoule.core.studies.montecarlo import CONDITIONS, QUANTITIES, SENSOR_ERRORS, draw
 
-FIXED = {f"montecarlo.{name}": {"distribution": "fixed", "value": 1.0} for name in QUANTITIES}
+FIXED = {
+    f"montecarlo.{name}": {"distribution": "fixed", "value": 0.0 if name not in CONDITIONS else 1.0}
+    for name in QUANTITIES
+}
 
 
 def few(runs=120, **changes):
@@ -36,9 +39,12 @@ def test_another_distribution_leaves_the_other_quantities():
 
 def test_a_run_is_a_single_simulation(table):
     run = 7
-    names = {name: f"disturbance.{name}" for name in QUANTITIES} | {"load_factor": "disturbance.actual_load_factor"}
-    changes = {names[name]: float(table.drawn[name][run]) for name in QUANTITIES}
-    single = simulate_following(few(**changes))
+    drawn = {name: float(values[run]) for name, values in table.drawn.items()}
+    names = {name: f"disturbance.{name}" for name in CONDITIONS} | {"load_factor": "disturbance.actual_load_factor"}
+    changes = {names[name]: drawn[name] for name in CONDITIONS}
+    sensors = {"simulation.sensor_errors_m": [drawn[name] for name in SENSOR_ERRORS]}
+    single = simulate_following(few(**changes, **sensors, **{"simulation.speed_error": drawn["speed_error"]}))
+    assert table.stop_error_m[run] == single.stop_error_m != 0
     assert table.energy_kwh[run] == pytest.approx(single.actual.energy_kwh, rel=1e-12)
     assert table.delay_s[run] == pytest.approx(single.delay_s, abs=1e-9)
 

@@ -659,6 +659,9 @@ def test_a_study_becomes_a_labelled_table(tmp_path):
     target = tmp_path / "chance.csv"
     assert main(["study", "montecarlo", "liashenko-0", "-o", str(target), "--set", "montecarlo.runs=20"]) == OK
     assert len(target.read_text().splitlines()) == 21
+    target = tmp_path / "stops.csv"
+    assert main(["study", "braking", "liashenko-0", "-o", str(target), "--set", "montecarlo.runs=20"]) == OK
+    assert target.read_text().splitlines()[0].endswith("stop_error_m,stop_error_without_sensors_m")
 
 
 # ---- report

@@ -48,7 +48,10 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
             "error_deviation_m": (Normal, "standard_deviation", 1),
             "resistance_deviation_percent": (LogNormal, "log_standard_deviation", 100),
             "voltage_deviation_percent": (Normal, "standard_deviation", 100),
+            "speed_deviation_percent": (Normal, "standard_deviation", 100),
+            "sensor_deviation_m": (Normal, "standard_deviation", 1),
             "seed": (MonteCarloOptions, "seed", 1),
+            "accepted_delay_s": (Disturbance, "accepted_delay_s", 1),
         },
     ),
     "stop": (
@@ -124,8 +127,9 @@ NO_SINGLE_KEY = {
     *("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent"),
     # an entry of a list of the file, held to the vehicle's speed, and how many there are
     *("section_count", "to_m"),
+    *("d1_error_m", "d2_error_m", "d3_error_m"),
     # of a study, not of its scenario
-    *("runs", "seed"),
+    *("runs", "seed", "probability_percent", "candidates"),
     # a drive's, whichever it is
     "recuperation_percent",
 }
