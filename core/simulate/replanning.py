@@ -117,10 +117,12 @@ class Replanner:
                 "cannot do more."
             )
         line = state.scenario.line
-        kept = tuple(station for station in line.stations if station not in missed)
-        scenario = replace_line(state.scenario, line.model_copy(update={"stations": kept}))
-        dwell = dwell_at_end(places, sum(station.dwell_s for station in missed))
-        leg = Leg(scenario, places, np.append(run[: len(places) - 1], 0.0), dwell)
+        made = Station(position_m=float(places[-1]), dwell_s=sum(station.dwell_s for station in missed))
+        kept = [station for station in line.stations if station not in missed]
+        # a train that learns of more while it brakes still stands there
+        stations = tuple(sorted((*kept, made), key=lambda station: station.position_m))
+        scenario = replace_line(state.scenario, line.model_copy(update={"stations": stations}))
+        leg = Leg(scenario, places, np.append(run[: len(places) - 1], 0.0), dwell_at_end(places, made.dwell_s))
         return self.drive_and_plan(leg, replace(state, scenario=scenario))
 
 
