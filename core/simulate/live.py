@@ -13,20 +13,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.scenario.disturbance import (
+    Disturbance,
     Event,
     RecuperationChange,
     UnplannedLimit,
     UnplannedStop,
     VoltageChange,
 )
-from railjoule.core.simulate.disturbances import DisturbedRun, undisturbed_plan, unknowing_scenario
+from railjoule.core.simulate.disturbances import (
+    DisturbedRun,
+    simulate_disturbances,
+    undisturbed_plan,
+    unknowing_scenario,
+)
 from railjoule.core.simulate.driver import STANDING_SPEED2, fully_braked
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
-from railjoule.core.simulate.quick_plan import plan_quickly
+from railjoule.core.simulate.quick_plan import plan_quickly, strategy_for_all_lines
 from railjoule.core.simulate.train_state import (
     State,
     allowed_time_s,
@@ -199,11 +205,11 @@ class LiveRun:
 
 
 def start_run(scenario: Scenario) -> LiveRun:
-    """Return a run before its start, on time and well aware of its place; errors as `undisturbed_plan`."""
-    on_time = {"coordinate_error_m": 0.0, "departure_delay_s": 0.0}
-    disturbance = scenario.disturbance.model_copy(update=on_time)
-    nominal = unknowing_scenario(with_events(scenario.model_copy(update={"disturbance": disturbance}), ()))
-    planned = undisturbed_plan(scenario)
+    """Return a run before its start, on time and aware of its place; errors as `undisturbed_plan`."""
+    # the vehicle then has the load, resistance and voltage of the day
+    accepted = Disturbance(accepted_delay_s=scenario.disturbance.accepted_delay_s)
+    nominal = unknowing_scenario(scenario).model_copy(update={"disturbance": accepted})
+    planned = undisturbed_plan(nominal)
     start = State(0.0, float(planned.speed_ms[0]) ** 2, 0.0, nominal)
     return LiveRun(nominal, planned, (), start, leg_of(planned), planned, nominal.strategy)
 
@@ -268,6 +274,16 @@ def finished_run(run: LiveRun) -> DisturbedRun:
     timetabled = legs[-1].scenario.model_copy(update={"timetable": run.scenario.timetable})
     actual = joined(legs, timetabled, run.planned.strategy)
     return DisturbedRun(run.planned, actual, run.scenario.travel_time_s, run.notices, run.notes)
+
+
+def known_run(run: LiveRun) -> DisturbedRun:
+    """Return the run of a train that knows the events before the start; errors as `simulate_disturbances`."""
+    scenario = with_events(run.scenario, set_events(run))
+    try:
+        return simulate_disturbances(scenario, "known", run.planned)
+    except StrategyRefusedError:
+        stands_in = scenario.model_copy(update={"strategy": strategy_for_all_lines(scenario)})
+        return simulate_disturbances(stands_in, "known", run.planned)
 
 
 def set_events(run: LiveRun) -> tuple[Event, ...]:

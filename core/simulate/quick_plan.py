@@ -30,7 +30,7 @@ def plan_quickly(state: State, allowed_time_s: float) -> tuple[Leg, StrategyName
     InfeasibleLineError
         If the line ahead cannot be driven.
     """
-    strategies = dict.fromkeys((_quick_strategy(state.scenario), _strategy_for_all_lines(state.scenario)))
+    strategies = dict.fromkeys((_quick_strategy(state.scenario), strategy_for_all_lines(state.scenario)))
     refusals: list[StrategyRefusedError | SolverError] = []
     for strategy in strategies:
         planner = Replanner(allowed_time_s)
@@ -54,10 +54,10 @@ def quick_scenario(state: State, strategy: StrategyName) -> Scenario:
 
 def _quick_strategy(scenario: Scenario) -> StrategyName:
     """Return the scenario's strategy where it is fast, else the one that stands in for it."""
-    return scenario.strategy if scenario.strategy in {"phases", "fastest"} else _strategy_for_all_lines(scenario)
+    return scenario.strategy if scenario.strategy in {"phases", "fastest"} else strategy_for_all_lines(scenario)
 
 
-def _strategy_for_all_lines(scenario: Scenario) -> StrategyName:
+def strategy_for_all_lines(scenario: Scenario) -> StrategyName:
     """Return the fast strategy that takes every line."""
     # the optimum of a drive with idle losses decides where it is on, which takes a tenth of a second and more
     return "bellman" if make_drive(scenario.vehicle.drive).jumps_at_no_effort else "optimal"
