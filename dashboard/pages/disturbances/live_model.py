@@ -39,6 +39,7 @@ class LiveModel(TypedParameters, PageModel):
         "to_m",
         "limit_kmh",
         "voltage_percent",
+        "replan_s",
     )
 
     on = param.Boolean(default=False, doc="Whether the page plays a run.")
