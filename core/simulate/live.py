@@ -278,7 +278,7 @@ def finished_run(run: LiveRun) -> DisturbedRun:
 
 def known_run(run: LiveRun) -> DisturbedRun:
     """Return the run of a train that knows the events before the start; errors as `simulate_disturbances`."""
-    scenario = with_events(run.scenario, set_events(run))
+    scenario = with_events(run.scenario, events_to_keep(run))
     try:
         return simulate_disturbances(scenario, "known", run.planned)
     except StrategyRefusedError:
@@ -286,7 +286,7 @@ def known_run(run: LiveRun) -> DisturbedRun:
         return simulate_disturbances(stands_in, "known", run.planned)
 
 
-def set_events(run: LiveRun) -> tuple[Event, ...]:
+def events_to_keep(run: LiveRun) -> tuple[Event, ...]:
     """Return the events as a scenario has them: stops with the time for which the train stands by its present plan."""
     legs = _with_leg(run.driven, run.plan)
     return tuple(_with_duration(run, one, legs) for one in run.events)
@@ -338,6 +338,8 @@ def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> L
     leaving = replace(state, time_s=state.time_s + dwell_s)
     leg, strategy, notes = plan_quickly(leaving, allowed_time_s(run.scenario))
     plan = replace(leg, dwell_s=np.append(leg.dwell_s[0] + dwell_s, leg.dwell_s[1:]))
+    # a cut cell is counted as the whole run counts it
+    spent_j = run.spent_j + cut.trajectory(strategy).energy.net_j if len(cut.position_m) > 1 else run.energy_j
     return replace(
         run,
         driven=_with_leg(run.driven, cut),
@@ -346,7 +348,7 @@ def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> L
         ahead=plan.trajectory(strategy),
         strategy=strategy,
         elapsed_s=0.0,
-        spent_j=run.energy_j,
+        spent_j=spent_j,
         former=run.plan,
         events=events,
         notes=tuple(dict.fromkeys((*run.notes, *notes))),

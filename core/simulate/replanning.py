@@ -37,11 +37,14 @@ class Replanner:
     ----------
     notes : list of str
         What the plans so far could not keep.
+    is_fastest : bool
+        Whether the last plan drives as fast as allowed, as the time is too short.
     """
 
     def __init__(self, allowed_time_s: float) -> None:
         self.allowed_time_s = allowed_time_s
         self.notes: list[str] = []
+        self.is_fastest = False
 
     def drive_and_plan(self, leg: Leg, state: State) -> Leg:
         """Return a leg and the best run from its end."""
@@ -72,6 +75,7 @@ class Replanner:
             self.notes.append("The windows of arrival ahead cannot be kept any more, and are given up.")
             return replace(self.plan(replace(state, scenario=free)), scenario=state.scenario)
         except TimetableError:
+            self.is_fastest = True
             return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
 
     def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:

@@ -52,7 +52,7 @@ class LiveModel(TypedParameters, PageModel):
     to_m = TypedNumber("to, m", "m", default=700.0, **core_bounds(UnplannedLimit, "to_m"))
     limit_kmh = TypedNumber("km/h", "km/h", default=30.0, **core_bounds(UnplannedLimit, "limit_kmh"))
     voltage_percent = TypedNumber(
-        "Supply voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
+        "Voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
     )
 
     run = result(LiveRun, "The run as it is now.")

@@ -21,15 +21,22 @@ from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.numbers import clock
 from railjoule.dashboard.state.workbench import Workbench
 
+UNLIKE_S = 0.1
+"""Arrivals that differ by this are told apart [s]."""
 BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
 FIELDS_CSS = """
-:host { display: grid; grid-template-columns: repeat(auto-fit, minmax(150px, 1fr)); align-items: end; column-gap: 4px; }
+:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(172px, 1fr)); align-items: end; }
 """
 HOW = (
     "Press Play, then set a signal, a limit or a voltage while the train drives: the plan ahead is computed again from "
     "where the train is. A click on the chart sets a red signal there."
 )
-COARSE = " over cells of {} m, as the strategy of the plan is too slow for that"
+STANDS_IN = "{} over cells of {} m, as {} is too slow for that or refuses the line"
+FASTEST = "as fast as allowed, as the time is too short"
+UNLIKE = (
+    "Energies of different arrivals do not compare. Set an accepted delay in the sidebar and play again, so that both "
+    "arrive at the same time."
+)
 
 
 class LivePart:
@@ -45,8 +52,8 @@ class LivePart:
         self.keep = _button("Keep these events", self._trigger("keep_events"))
         self.pace = buttons(self.model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8))
         tools = pn.Row(self.play, self.pace, self.again, self.keep, margin=(0, 0, 0, 12), stylesheets=[parts.WRAP_CSS])
-        body = parts.stack(self.chart.host, css=BODY_CSS)
-        self.view = parts.stack(self.numbers, tools, self.message, self.status, self._fields(), body, self.table)
+        body = parts.stack(self._fields(), self.status, self.chart.host, self.table, css=BODY_CSS)
+        self.view = parts.stack(self.numbers, tools, self.message, body)
 
     def _fields(self) -> pn.Column:
         model = self.model
@@ -54,13 +61,17 @@ class LivePart:
         rows = (
             (
                 NumberField(model, "signal_m"),
-                NumberField(model, "signal_s"),
+                NumberField(model, "signal_s", of="Signal "),
                 box(model, "is_open", "until cleared", margin=(0, 12)),
-                _button("Set red signal", self._trigger("set_signal")),
-                self.clear,
+                pn.Row(
+                    _button("Set red signal", self._trigger("set_signal")),
+                    self.clear,
+                    margin=0,
+                    stylesheets=[parts.WRAP_CSS],
+                ),
             ),
             (
-                NumberField(model, "from_m", of="Limit "),
+                NumberField(model, "from_m"),
                 NumberField(model, "to_m", of="Limit "),
                 NumberField(model, "limit_kmh", of="Limit "),
                 _button("Set limit", self._trigger("set_limit")),
@@ -70,7 +81,7 @@ class LivePart:
                 _button("Set voltage", self._trigger("set_voltage")),
             ),
         )
-        return parts.stack(*(parts.stack(*row, css=FIELDS_CSS) for row in rows), css=BODY_CSS)
+        return parts.stack(*(parts.stack(*row, css=FIELDS_CSS) for row in rows))
 
     def _trigger(self, name: str) -> Any:
         return lambda _: self.model.param.trigger(name)
@@ -89,9 +100,8 @@ class LivePart:
     def show_plan(self) -> None:
         """Draw the run with the plan that it has now."""
         run = self.model.run
-        self.status.object = parts.note_paragraphs(
-            [HOW] if run is None or not run.events else _status(run, self.model.replan_s)
-        )
+        sentences = [HOW] if run is None or run.former is None else _status(run, self.model.replan_s)
+        self.status.object = parts.markup('<div role="status">{}</div>', parts.note_paragraphs(sentences))
         self.show_controls()
         if run is None:
             self.numbers.object = ""
@@ -161,11 +171,14 @@ def _doing(run: LiveRun) -> str:
 
 def _status(run: LiveRun, replan_s: float) -> list[str]:
     """Return how the plan ahead came about, and what it cannot keep."""
-    nodes = run.plan.scenario.solver.mesh_m
-    coarse = COARSE.format(words.number(nodes, 0)) if run.strategy != run.scenario.strategy else ""
     made = words.STRATEGY_WORDS[run.strategy]
+    if run.strategy == "fastest":
+        made = FASTEST
+    elif run.strategy != run.scenario.strategy:
+        cells = words.number(run.plan.scenario.solver.mesh_m, 0)
+        made = STANDS_IN.format(made, cells, words.STRATEGY_WORDS[run.scenario.strategy])
     where = f"At {words.number(run.since.position_m, 0)} m"
-    return [f"{where}: planned again in {1000 * replan_s:.0f} ms with {made}{coarse}.", *run.notes]
+    return [f"{where}: planned again in {1000 * replan_s:.0f} ms, {made}.", *run.notes]
 
 
 def _table(result: LiveResult) -> str:
@@ -177,7 +190,9 @@ def _table(result: LiveResult) -> str:
         (_row("Played", result.live, planned.energy_kwh), True),
         (_row(words.REACTION_WORDS["known"], result.known, planned.energy_kwh), False),
     ]
-    return parts.inset(parts.table("How it ended", ("Run", "kWh", "more, %", "late, s"), rows))
+    is_unlike = abs(result.live.delay_s - result.known.delay_s) >= UNLIKE_S
+    table = parts.table("How it ended", ("Run", "kWh", "more, %", "late, s"), rows)
+    return parts.markup("{}{}", table, parts.note_paragraphs([UNLIKE] if is_unlike else []))
 
 
 def _row(name: str, run: DisturbedRun, planned_kwh: float) -> tuple[str, ...]:

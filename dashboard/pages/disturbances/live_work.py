@@ -14,10 +14,10 @@ from railjoule.core.simulate.live import (
     LiveRun,
     advance,
     clear_signal,
+    events_to_keep,
     finished_run,
     known_run,
     set_event,
-    set_events,
     start_run,
     wait_longer,
 )
@@ -155,7 +155,7 @@ class Live(PageWork[LiveModel]):
         """Make what was set the events of the page."""
         if self.model.run is not None:
             self.model.param.update(on=False, playing=False)
-            events = [event_model(event) for event in set_events(self.model.run)]
+            events = [event_model(event) for event in events_to_keep(self.model.run)]
             self.state.disturbances.param.update(events=events, as_driver=False)
 
     def _ask(self, *_: Any) -> None:

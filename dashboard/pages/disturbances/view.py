@@ -81,7 +81,10 @@ class DisturbancesView(PageView):
         tools.sizing_mode = "stretch_width"
         self.reactions = parts.stack(self.table, self.notes)
         self.modes = buttons(
-            state.live, "on", {"Events set before": False, "Play and set events": True}, margin=(8, 8, 4, 20)
+            state.live,
+            "on",
+            {"Events before the start": False, "Events while the train drives": True},
+            margin=(8, 8, 4, 20),
         )
         self.live = LivePart(state, palette, HEIGHTS["live_speed"][0])
         lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)

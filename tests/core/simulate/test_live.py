@@ -12,10 +12,10 @@ from railjoule.core.simulate.live import (
     LiveRun,
     advance,
     clear_signal,
+    events_to_keep,
     finished_run,
     known_run,
     set_event,
-    set_events,
     start_run,
     wait_longer,
     with_events,
@@ -46,7 +46,7 @@ def test_a_played_run_is_the_one_of_its_file(name: str) -> None:
     run = set_event(run, UnplannedStop(position_m=0.5 * scenario.line.length_m, duration_s=8.0))
     run = set_event(played_to(run, 0.3 * scenario.line.length_m), VoltageChange(line_voltage_factor=0.9))
     played = finished_run(to_the_end(run))
-    filed = simulate_disturbances(with_events(scenario, set_events(run)), "computer")
+    filed = simulate_disturbances(with_events(scenario, events_to_keep(run)), "computer")
     assert played.actual.energy_kwh == pytest.approx(filed.actual.energy_kwh, rel=1e-6)
     assert played.delay_s == pytest.approx(filed.delay_s, abs=1e-4)
     # who knows before needs no more at the same arrival
@@ -88,7 +88,7 @@ def test_an_open_signal_holds_the_train_until_it_clears() -> None:
     cleared = clear_signal(longer, signal)
     assert cleared.dwell_left_s == 0.0
     assert cleared.arrival_s < longer.arrival_s
-    (kept,) = set_events(to_the_end(cleared))
+    (kept,) = events_to_keep(to_the_end(cleared))
     assert kept.duration_s == pytest.approx(27.0)
 
 
@@ -97,7 +97,7 @@ def test_a_signal_that_clears_before_the_train_stands_gives_its_plan_back() -> N
     stopping = advance(set_event(run, STOP), 3.0)
     (signal,) = stopping.events
     cleared = clear_signal(stopping, signal)
-    assert set_events(cleared) == ()
+    assert events_to_keep(cleared) == ()
     assert "no event is kept of it" in cleared.notes[0]
     played = finished_run(cleared).actual
     assert np.all(played.speed_ms[1:-1] > 0)
@@ -112,7 +112,7 @@ def test_a_signal_too_close_is_passed_by_metres_that_are_named_and_one_behind_is
     # what is set while it brakes does not let it forget the signal
     later = set_event(advance(late, 1.0), UnplannedLimit(from_m=1500.0, to_m=1600.0, limit_kmh=30.0))
     ended = finished_run(to_the_end(later)).actual
-    filed = simulate_disturbances(with_events(plain_scenario(), set_events(later)), "computer")
+    filed = simulate_disturbances(with_events(plain_scenario(), events_to_keep(later)), "computer")
     for actual in (ended, filed.actual):
         standing = np.diff(actual.position_m) == 0
         assert np.diff(actual.time_s)[standing].sum() == pytest.approx(10.0)
