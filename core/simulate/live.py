@@ -4,7 +4,7 @@ The train keeps to its plan until something is set; each function returns a new 
 computer has little time for a plan, so that a plan ahead is made by `railjoule.core.simulate.quick_plan`.
 
 A red signal is a stop whose end is known, or open until it is cleared. The plan expects an open one to stay red for as
-long as its stop says; where that has passed, for as long again.
+long as the stop lasts; once that has passed, for as long again.
 Source: Rawicki, "the algorithm of the energy saving control must be constantly updated".
 """
 
@@ -65,7 +65,7 @@ class LiveEvent:
     is_open : bool
         Whether it is a red signal without a known end.
     stood_at_m : float or None
-        Where the train has stood for it, once it has left [m].
+        Place at which the train has stood for it, once it has left [m].
     """
 
     event: Event
@@ -89,7 +89,7 @@ class LiveRun:
     planned : Trajectory
         The plan before the start.
     driven : tuple of Leg
-        What was driven before the present plan.
+        The parts driven before the present plan.
     since : State
         The state from which the present plan is made; at a stop, when the train arrived or was planned again.
     plan : Leg
@@ -101,15 +101,15 @@ class LiveRun:
     spent_j : float
         Energy of what was driven before the present plan [J].
     strategy : str
-        Who made it.
+        The strategy of that plan.
     former : Leg or None
         The plan before the present one.
     events : tuple of LiveEvent
-        What was set, in order.
+        The events that were set, in order.
     notices : tuple of (float, float, str)
         As in `DisturbedRun`.
     notes : tuple of str
-        What could not be kept.
+        Sentences on stops, limits and windows that could not be kept.
     """
 
     scenario: Scenario
@@ -133,7 +133,7 @@ class LiveRun:
 
     @property
     def position_m(self) -> float:
-        """Where the train is [m]."""
+        """Position of the train [m]."""
         return self.plan.place_at(self.elapsed_s)
 
     @property
@@ -243,8 +243,8 @@ def set_event(run: LiveRun, event: Event, is_open: bool = False) -> LiveRun:
     set_before = [one.event for one in run.events if not isinstance(one.event, UnplannedStop) or one.is_ahead]
     require_events_on_the_line(with_events(run.scenario, [*set_before, noticed]))
     notice = (run.position_m, run.time_s, event_words(event))
-    told = replace(run, notices=(*run.notices, notice))
-    return _replanned(told, (*run.events, LiveEvent(noticed, is_open)), run.dwell_left_s)
+    noted = replace(run, notices=(*run.notices, notice))
+    return _replanned(noted, (*run.events, LiveEvent(noticed, is_open)), run.dwell_left_s)
 
 
 def clear_signal(run: LiveRun, signal: LiveEvent) -> LiveRun:
@@ -277,7 +277,7 @@ def finished_run(run: LiveRun) -> DisturbedRun:
 
 
 def known_run(run: LiveRun) -> DisturbedRun:
-    """Return the run of a train that knows the events before the start; errors as `simulate_disturbances`."""
+    """Return the run of a train with advance notice of the events; errors as `simulate_disturbances`."""
     scenario = with_events(run.scenario, events_to_keep(run))
     try:
         return simulate_disturbances(scenario, "known", run.planned)

@@ -36,7 +36,7 @@ class Replanner:
     Attributes
     ----------
     notes : list of str
-        What the plans so far could not keep.
+        Sentences on what the plans so far could not keep.
     is_fastest : bool
         Whether the last plan drives as fast as allowed, as the time is too short.
     """

@@ -36,6 +36,8 @@ STROKES: dict[str, dict[str, Any]] = {
 }
 HEADROOM = 1.2
 """The upper end of the axis over the highest speed."""
+LIMIT_ROOM = 1.1
+"""The same over the highest limit: the signs of the signals stand between."""
 # a cell of a coarse plan is drawn in as many pieces as it is seen to be curved
 DRAWN_POINTS = 400
 
@@ -63,7 +65,7 @@ class LiveSpeedChart(DistanceChart):
         self.signs("signs", "limit", x_offset=4, text_baseline="top")
         self.add_names()
         f.on_event(Tap, self._press)
-        self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in LINES]
+        self.set_cursor_sources(*LINES)
 
     def _press(self, event: Any) -> None:
         if event.x is not None and 0 < event.x < self.axis.end:
@@ -80,11 +82,12 @@ class LiveSpeedChart(DistanceChart):
         for name, (x, y) in curves.items():
             # as lists: `stream` adds to them
             self.put(name, x=x.tolist(), y=y.tolist())
-        limit = draw_limits(self, *limits_of(run.since.scenario))
+        borders, limits = limits_of(run.since.scenario)
+        limit = draw_limits(self, borders, limits)
         draw_stations(self, [station.position_m for station in run.scenario.line.inner_stations])
         speeds = [float(y.max()) for _, y in curves.values() if len(y)]
         speeds.append(run.planned.max_speed_kmh)
-        top = HEADROOM * max(speeds)
+        top = max(HEADROOM * max(speeds), LIMIT_ROOM * float(limits.max()))
         self.set_range(0, top)
         signals = [one for one in run.events if one.is_ahead and not run.has_left(one)]
         places = [float(one.event.position_m) for one in signals]  # type: ignore[attr-defined]
@@ -122,5 +125,5 @@ def _curve(leg: Leg) -> Curve:
 
 
 def _sign(signal: LiveEvent) -> str:
-    """Return what stands at a red signal."""
+    """Return the sign of a red signal."""
     return "red" if signal.is_open else f"red {words.number(signal.event.duration_s, 0)} s"  # type: ignore[attr-defined]

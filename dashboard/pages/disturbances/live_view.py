@@ -22,7 +22,7 @@ from railjoule.dashboard.state.numbers import clock
 from railjoule.dashboard.state.workbench import Workbench
 
 UNLIKE_S = 0.1
-"""Arrivals that differ by this are told apart [s]."""
+"""Energies of arrivals that differ by this do not compare [s]."""
 BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
 FIELDS_CSS = """
 :host { display: grid; grid-template-columns: repeat(auto-fill, minmax(172px, 1fr)); align-items: end; }

@@ -35,7 +35,7 @@ LONGEST_TICK_S = 0.5
 """A clock that was not read for longer stood still: the server was busy."""
 
 Step = Callable[[LiveRun], LiveRun]
-"""What replaces a run by one with another plan."""
+"""Replaces a run by one with another plan."""
 
 
 @dataclass(frozen=True, eq=False)

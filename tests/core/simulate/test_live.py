@@ -49,7 +49,7 @@ def test_a_played_run_is_the_one_of_its_file(name: str) -> None:
     filed = simulate_disturbances(with_events(scenario, events_to_keep(run)), "computer")
     assert played.actual.energy_kwh == pytest.approx(filed.actual.energy_kwh, rel=1e-6)
     assert played.delay_s == pytest.approx(filed.delay_s, abs=1e-4)
-    # who knows before needs no more at the same arrival
+    # with advance notice a train needs no more at the same arrival
     known = known_run(run)
     assert known.delay_s < played.delay_s + 1e-3
     if played.delay_s < 1e-3:
