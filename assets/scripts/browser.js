@@ -250,6 +250,7 @@ export function render({model}) {
     }
   });
   window.addEventListener("resize", resize, {signal});
+  document.addEventListener("visibilitychange", () => { model.hidden = document.hidden; }, {signal});
   window.addEventListener("click", press, {capture: true, signal});
   document.addEventListener("click", act_on, {signal});
   window.addEventListener("rj-turn", (event) => turn(event.detail.page), {signal});

@@ -11,7 +11,7 @@ computer
 known
     The event is planned for before the start; another voltage or recuperation from its notice on, as by a computer.
 
-A rest that cannot be kept is driven as fast as allowed. A stop noticed too late is made as soon as the brakes can.
+Plans of the rest: `railjoule.core.simulate.replanning`.
 Source: Rawicki, (44)-(55) and Figs. 3 and 4.
 """
 
@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.errors import InfeasibleLineError, ScenarioError, TimetableError
+from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -32,21 +31,20 @@ from railjoule.core.scenario.disturbance import (
     UnplannedStop,
     VoltageChange,
 )
-from railjoule.core.scenario.line import Station
 from railjoule.core.simulate.actual_vehicle import actual_vehicle, notes_on, voltage_notes
-from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held_speed
+from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, held_speed
 from railjoule.core.simulate.following import follow_cells
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
+from railjoule.core.simulate.replanning import Replanner, dwell_at_end
 from railjoule.core.simulate.train_state import (
     State,
+    allowed_time_s,
     event_words,
     is_foreseeable,
     knowing,
     nodes_ahead,
     replace_line,
     require_events_on_the_line,
-    rest_scenario,
-    without_windows,
 )
 from railjoule.core.strategies import run_strategy
 from railjoule.core.task import prepare_task
@@ -55,12 +53,6 @@ from railjoule.core.units import MS_PER_KMH
 
 # A later arrival than this is mentioned; less is what the solvers leave of a timetable.
 LATE_S = 0.05
-# A train that learns of something while it brakes fully continues on another mesh, which may miss a stop by some
-# decimetres, or a square of speed by some tenths of a percent, though it was just able to brake for them. So much
-# does not count as noticed too late; larger values would hide a notice that did come too late.
-ROUNDING_M, ROUNDING_RATIO = 0.5, 1e-2
-# An overshoot below a centimetre is not mentioned.
-NOTICEABLE_M = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +95,7 @@ class DisturbedRun:
 
 def undisturbed_plan(scenario: Scenario) -> Trajectory:
     """Return the plan of a train that knows of no event; errors as `railjoule.core.solve`."""
-    unknowing = _unknowing(scenario)
+    unknowing = unknowing_scenario(scenario)
     return run_strategy(prepare_task(unknowing), unknowing.strategy)
 
 
@@ -131,7 +123,7 @@ def simulate_disturbances(
     return _Simulation(scenario, reaction).run(planned or undisturbed_plan(scenario))
 
 
-def _unknowing(scenario: Scenario) -> Scenario:
+def unknowing_scenario(scenario: Scenario) -> Scenario:
     """Return a scenario in running order with the train as it is, nothing known of its events."""
     return actual_vehicle(replace_line(scenario, scenario.line.in_running_order()))
 
@@ -141,12 +133,14 @@ class _Simulation:
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
         require_events_on_the_line(scenario)
-        self.scenario = scenario
+        self.scenario, self.unknowing = scenario, unknowing_scenario(scenario)
         events = scenario.disturbance.events
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
         self.notices: list[tuple[float, float, str]] = []
         voltages = any(isinstance(event, VoltageChange) for event in events)
-        self.notes = [*(voltage_notes(scenario.vehicle) if voltages else notes_on(scenario))]
+        self.replanner = Replanner(allowed_time_s(scenario))
+        self.notes = self.replanner.notes
+        self.notes += voltage_notes(scenario.vehicle) if voltages else notes_on(scenario)
         self.driven: list[Leg] = []
 
     def run(self, planned: Trajectory) -> DisturbedRun:
@@ -154,10 +148,10 @@ class _Simulation:
         before = [event for event in self.events if event.reaction == "known" and is_foreseeable(event)]
         # by identity: two events may be equal in all their numbers
         ahead = [event for event in self.events if not any(event is other for other in before)]
-        state = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, _unknowing(self.scenario))
+        state = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, self.unknowing)
         for event in before:
-            state = knowing(state, event)
-        plan = self._plan_rest(state) if before else leg_of(planned)
+            state = knowing(state, event, self.unknowing.vehicle)
+        plan = self.replanner.plan(state) if before else leg_of(planned)
         while ahead:
             notice = self._next_notice(plan, state, ahead)
             if notice is None:
@@ -206,9 +200,9 @@ class _Simulation:
 
     def _react(self, plan: Leg, state: State, event: Event) -> Leg:
         """Return the leg from a state to the end, as the one who reacts to an event drives it."""
-        informed = knowing(state, event)
+        informed = knowing(state, event, self.unknowing.vehicle)
         if event.reaction != "driver":
-            return self._plan_rest(informed)
+            return self.replanner.plan(informed)
         rest = plan.beyond(state.position_m)
         if isinstance(event, UnplannedStop):
             return self._stop_by_hand(rest, informed, event)
@@ -223,7 +217,7 @@ class _Simulation:
         envelope = braking_envelope(course)
         # too fast even for full braking: the replanning knows what to do then
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self._plan_rest(state)
+            return self.replanner.plan(state)
         # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
         moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * course.data.traction.constant_n
@@ -236,9 +230,9 @@ class _Simulation:
         speed2[0] = state.speed2
         # one who coasts too slowly to arrive drives on
         if np.any(speed2[1:-1] <= STANDING_SPEED2):
-            return self._plan_rest(state)
-        leg = Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stop.duration_s))
-        return self._and_the_rest(leg, state)
+            return self.replanner.plan(state)
+        leg = Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stop.duration_s))
+        return self.replanner.drive_and_plan(leg, state)
 
     def _slow_by_hand(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
@@ -253,89 +247,11 @@ class _Simulation:
         course = build_course(state.scenario, state.speed_ms, final, nodes)
         envelope = braking_envelope(course)
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self._plan_rest(state)
+            return self.replanner.plan(state)
         target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
         speed2, _ = follow_cells(course.data, target2, 0.0, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
-        return self._and_the_rest(Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stands)), state)
-
-    def _and_the_rest(self, leg: Leg, state: State) -> Leg:
-        """Return a leg and the best run from its end."""
-        end = float(leg.position_m[-1])
-        if end >= state.scenario.line.length_m - SAME_PLACE_M:
-            return leg
-        after = State(end, float(leg.speed2[-1]), state.time_s + leg.duration_s, state.scenario)
-        return leg.then(self._plan_rest(after))
-
-    def _plan_rest(self, state: State) -> Leg:
-        """Return the best run from a state to the end, or the fastest if the time is too short."""
-        allowed = self.scenario.travel_time_s + self.scenario.disturbance.accepted_delay_s
-        rest = rest_scenario(state, allowed)
-        nodes = nodes_ahead(state, rest.line.length_m)
-        try:
-            task = prepare_task(rest, state.speed_ms, position_m=nodes)
-        except InfeasibleLineError:
-            # a standing train has nothing to brake for: its line is infeasible for good
-            if state.speed2 <= STANDING_SPEED2:
-                raise
-            return self._brake_at_once(state, nodes)
-        try:
-            return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
-        except ScenarioError:
-            free = without_windows(state.scenario)
-            if free.line == state.scenario.line:
-                raise
-            # a window of arrival that this train cannot keep any more
-            self.notes.append("The windows of arrival ahead cannot be kept any more, and are given up.")
-            return replace(self._plan_rest(replace(state, scenario=free)), scenario=state.scenario)
-        except TimetableError:
-            return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
-
-    def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
-        """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
-        course = build_course(state.scenario, state.speed_ms, position_m=nodes)
-        run, distance = fully_braked(course.data, state.speed2)
-        stands = np.inf if np.isnan(distance) else state.position_m + distance
-        stations = state.scenario.line.inner_stations
-        missed = [station for station in stations if state.position_m < station.position_m < stands]
-        if not missed:
-            return self._and_the_rest(self._slowed(state, nodes, run, braking_envelope(course)), state)
-        if not np.isfinite(stands):
-            raise InfeasibleLineError(
-                f"From {state.position_m:.0f} m on, the brakes do not stop the train before the end of the line."
-            )
-        return self._beyond(state, np.append(nodes[nodes < stands - SAME_PLACE_M], stands), run, missed)
-
-    def _slowed(self, state: State, nodes: FloatArray, run: FloatArray, envelope: FloatArray) -> Leg:
-        """Return full braking until the limits ahead can be kept."""
-        # the tolerance is that of comparing two sums of the same cells, one from each end
-        slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
-        if not len(slow):
-            raise InfeasibleLineError(
-                f"From {state.position_m:.0f} m on, the brakes cannot keep the limits and stops ahead."
-            )
-        end = int(slow[0])
-        if run[0] > envelope[0] * (1 + ROUNDING_RATIO):
-            self.notes.append(f"A limit becomes known too late: the train is slow enough only at {nodes[end]:.0f} m.")
-        return Leg(state.scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
-
-    def _beyond(self, state: State, places: FloatArray, run: FloatArray, missed: list[Station]) -> Leg:
-        """Return full braking to a stand beyond stops, which are made there, and the rest."""
-        overshoot = float(places[-1]) - missed[0].position_m
-        if overshoot > ROUNDING_M:
-            names = ", ".join(f"{station.position_m:.0f} m" for station in missed)
-            self.notes.append(f"The stop at {names} becomes known too late: the train stands at {places[-1]:.1f} m.")
-        elif overshoot > NOTICEABLE_M:
-            self.notes.append(
-                f"The train overshoots its stop at {missed[0].position_m:.0f} m by {overshoot:.2f} m: its brakes "
-                "cannot do more."
-            )
-        line = state.scenario.line
-        kept = tuple(station for station in line.stations if station not in missed)
-        scenario = replace_line(state.scenario, line.model_copy(update={"stations": kept}))
-        dwell = _dwell_at_end(places, sum(station.dwell_s for station in missed))
-        leg = Leg(scenario, places, np.append(run[: len(places) - 1], 0.0), dwell)
-        return self._and_the_rest(leg, replace(state, scenario=scenario))
+        return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
 
 
 def _kept(rest: Leg, state: State) -> Leg:
@@ -352,9 +268,3 @@ def _kept(rest: Leg, state: State) -> Leg:
             speed2[first : last + 1] = driven
         first = last
     return replace(rest, scenario=state.scenario, speed2=speed2)
-
-
-def _dwell_at_end(nodes: FloatArray, dwell_s: float) -> FloatArray:
-    dwell = np.zeros(len(nodes))
-    dwell[-1] = dwell_s
-    return dwell

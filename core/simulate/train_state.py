@@ -9,7 +9,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.mesh import line_mesh
-from railjoule.core.scenario import Line, Scenario
+from railjoule.core.scenario import Line, Scenario, Vehicle
 from railjoule.core.scenario.disturbance import (
     Event,
     RecuperationChange,
@@ -60,8 +60,8 @@ def is_foreseeable(event: Event) -> bool:
     return isinstance(event, UnplannedStop | UnplannedLimit)
 
 
-def knowing(state: State, event: Event) -> State:
-    """Return a state in which an event is known."""
+def knowing(state: State, event: Event, nominal: Vehicle) -> State:
+    """Return a state in which an event is known; `nominal` is the vehicle before any event."""
     scenario, line = state.scenario, state.scenario.line
     if isinstance(event, UnplannedStop):
         added = Station(position_m=event.position_m, dwell_s=event.duration_s)
@@ -72,12 +72,13 @@ def knowing(state: State, event: Event) -> State:
         limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
         limits = (*line.speed_limits, limit)
         return replace(state, scenario=replace_line(scenario, line.model_copy(update={"speed_limits": limits})))
-    vehicle = scenario.vehicle
+    vehicle, recuperation = scenario.vehicle, scenario.vehicle.drive.recuperation_factor
     if isinstance(event, VoltageChange):
-        vehicle = at_voltage(vehicle, event.line_voltage_factor)
+        # over the nominal voltage, whatever it was before
+        vehicle = at_voltage(nominal, event.line_voltage_factor)
     elif isinstance(event, RecuperationChange):
-        drive = vehicle.drive.model_copy(update={"recuperation_factor": event.recuperation_factor})
-        vehicle = changed(vehicle, drive=drive)
+        recuperation = event.recuperation_factor
+    vehicle = changed(vehicle, drive=vehicle.drive.model_copy(update={"recuperation_factor": recuperation}))
     return replace(state, scenario=scenario.model_copy(update={"vehicle": vehicle}))
 
 
@@ -98,6 +99,11 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
             "timetable": Timetable(travel_time_s=left, exit_speed_kmh=state.scenario.timetable.exit_speed_kmh),
         }
     )
+
+
+def allowed_time_s(scenario: Scenario) -> float:
+    """Return the time of a whole run with the accepted delay [s]."""
+    return scenario.travel_time_s + scenario.disturbance.accepted_delay_s
 
 
 def without_windows(scenario: Scenario) -> Scenario:

@@ -28,6 +28,7 @@ class Browser(JSComponent):
     follows_system = param.Boolean(default=True, doc="Whether the page takes the colours that the system asks for.")
     dark = param.Boolean(default=False, doc="Whether the page is dark.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
+    hidden = param.Boolean(default=False, doc="Whether the browser shows another tab, or is minimised.")
     charts_in_sight = param.List(default=[], doc="Names of the charts in sight.")
     pages = param.List(default=list(PAGES), doc="Names of all pages.")
     questions = param.Dict(
@@ -41,7 +42,7 @@ class Browser(JSComponent):
     working = param.Boolean(default=False, doc="Whether the page in sight waits for a result.")
 
     _esm = module("browser")
-    _priority_changes = ("window_width", "wants_dark", "charts_in_sight")
+    _priority_changes = ("window_width", "wants_dark", "hidden", "charts_in_sight")
     """They are sent rarely: they need not wait for others to come."""
 
     def __init__(self, **params: object) -> None:

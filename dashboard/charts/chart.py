@@ -136,10 +136,10 @@ class Axis:
         for run in self._runs.values():
             run.send()
         charts = enumerate(self._charts.values())
-        told = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
+        listed = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
         # the browser compiles the callback anew whenever its arguments are set
-        if told != self.follow.args["charts"]:
-            self.follow.args = {"charts": told, "range": self.range}
+        if listed != self.follow.args["charts"]:
+            self.follow.args = {"charts": listed, "range": self.range}
         else:
             # a change of the range paints all its figures again; a chart that has just come needs it for no other
             self._settled += 1
@@ -468,6 +468,10 @@ class DistanceChart(Chart):
         }
         self.axis.add(self.name, self.told)
         return f
+
+    def set_cursor_sources(self, *names: str) -> None:
+        """Let the cursor read the lines of these sources."""
+        self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
 
     def rename(self, caption: str) -> None:
         """Give the chart another caption."""

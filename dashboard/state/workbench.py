@@ -15,6 +15,7 @@ from railjoule.dashboard.actual.model import ActualModel
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.disturbances.live_model import LiveModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
@@ -105,6 +106,7 @@ class Workbench(Kept, PageModel):
         self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
+        self.live = LiveModel()
         self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
         self.motor = MotorModel()

@@ -41,3 +41,22 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.type("Accepted delay, s", "20")
     expect(user.figure_value("Replanned run arrives")).to_have_text("+20.0s")
     assert_nothing_grave(user)
+
+
+def test_a_run_plays_and_its_events_are_kept(user: User) -> None:
+    user.choose("Metro, profile II")
+    user.page.get_by_role("button", name="Events while the train drives").click()
+    user.page.get_by_role("button", name="20\u00d7").click()
+    user.settled()
+    user.type("Signal red for, s", "5")
+    user.page.get_by_role("button", name="Play", exact=True).click()
+    expect(user.figure_value("Position")).not_to_have_text("0m")
+    user.page.get_by_role("button", name="Set red signal").click()
+    expect(user.page.get_by_text("planned again in")).to_be_visible()
+    expect(user.page.get_by_text("How it ended")).to_be_visible()
+    expect(user.page.get_by_role("button", name="Play again")).to_be_visible()
+    user.settled()
+    assert_nothing_grave(user)
+    user.page.get_by_role("button", name="Keep these events").click()
+    user.settled()
+    expect(user.page.get_by_label("1 Stop: stops for, s, as a number")).to_have_value("5")

@@ -15,12 +15,19 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.pages.disturbances.charts import LateChart, RideSpeedChart, ride_energy_chart, saved_by
 from railjoule.dashboard.pages.disturbances.compute import Rides
+from railjoule.dashboard.pages.disturbances.live_view import LivePart
+from railjoule.dashboard.pages.disturbances.live_work import Live
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons
 
-HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
+HEIGHTS = {
+    "ride_speed": (300, 380, 240),
+    "ride_energy": (170, 200, 150),
+    "late_arrival": (240, 280, 210),
+    "live_speed": (300, 380, 240),
+}
 """Of each chart [px]: in usual, wide and narrow windows."""
 BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
 LOWER_CSS = """
@@ -42,7 +49,7 @@ class DisturbancesView(PageView):
     """The page of what happens on the way."""
 
     page = "Disturbances"
-    works = (Disturbances,)
+    works = (Disturbances, Live)
     heights = HEIGHTS
 
     def make(self) -> Viewable:
@@ -73,16 +80,39 @@ class DisturbancesView(PageView):
         tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
         tools.sizing_mode = "stretch_width"
         self.reactions = parts.stack(self.table, self.notes)
+        self.modes = buttons(
+            state.live,
+            "on",
+            {"Events before the start": False, "Events while the train drives": True},
+            margin=(8, 8, 4, 20),
+        )
+        self.live = LivePart(state, palette, HEIGHTS["live_speed"][0])
         lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)
         body = parts.stack(self.speed.host, self.energy.host, lower, css=BODY_CSS)
         self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
         self.shows(self._show_late, (model, ["late"]))
-        return parts.stack(self.heading, self.message, self.invitation, self.figures, tools, body)
+        self.before = parts.stack(self.message, self.invitation, self.figures, tools, body)
+        live = state.live
+        self.shows(self._show_mode, (live, ["on"]))
+        self.shows(self.live.show_plan, (live, ["planned"]))
+        self.shows(self.live.show_controls, (live, ["playing", "failure", "ended"]))
+        self.shows(self.live.show_result, (live, ["ended"]))
+        # not `shows`: a tenth of a second is too short to settle all charts
+        live.param.watch(self.live.move, "run")
+        self.browser.follow(["hidden"], self._pause)
+        return parts.stack(self.heading, self.modes, self.before, self.live.view)
+
+    def _show_mode(self) -> None:
+        self.before.visible, self.live.view.visible = not self.state.live.on, self.state.live.on
+
+    def _pause(self) -> None:
+        if self.browser.hidden:
+            self.state.live.playing = False
 
     @property
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page."""
-        return self.speed, self.energy, self.late
+        return self.speed, self.energy, self.late, self.live.chart
 
     def _drop(self, place_m: float) -> None:
         self.model.drop(self.model.dropping, place_m)
@@ -90,6 +120,7 @@ class DisturbancesView(PageView):
     def settle(self) -> None:
         """Tell the cursor of the rides that it may meet new charts."""
         self.axis.settle_over(self.state.over_time)
+        self.live.axis.settle_over(False)
 
     def _show(self) -> None:
         rides = self.model.rides

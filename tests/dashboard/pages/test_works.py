@@ -23,8 +23,8 @@ from railjoule.dashboard.work.worker import Study, Worker, nobody
 WORKS = {work.__name__: work for view in VIEWS.values() for work in view.works}
 OWN_ABOUT = {"Learn", "Papers", "Start", "Studies"}
 """What they compute is of no scenario, or belongs to the study that was begun with it."""
-BY_HAND = {"SimpleAdvising", "Proving"}
-"""They ask for more than a page in sight: tests/dashboard/pages/drive."""
+BY_HAND = {"SimpleAdvising", "Proving", "Live"}
+"""They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"WholeLines": "metro-10-stations", "Motor": "ftorek-300s"}

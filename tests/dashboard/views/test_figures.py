@@ -61,12 +61,19 @@ def with_a_study(state):
 
 
 SCENARIOS = ("metro-with-limit", "ftorek-300s", "tram-950m-stop")
+
+
+def with_live_run(state):
+    state.live.on = True
+
+
 CASES = {
     **{page: [(name, None) for name in SCENARIOS] for page in VIEWS},
     "Start": [("metro-with-limit", None)],
     "Drive": [("metro-with-limit", with_law), ("ftorek-300s", None), ("tram-950m-stop", with_simple_advice)],
     "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None)],
     "Robustness": [("metro-with-limit", None)],
+    "Disturbances": [*((name, None) for name in SCENARIOS), ("metro-with-limit", with_live_run)],
     "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
