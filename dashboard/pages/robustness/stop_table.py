@@ -41,8 +41,7 @@ def stop_table(study: BrakingSensors) -> str:
 def _row(study: BrakingSensors, name: str) -> tuple[str, ...]:
     word, show = NAMES[name]
     low, high = (effect for effect in study.effects if effect.quantity == name)
+    errors = (low.with_m, high.with_m), (low.without_m, high.without_m)
     pairs = [(show(low.value), show(high.value))]
-    pairs += [
-        tuple(map(words.stop_error, pair)) for pair in ((low.with_m, high.with_m), (low.without_m, high.without_m))
-    ]
+    pairs += [(words.stop_error(least), words.stop_error(most)) for least, most in errors]
     return (word, *(" / ".join(pair) for pair in pairs))
