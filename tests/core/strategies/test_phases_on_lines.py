@@ -26,7 +26,7 @@ def limited_tram(**changes):
 
 def run_of(task):
     run = run_strategy(task, "phases")
-    result = check_run(task.scenario, run)
+    result = check_run(task.scenario, run, initial_speed_ms=task.end_speeds_ms[0])
     assert result.ok, result.broken
     assert run.travel_time_s == pytest.approx(task.travel_time_s, rel=1e-9)
     return run
