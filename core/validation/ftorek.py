@@ -106,7 +106,7 @@ def eoc_as_printed(line: PlainLine, amperes: float, printed: list[Printed]) -> T
     for entry in printed:
         values = run_values(eoc_run(line, entry["travel_time_s"]), amperes)
         notes = _notes(entry, values) | {"max_current_a": FILTERED}
-        rows += [printed_row(TABLE_1, entry, key, ours, notes.get(key, "")) for key, ours in values.items()]
+        rows += [printed_row(TABLE_1, entry, key, number, notes.get(key, "")) for key, number in values.items()]
     return Table("EOC as printed, the work of drag left out of its cost", tuple(rows), TABLE_1)
 
 
@@ -150,23 +150,23 @@ def enoc_as_printed(line: PlainLine, amperes: float, printed: list[Printed]) -> 
         time, ramp, peak = entry["travel_time_s"], entry["acceleration_time_s"], entry["max_speed_kmh"] * MS_PER_KMH
         energy = float(enoc_energy(coefficients, time, ramp)) / J_PER_WH
         values = run_values(enoc_run(line, time), amperes) | {"total_energy_wh": energy}
-        ours = {"acceleration_time_s": acceleration_time_for_peak(coefficients, time, peak)} | values
+        columns = {"acceleration_time_s": acceleration_time_for_peak(coefficients, time, peak)} | values
         notes = _notes(entry, values)
-        rows += [printed_row(TABLE_2, entry, key, number, notes.get(key, "")) for key, number in ours.items()]
+        rows += [printed_row(TABLE_2, entry, key, number, notes.get(key, "")) for key, number in columns.items()]
     return Table("ENOC with the printed acceleration times", tuple(rows), f"{TABLE_2}, (12), (15)")
 
 
 def headline_percentages(line: PlainLine, amperes: float, printed: list[Printed]) -> Table:
-    """Return the changes of section 3 beside ours: 10 % less and 10 % more time than 300 s."""
+    """Return the changes of section 3 beside those of railjoule: 10 % less and 10 % more time than 300 s."""
     rows: list[Row] = []
     for entry in printed:
         strategy, time = entry["strategy"], entry["travel_time_s"]
         case = f"{strategy.upper()}, T_m = {time} s against {BASE_TIME_S} s"
-        for key, ours in change_percent(line, amperes, strategy, time).items():
+        for key, number in change_percent(line, amperes, strategy, time).items():
             symbol, own = QUANTITIES[key][0], table_change_percent(strategy, time, key)
             misprint = abs(own - entry[key]) > MISPRINT_POINTS
             note = MISPRINT.format(PRINTED_TABLES[strategy], own) if misprint else ""
-            rows.append(Row(case, symbol, "%", entry[key], ours, note, f"section 3, {case}, {symbol}"))
+            rows.append(Row(case, symbol, "%", entry[key], number, note, f"section 3, {case}, {symbol}"))
     return Table("Changes with 10 % less and 10 % more time", tuple(rows), "section 3, section 4")
 
 

@@ -23,7 +23,7 @@ FINE_MESH_M = 0.5
 BASE_TIME_S = 300
 """The travel time against which the paper gives changes [s]."""
 CHANGES = ("max_current_a", "min_current_a", "peak_energy_wh", "total_energy_wh")
-"""What the paper gives changes of, by the keys of its file."""
+"""Quantities whose changes the paper prints, by the keys of its file."""
 # Found by matching the minimum of the surface; no number of the paper gives it. It is shown beside 1 so that nobody
 # takes the match for a confirmation.
 TABLE_3_COPPER_WEIGHT = 3.087
@@ -53,7 +53,7 @@ def paper_line() -> PlainLine:
 def amperes_per_newton(scenario: Scenario) -> float:
     """Compute the current of one motor over the effort of all [A/N]."""
     amperes = prepare_task(scenario).course.drive.amperes_per_newton
-    # a drive with copper loss, which a scenario of the paper has, always knows its current
+    # a drive with copper loss, as in every scenario of the paper, always has a current
     assert amperes is not None
     return amperes
 

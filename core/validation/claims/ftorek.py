@@ -47,13 +47,13 @@ def change(strategy: str, travel_time_s: int, key: str) -> Finding:
     """Examine a change of current or energy with 10 % less or more time."""
     entries = (e for e in paper()["change_percent"] if (e["strategy"], e["travel_time_s"]) == (strategy, travel_time_s))
     printed, own = next(entries)[key], table_change_percent(strategy, travel_time_s, key)
-    ours = change_percent(paper_line(), amperes_per_newton(paper_scenario()), strategy, travel_time_s)[key]
+    computed = change_percent(paper_line(), amperes_per_newton(paper_scenario()), strategy, travel_time_s)[key]
     table = f"Table {1 + STRATEGIES.index(strategy)}"
     is_consistent = abs(own - printed) < LAST_DIGIT_POINTS
     relation = "agrees with" if is_consistent else "contradicts"
     return judge(
-        f"{ours:+.2f} %",
-        is_consistent and abs(ours - printed) < CLOSE_PERCENT,
+        f"{computed:+.2f} %",
+        is_consistent and abs(computed - printed) < CLOSE_PERCENT,
         f"The printed number {relation} the paper's own {table}, {own:+.2f} %.",
     )
 
@@ -129,10 +129,10 @@ def halved_times(point: int) -> Finding:
         float(enoc_energy(coefficients, entry["travel_time_s"], entry["acceleration_time_s"]))
         for entry in (paper()["table_3"][0], paper()["table_3"][point])
     )
-    ours, printed = 100 * (energy / least - 1), paper()["table_3"][point]["increase_percent"]
+    computed, printed = 100 * (energy / least - 1), paper()["table_3"][point]["increase_percent"]
     return judge(
-        f"{ours:+.2f} %",
-        abs(ours - printed) < CLOSE_PERCENT,
+        f"{computed:+.2f} %",
+        abs(computed - printed) < CLOSE_PERCENT,
         "At the printed times, with the copper loss that fits Table 2. The printed energies give the printed increase.",
     )
 
@@ -277,7 +277,7 @@ def two_ways() -> Finding:
     return judge(
         f"within {1e4 * worst:.2g} ppm",
         worst < LAST_DIGIT_POINTS,
-        "Six runs in closed loop. Ours contains the loss of the magnetising current, which the tables leave out.",
+        "Six runs in closed loop. Both contain the loss of the magnetising current, which the tables leave out.",
     )
 
 
@@ -308,8 +308,8 @@ def any_drive() -> Finding:
 
 def mean_speed() -> Finding:
     """Examine the mean speed of the run of 300 s."""
-    ours = paper_line().distance_m / BASE_TIME_S / MS_PER_KMH
-    return judge(f"{ours:.2f} km/h", abs(ours - 60) < 0.005, "5000 m in 300 s.")
+    computed = paper_line().distance_m / BASE_TIME_S / MS_PER_KMH
+    return judge(f"{computed:.2f} km/h", abs(computed - 60) < 0.005, "5000 m in 300 s.")
 
 
 def _least_energies(coefficients: EnocCoefficients) -> FloatArray:

@@ -34,7 +34,7 @@ NOTES = {
 }
 POINTS_A_LINE = 401
 Curve = Callable[[SampledRun], tuple[FloatArray, FloatArray]]
-"""What a panel shows of a run, x and y."""
+"""Computes x and y of a run for a panel."""
 
 
 def speed_figure() -> FigureData:
@@ -88,7 +88,7 @@ def _run_panel(strategy: str, x_title: str, y_title: str, curve: Curve, keys: tu
 
 
 def _extremes(strategy: str, curve: Curve, keys: tuple[str, ...]) -> Line:
-    """Return printed extremes of the three runs as points, where ours have theirs."""
+    """Return printed extremes of the three runs as points, at the places of the computed extremes."""
     points = []
     for time in TIMES_S:
         x, y = curve(printed_run(paper_line(), strategy, time))

@@ -46,12 +46,12 @@ def test_pontryagin_and_the_interior_point_find_the_same_run(travel_time_s):
 def test_moving_ends_of_10_against_the_interior_point(entry_kmh, exit_kmh):
     """ENOC, which has the same ends, is a little above both; kinetic energy makes some of these totals negative."""
     ends = {"timetable.entry_speed_kmh": entry_kmh, "timetable.exit_speed_kmh": exit_kmh}
-    optimal, ours, trapezoid = (solve(suburban(300, **ends), name, check=True) for name in ("optimal", "eoc", "enoc"))
+    optimal, eoc, trapezoid = (solve(suburban(300, **ends), name, check=True) for name in ("optimal", "eoc", "enoc"))
     spent = optimal.energy.running_resistance_j
-    assert ours.energy.net_j == pytest.approx(optimal.energy.net_j, abs=2e-6 * spent)
-    assert ours.speed_ms == pytest.approx(optimal.speed_ms, abs=0.02)
+    assert eoc.energy.net_j == pytest.approx(optimal.energy.net_j, abs=2e-6 * spent)
+    assert eoc.speed_ms == pytest.approx(optimal.speed_ms, abs=0.02)
     assert 1e-3 * spent < trapezoid.energy.net_j - optimal.energy.net_j < 0.03 * spent
-    for run in (ours, trapezoid):
+    for run in (eoc, trapezoid):
         assert run.speed_ms[[0, -1]] * 3.6 == pytest.approx([entry_kmh, exit_kmh], abs=1e-9)
         assert run.travel_time_s == pytest.approx(300, rel=1e-9)
 
