@@ -32,6 +32,7 @@ from railjoule.core.validation.table import CLOSE_PERCENT
 
 MEASURES = {"by_plan": "(12):", "by_load": "above a plan for the actual load:"}
 """Two measures of `ComparedTable`, in words."""
+BY = {"by_plan": "by (12)", "by_load": "against a plan for the actual load", "printed": "as printed"}
 NOT_PRINTED = "Sizes depend on effort, resistance and controller, which the paper does not print."
 SMALL_SHARE = 0.01
 """A smaller share is little."""
@@ -259,10 +260,11 @@ def _cell(table: ComparedTable, key: str) -> str:
 
 def grows_with_profile() -> Finding:
     """Examine the largest values of the tables in the order of the profiles."""
-    largest = {key: [float(getattr(table, key).max()) for table in compared_tables()] for key in MEASURES}
+    largest = {key: [_most(table, key) for table in compared_tables()] for key in MEASURES}
     found = "; ".join(f"{MEASURES[key]} {', '.join(f'{one:.1f}' for one in each)} %" for key, each in largest.items())
+    printed = ", ".join(f"{_most(table, 'printed'):.1f}" for table in compared_tables())
     grows = [bool(np.all(np.diff(each) > 0)) for each in largest.values()]
-    return judge(found, any(grows), "Largest values on profiles 0, I, II, III, in this order, by both measures.")
+    return judge(found, any(grows), f"Largest values on profiles 0, I, II, III, in this order; printed {printed} %.")
 
 
 def overconsumption_range() -> Finding:
@@ -295,13 +297,13 @@ def _larger_effect(tables: Sequence[ComparedTable], is_position: bool) -> Findin
         texts[key] = " and ".join(f"{position:.1f} / {load:.1f}" for position, load in effects)
         holds[key] = [(position > load) == is_position for position, load in effects]
     found = "; ".join(f"{MEASURES[key]} {texts[key]} points" for key in MEASURES)
-    counts = ", ".join(f"{MEASURES[key].rstrip(':')} {sum(holds[key])}" for key in MEASURES)
-    places = ", ".join(table.place for table in tables)
+    counts = ", ".join(f"{sum(held)} of {len(held)} {BY[key]}" for key, held in holds.items())
+    places = " and ".join(table.place for table in tables)
     return judge(
         found,
         all(holds["by_plan"]),
-        f"Largest effect of position error / of load, each by itself, in {places}; printed {texts['printed']}. It "
-        f"holds in so many tables: {counts}, printed {sum(holds['printed'])}. Judged by (12).",
+        f"Largest effect of position error / of load, each by itself, in {places}; printed {texts['printed']}. "
+        f"Tables in which the claim holds: {counts}. Judged by (12).",
     )
 
 

@@ -14,7 +14,7 @@ DISTANCE = "Distance, m"
 
 
 def followed_plan(place: str) -> FigureData:
-    """Return the planned and the actual speed of one of Figures 3 to 6, and the profile of its line."""
+    """Return the planned and the actual speed of one of Figures 3 to 6, their difference, and the line's heights."""
     run = example(place).following
     speeds = tuple(
         Line(label, one.position_m, one.speed_ms / MS_PER_KMH)
@@ -24,7 +24,13 @@ def followed_plan(place: str) -> FigureData:
         f"No numbers are printed. Planned {run.planned.energy_kwh:.2f} kWh in {run.planned.travel_time_s:.1f} s, "
         f"actual {run.actual.energy_kwh:.2f} kWh in {run.actual.travel_time_s:.1f} s."
     )
-    panels = Panel(DISTANCE, "Speed, km/h", speeds), Panel(DISTANCE, "Height, m", (Line("track", *_heights(place)),))
+    planned, actual = speeds
+    difference = Line("difference", actual.x, actual.y - np.interp(actual.x, planned.x, planned.y))
+    panels = (
+        Panel(DISTANCE, "Speed, km/h", speeds),
+        Panel(DISTANCE, "Actual less planned speed, km/h", (difference,)),
+        Panel(DISTANCE, "Height, m", (Line("track", *_heights(place)),)),
+    )
     return FigureData(panels, note)
 
 
@@ -45,8 +51,8 @@ def surface(place: str) -> FigureData:
             title,
             tuple(
                 Line(f"load {load:g}", table.errors_m, values[:, k], is_printed)
-                for k, load in enumerate(table.loads)
                 for values, is_printed in ((computed, False), (table.printed, True))
+                for k, load in enumerate(table.loads)
             ),
         )
         for title, computed in (
