@@ -386,6 +386,12 @@ MOTORS = (
         "The small, fast waves of current that switching of the inverter causes.",
         ("Ripple at t, s",),
     ),
+    Term(
+        "Power factor",
+        "Input power of a motor over what its voltage and current could carry. In a cruise on level track, less flux "
+        "raises it until the torque current grows.",
+        ("Cruise speed, km/h",),
+    ),
     Term("Speed noise", "Random error of the measured motor speed.", ("Speed noise, rad/s",)),
     Term(
         "Bandwidth",

@@ -191,11 +191,11 @@ def adhesion() -> Finding:
 
 def rigid_chain() -> Finding:
     """Compare energies with one, five and forty cars on the changing gradients."""
-    scenario = kharkiv_scenario(40)
-    own = scenario.vehicle.car_count
+    run = run_limits(40, "coast")
+    own, cars = run.scenario.vehicle.car_count, run.energy_kwh
     assert own is not None
-    one, cars, many = (
-        solve(scenario.with_(**{"vehicle.car_count": count}), "speed_limits").energy_kwh for count in (1, own, 8 * own)
+    one, many = (
+        solve(run.scenario.with_(**{"vehicle.car_count": count}), "speed_limits").energy_kwh for count in (1, 8 * own)
     )
     return judge(
         f"{one:.3f} kWh with one body, {cars:.3f} kWh with {own} cars, {many:.3f} kWh with {8 * own}",

@@ -12,7 +12,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.chart import Axis, add_zero, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
@@ -27,7 +27,7 @@ from railjoule.dashboard.parts import html as parts
 NAMES_PX, BORDERS_PX = 22, 9
 """Room above the lines for their names; what a figure takes above and below its frame."""
 BAND_ALPHA = 0.16
-FLUX_LINES = {"efficiency": "accent", "power factor": "phases", "loss": "driven", "voltage": "limit"}
+FLUX_LINES = {"efficiency": "accent", "power factor": "phases", "loss": "ink2", "voltage": "limit"}
 """Lines of the chart over the flux current, and their colours."""
 BEYOND_END = 0.02
 """Share of the way beyond its end, for the last number of the axis."""
@@ -242,7 +242,7 @@ class FluxChart(LoneChart):
     """Cruise on level track over the flux current: efficiency, power factor, and voltage and loss as shares."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        caption = "Cruise, %: efficiency, power factor, voltage over its limit, loss over that at rated flux"
+        caption = "Cruise, %: efficiency, power factor, voltage / limit, loss / loss at rated flux"
         super().__init__("flux_sweep", caption, height, palette)
 
     def build(self) -> None:
@@ -293,11 +293,8 @@ def flux_table(sweep: FluxSweep) -> str:
         )
         for name, point in points.items()
     ]
-    title = (
-        f"One motor at {words.number(sweep.speed_ms / MS_PER_KMH)} km/h on level track, "
-        f"{words.number(sweep.effort_n / N_PER_KN, 2)} kN of the train, at most "
-        f"{words.number(sweep.max_phase_voltage_v, 0)} V"
-    )
+    speed, limit = words.number(sweep.speed_ms / MS_PER_KMH), words.number(sweep.max_phase_voltage_v, 0)
+    title = f"One motor at {speed} km/h on level track, limit {limit} V"
     return parts.inset(parts.table(title, ("Flux", "A", "V", "loss, W", "efficiency, %", "power factor"), rows))
 
 
