@@ -379,7 +379,7 @@ def inter_station_table(found: InterStationRuns) -> str:
         together, separate = (found.runs[way].energy_kwh for way in ("together", "separate"))
         more = share_above(separate, together)
         notes.append(
-            f"Separate runs each keep their own time and need {words.share(more)} % more than together, where the search "
-            "can move time from one to another."
+            f"Separate runs each keep their own time and need {words.share(more)} % more than together, where the "
+            "search can move time from one to another."
         )
     return parts.inset(parts.table("Inter-station runs", header, rows), parts.note_paragraphs(notes))
