@@ -57,7 +57,7 @@ WINDOW_END_SHARE = 1e-3
 """A run of the relay is late enough where it ends by less than this share of its time before the window does."""
 MOST_RELAY_RUNS = 8
 # At constant speed time falls by the factor by which limits rise, less where acceleration takes most of the time. The
-# slope between two runs is not trusted beyond these bounds, as times of close runs differ by their switches alone.
+# slope between two runs is not trusted beyond these bounds, as times of close runs differ only by their switches.
 STEEPEST, FLATTEST = 2.0, 0.2
 
 
@@ -167,5 +167,5 @@ class LimitProblem:
 def limit_problem(
     course: Course, stop_deceleration_ms2: float, brakes: bool, least_ms: float, most_ms: float, running_time_s: float
 ) -> LimitProblem:
-    """Return the problem of a course; `brakes` tells a regulator that brakes for sections from one that coasts."""
+    """Return the problem of a course; `brakes`: whether its regulator brakes for sections or coasts."""
     return LimitProblem(course, regulation_of(course, stop_deceleration_ms2, brakes), least_ms, most_ms, running_time_s)

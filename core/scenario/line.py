@@ -237,7 +237,7 @@ class Line(Part):
 
     @property
     def stops_m(self) -> tuple[float, ...]:
-        """Where the front of the train stands, from one end of the line to the other [m]."""
+        """Places where the front of the train stands, from one end of the line to the other [m]."""
         return 0.0, *(station.position_m for station in self.inner_stations), self.length_m
 
     @property

@@ -2,7 +2,7 @@
 
 The time of each is (X_sum - X_tr) / v_sr, Shtompel, Khvorost 2025, (15): all have one average speed between two
 arrivals that the stations' `arrival_s` fix, or over the whole line where none is fixed. X_tr is the length of the train
-where `timetable.deduct_train_length` says so, else 0.
+with `timetable.deduct_train_length`, else 0.
 """
 
 from collections.abc import Sequence

@@ -33,7 +33,7 @@ from railjoule.core.strategies.set_speed_run import (
     LEAST_LIMIT_KMH,
     SetSpeedRun,
     drive_limits,
-    limit_problem_of,
+    build_limit_problem,
     no_limits_reason,
     problem_within,
     run_notes,
@@ -80,7 +80,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     if options.inter_station_runs == "separate":
         run, found = _search_separately(task, borders)
     else:
-        problem = limit_problem_of(task)
+        problem = build_limit_problem(task)
         found = search_limits(problem, borders, options.free_boundaries, _separate_start(task, borders))
         run = _drive_found(task, problem, found)
     return _made(task, run, _words(found, options.free_boundaries)), found
@@ -101,7 +101,7 @@ def _search_separately(task: Task, borders_m: FloatArray) -> tuple[SetSpeedRun, 
         first, last = part.course.position_m[[0, -1]]
         inside = borders_m[(borders_m > first) & (borders_m < last)]
         try:
-            problem = limit_problem_of(part)
+            problem = build_limit_problem(part)
             found = search_limits(problem, inside, task.scenario.search.free_boundaries)
             runs.append(_drive_found(part, problem, found))
         except StrategyRefusedError as refusal:
@@ -127,8 +127,7 @@ def _separate_start(task: Task, borders_m: FloatArray) -> Start | None:
 def section_boundaries(scenario: Scenario) -> FloatArray:
     """Return the borders between the sections of a search [m]: those asked for, else those of the line's sections.
 
-    Where limits are searched for, stations are borders, too; of inter-station runs that are searched separately they
-    always are.
+    Stations are borders, too, if limits are searched for without given borders, or for each inter-station run.
 
     Raises
     ------

@@ -20,7 +20,7 @@ from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.simulate.regulator import literal_spread
 from railjoule.core.strategies import solve
-from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.studies.storage import storage_need
 from railjoule.core.task import prepare_task
@@ -66,7 +66,7 @@ def evaluations() -> tuple[Row, ...]:
         search = search_run(speed, "coast")
         window = kharkiv_scenario(speed).search.time_window
         task = prepare_task(kharkiv_scenario(speed))
-        problem = limit_problem_of(task)
+        problem = build_limit_problem(task)
         samples = [one for one in search.evaluations if one.stage == "sample"]
         borders = search.best.boundaries_m
         # as they were drawn: `evaluate` would scale them to the time

@@ -13,7 +13,7 @@ from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.inter_station_runs import run_words
 from railjoule.core.strategies.line_parts import stop_nodes
-from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
 from railjoule.core.studies.motor_map import OperatingPoints, operating_points
 from railjoule.core.studies.storage import (
@@ -191,7 +191,7 @@ def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
     if limits is None or options.regulator == "literal":
         return None
     task = prepare_task(scenario)
-    problem = limit_problem_of(task)
+    problem = build_limit_problem(task)
     given = np.array(limits) * MS_PER_KMH, section_boundaries(scenario)
     trip = problem.as_given(*given)
     if not np.isfinite(trip.running_time_s):

@@ -5,7 +5,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.limit_search.search import weyl_points
-from railjoule.core.strategies.set_speed_run import limit_problem_of
+from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.task import prepare_task
 
@@ -49,7 +49,7 @@ def test_two_sections_with_a_regulator_that_coasts(scenario, optimum):
 
 def test_no_pair_of_limits_on_a_fine_grid_is_better(scenario):
     """All ratios of the two limits, scaled to the time: the search is within 0.05 % of the best of 200."""
-    problem = limit_problem_of(prepare_task(scenario))
+    problem = build_limit_problem(prepare_task(scenario))
     best = speed_limits_with_search(prepare_task(scenario))[1].best
     ratios = np.exp(np.linspace(-3, 3, 200))
     grid = [problem.evaluate("sample", np.array([10.0, 10.0 * ratio]), best.boundaries_m) for ratio in ratios]
@@ -66,7 +66,7 @@ def test_the_best_braked_limits_are_one_limit(scenario):
     """Within 0.1 %, as findings.md says: a regulator that brakes has no use for more sections."""
     braked = scenario.with_(**{"search.regulator": "brake"})
     best = speed_limits_with_search(prepare_task(braked))[1].best
-    uniform = limit_problem_of(prepare_task(braked)).evaluate("given", np.array([10.0, 10.0]), best.boundaries_m)
+    uniform = build_limit_problem(prepare_task(braked)).evaluate("given", np.array([10.0, 10.0]), best.boundaries_m)
     assert best.energy_j == pytest.approx(uniform.energy_j, rel=1e-3)
 
 

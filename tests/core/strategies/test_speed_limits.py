@@ -101,8 +101,8 @@ LINE = {"line.sections": HILLS, "line.stations": STATIONS, "timetable.travel_tim
 def test_inter_station_runs_by_themselves_and_together():
     """(15) for each: one average speed, so that times are as lengths; together, time moves to where it saves most."""
     scenario = plain_scenario(LINE)
-    apart = scenario.with_(**{"search.inter_station_runs": "separate"})
-    together, (run, search) = solve(scenario), speed_limits_with_search(prepare_task(apart))
+    separate = scenario.with_(**{"search.inter_station_runs": "separate"})
+    together, (run, search) = solve(scenario), speed_limits_with_search(prepare_task(separate))
     arrives = np.array([run.arrival_s(place) for place in (600.0, 1300.0, 2000.0)])
     # each is as late as its window allows
     assert arrives - [0.0, 20.0, 20.0] == pytest.approx(1.01 * 270.0 * np.array([0.3, 0.65, 1.0]), rel=1e-5)
@@ -124,9 +124,9 @@ def test_a_given_arrival_is_the_time_of_its_own_runs():
 def test_a_run_without_enough_time_is_named():
     stations = [{"name": "One", "position_m": 50.0}]
     changes = {**LINE, "line.stations": stations, "timetable.travel_time_s": 180.0, "search.boundaries_m": [50.0]}
-    apart = plain_scenario({**changes, "search.inter_station_runs": "separate"})
+    separate = plain_scenario({**changes, "search.inter_station_runs": "separate"})
     with pytest.raises(StrategyRefusedError, match=r"^from the start to One needs more than the shortest \d+\.\d s"):
-        solve(apart)
+        solve(separate)
     assert solve(plain_scenario(changes)).energy_kwh > 0
 
 
