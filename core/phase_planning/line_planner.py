@@ -28,7 +28,7 @@ from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import SLOWEST_MS, fitted_limit, table_speeds
 from railjoule.core.scenario.options import PhasesOptions
-from railjoule.core.task import Task
+from railjoule.core.scenario.scenario import Scenario
 
 # Limits of neighbouring cells that differ by a smaller share are one limit
 SAME_LIMIT = 1e-9
@@ -39,7 +39,7 @@ FIRST_STEP_MS, NEXT_STEP_MS = 1.5, 0.4
 # A bracket of the price grows by this factor; beyond its range the fastest or slowest run takes the place of a best one
 PRICE_FACTOR, PRICE_RANGE = 4.0, 1e4
 # The bracket is narrow enough where its two runs differ by this share of the running time
-NARROW = 1e-3
+NARROW = 2e-3
 # So close, two prices lie at a jump of the time from one local optimum to another
 SAME_PRICE = 5e-3
 MOST_PRICES = 24
@@ -199,8 +199,17 @@ class LinePlanner:
         return self.drive(fast_ms)
 
 
-def plan_line(task: Task) -> LinePlan:
-    """Return the best run in phases of a task over a line with several limits or gradients.
+def plan_line(scenario: Scenario, course: Course, running_time_s: float) -> LinePlan:
+    """Return the best run in phases over a line with several limits or gradients.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The vehicle and the options of the strategy.
+    course : Course
+        The line.
+    running_time_s : float
+        Running time, without dwells [s].
 
     Raises
     ------
@@ -209,53 +218,52 @@ def plan_line(task: Task) -> LinePlan:
     StrategyRefusedError
         If no run of these phases takes so long, or an option needs a plain line or another drive.
     """
-    options, vehicle = task.scenario.phases, task.scenario.vehicle
+    options, vehicle = scenario.phases, scenario.vehicle
     if options.cycles > 1:
         raise StrategyRefusedError(
             f"needs phases.cycles = 1, not {options.cycles}, on a line whose limit, gradient or curve changes."
         )
     # for its checks of the starting current
-    planner = PhasePlanner(phase_model(vehicle, 0.0, float(np.max(task.course.cell_limit_ms))), options)
+    planner = PhasePlanner(phase_model(vehicle, 0.0, float(np.max(course.cell_limit_ms))), options)
     if not options.free_starting_current:
-        return _plan_with_current(task, options.starting_current_a)
+        return _plan_with_current(scenario, course, running_time_s, options.starting_current_a)
     largest = planner.largest_current_a
     assert largest is not None
 
     def plan_at(current_a: float) -> LinePlan:
         try:
-            return _plan_with_current(task, current_a)
+            return _plan_with_current(scenario, course, running_time_s, current_a)
         except (StrategyRefusedError, TimetableError):
             return NO_PLAN
 
     best = best_plan(plan_at, LEAST_CURRENT_FRACTION * largest, largest, CURRENTS_SCANNED, ACCURACY)
-    return best if np.isfinite(best.energy_j) else _plan_with_current(task, None)
+    return best if np.isfinite(best.energy_j) else _plan_with_current(scenario, course, running_time_s, None)
 
 
-def _plan_with_current(task: Task, current_a: float | None) -> LinePlan:
+def _plan_with_current(scenario: Scenario, course: Course, running_time_s: float, current_a: float | None) -> LinePlan:
     """Return the best run with a largest driving current [A]; errors as `plan_line`."""
     least_s = math.inf
-    for planner in _planners(task, current_a):
+    for planner in _planners(scenario, course, current_a):
         fastest = planner.drive(planner.fastest_speeds_ms).running_time_s
         least_s = min(fastest, least_s)
-        plan = planner.plan(task.running_time_s)
+        plan = planner.plan(running_time_s)
         if plan is not None:
             return replace(plan, starting_current_a=current_a)
-    if least_s > task.running_time_s:
-        raise TimetableError(task.running_time_s, least_s)
-    raise StrategyRefusedError(f"has no run of {task.travel_time_s:.1f} s with these phases.")
+    if least_s > running_time_s:
+        raise TimetableError(running_time_s, least_s)
+    raise StrategyRefusedError(f"has no run of {running_time_s:.1f} s with these phases.")
 
 
-def _planners(task: Task, current_a: float | None) -> Iterator[LinePlanner]:
+def _planners(scenario: Scenario, course: Course, current_a: float | None) -> Iterator[LinePlanner]:
     """Yield planners in order of preference: with electric brakes, then with all brakes."""
-    course, vehicle = task.course, task.scenario.vehicle
     data = course.data if current_a is None else _with_current(course, current_a)
     brakes = [data]
-    if vehicle.braking.max_effort_kn != 0 and data.friction_effort_n > 0:
+    if scenario.vehicle.braking.max_effort_kn != 0 and data.friction_effort_n > 0:
         brakes.insert(0, data._replace(friction_effort_n=0.0))
     for braked in brakes:
         greatest2, obstacle, _ = greatest_speeds(braked)
         if obstacle == MOVED:
-            yield LinePlanner(course, cut_line(course, braked, greatest2, task.scenario.phases))
+            yield LinePlanner(course, cut_line(course, braked, greatest2, scenario.phases))
 
 
 def _with_current(course: Course, current_a: float) -> CourseData:

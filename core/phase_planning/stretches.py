@@ -36,7 +36,7 @@ SAME_SPEED2 = 1e-10
 CRUISES_TRIED, COASTS_TRIED = 16, 6
 LEAST_COAST_SHARE = 0.4
 # Steps of the descent [m/s]: a parabola through three speeds, whose distance shrinks where none is better
-LEAST_STEP_MS, SHRINKS, GROWS = 0.01, 0.35, 1.6
+LEAST_STEP_MS, SHRINKS, GROWS = 0.03, 0.3, 1.6
 MOST_SWEEPS = 60
 FLAT, FLAT_GROWS = 1e-12, 3.0
 BEYOND_REACHED_MS = 0.3
@@ -79,8 +79,8 @@ def _coasting_speed2(cell: Cell, leaving_speed2: float, max_deceleration_ms2: fl
         speed2 = max(((cell.inertia + half) * leaving_speed2 + resistance) / (cell.inertia - half), 0.0)
         if abs(speed2 - before) <= EXACT * speed2:
             break
-    slowest: float = min(speed2, leaving_speed2 + 2.0 * max_deceleration_ms2 * cell.length_m)
-    return slowest
+    most2: float = leaving_speed2 + 2.0 * max_deceleration_ms2 * cell.length_m
+    return min(speed2, most2)
 
 
 @njit(cache=True, error_model="numpy")

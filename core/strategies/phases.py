@@ -97,7 +97,7 @@ def _plain_run(task: Task) -> Trajectory:
 def _line_run(task: Task) -> Trajectory:
     """Compute the run over a line with several limits or gradients."""
     task.require_budget("phases")
-    plan = plan_line(task)
+    plan = plan_line(task.scenario, task.course, task.running_time_s)
     check_accelerations(task.course, plan.speed2)
     check_speeds(task.course, plan.speed2)
     price = plan.price_of_time_w

@@ -24,6 +24,10 @@ def limited_tram(**changes):
     return load_scenario("tram-950m").with_(**{"line.speed_limits": [LIMIT], **changes})
 
 
+def plan_of(task):
+    return plan_line(task.scenario, task.course, task.running_time_s)
+
+
 def run_of(task):
     run = run_strategy(task, "phases")
     result = check_run(task.scenario, run, initial_speed_ms=task.end_speeds_ms[0])
@@ -37,7 +41,7 @@ def test_agrees_with_the_tables_on_a_plain_line(name):
     """Two independent integrations: cell by cell, and tables over speed."""
     task = prepare_task(load_scenario(name, FINE))
     assert _is_plain(task)
-    plan, run = plan_line(task), run_strategy(task, "phases")
+    plan, run = plan_of(task), run_strategy(task, "phases")
     assert plan.energy_j == pytest.approx(run.energy.net_j - run.energy.auxiliary_j, rel=2e-3)
     assert np.sqrt(plan.speed2.max()) == pytest.approx(run.speed_ms.max(), rel=0.02)
     assert plan.price_of_time_w == pytest.approx(run.price_of_time_w, rel=0.1)
@@ -57,7 +61,7 @@ def test_a_lower_limit_in_the_middle():
 def test_a_second_has_one_price_in_all_stretches():
     """Time moved from the first stretch to the last or back costs energy."""
     task = prepare_task(limited_tram(**FINE))
-    plan = plan_line(task)
+    plan = plan_of(task)
     planner = LinePlanner(
         task.course, cut_line(task.course, task.course.data, task.greatest_speed2, task.scenario.phases)
     )
@@ -73,7 +77,7 @@ def test_a_second_has_one_price_in_all_stretches():
         assert moved(last).times_s[0] != pytest.approx(plan.times_s[0], abs=0.3)
         assert moved(last).energy_j > plan.energy_j
     # and a second more saves what it is said to save
-    later = plan_line(replace(task, running_time_s=task.running_time_s + 1.0))
+    later = plan_of(replace(task, running_time_s=task.running_time_s + 1.0))
     assert plan.energy_j - later.energy_j == pytest.approx(plan.price_of_time_w * 1.0, rel=0.15)
     assert plan.speeds_ms[CRUISE, 0] > later.speeds_ms[CRUISE, 0]
 
