@@ -51,6 +51,12 @@ def test_a_run_plays_and_its_events_are_kept(user: User) -> None:
     user.type("Signal red for, s", "5")
     user.page.get_by_role("button", name="Play", exact=True).click()
     expect(user.figure_value("Position")).not_to_have_text("0m")
+    # out of sight the clock stops
+    hide = "hidden => { Object.defineProperty(document, 'hidden', {value: hidden, configurable: true}); "
+    user.page.evaluate(hide + "document.dispatchEvent(new Event('visibilitychange')); }", True)
+    user.page.get_by_role("button", name="Play", exact=True).wait_for()
+    user.page.evaluate(hide + "document.dispatchEvent(new Event('visibilitychange')); }", False)
+    user.page.get_by_role("button", name="Play", exact=True).click()
     user.page.get_by_role("button", name="Set red signal").click()
     expect(user.page.get_by_text("planned again in")).to_be_visible()
     expect(user.page.get_by_text("How it ended")).to_be_visible()

@@ -52,7 +52,7 @@ class LivePart:
         self.keep = _button("Keep these events", self._trigger("keep_events"))
         self.pace = buttons(self.model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8))
         tools = pn.Row(self.play, self.pace, self.again, self.keep, margin=(0, 0, 0, 12), stylesheets=[parts.WRAP_CSS])
-        body = parts.stack(self._fields(), self.status, self.chart.host, self.table, css=BODY_CSS)
+        body = parts.stack(self.status, self.chart.host, self._fields(), self.table, css=BODY_CSS)
         self.view = parts.stack(self.numbers, tools, self.message, body)
 
     def _fields(self) -> pn.Column:
