@@ -344,6 +344,11 @@ TRAIN = (
         "A trackside sensor tells the train where it is, so that its position error starts again from zero.",
         ("D1, resets position", "D3, resets position", "D1 to D2, calibrates"),
     ),
+    Term(
+        "Place error of a sensor",
+        "How much farther on a braking sensor stands than the train assumes. That of D3 becomes an error of the stop.",
+        tuple(f"{name} place error, m" for name in ("D1", "D2", "D3")),
+    ),
     Term("Median", "Half of all simulated days cost less than this.", ()),
     Term("95th percentile", "Nineteen of twenty simulated days cost less than this.", ()),
     Term("Seed", "Where the random numbers begin: the same seed gives the same simulated days again.", ("Its seed",)),

@@ -45,8 +45,7 @@ MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 def sensor_error(name: str) -> TypedNumber:
     """Return the error of the place of a sensor."""
-    label = f"{name}, farther on than assumed, m"
-    return TypedNumber(label, "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
+    return TypedNumber(f"{name} place error, m", "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
 
 
 def sensor(label: str, unit: str, digits: int, key: str) -> TypedNumber:

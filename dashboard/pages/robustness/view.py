@@ -115,9 +115,10 @@ class RobustnessView(PageView):
             self.heat_map.host,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
             self.costs.host,
+            self.stops,
             self.printed,
         )
-        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host, self.stops)
+        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host)
         upper = parts.stack(left, right, css=LAYOUT_CSS)
         lower = parts.stack(
             parts.stack(self.more.host, self.scatter.host),

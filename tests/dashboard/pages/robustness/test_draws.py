@@ -24,7 +24,8 @@ def table() -> MonteCarloTable:
 
 def test_what_was_drawn_are_keys_and_what_came_out_values(table: MonteCarloTable) -> None:
     rows = dataset(table)
-    assert {str(key.name) for key in rows.kdims} <= {"load", "error", "resistance", "voltage"}
+    drawn = {"load", "error", "resistance", "voltage", "speed", "d1", "d2", "d3"}
+    assert {str(key.name) for key in rows.kdims} <= drawn
     assert {str(value.name) for value in rows.vdims} >= {"energy", "extra"}
     np.testing.assert_allclose(rows.dimension_values("energy"), table.energy_kwh)
     np.testing.assert_allclose(rows.dimension_values("load"), 100 * table.drawn["load_factor"])
