@@ -298,7 +298,7 @@ def test_compare_tells_who_refuses(capsys):
 def test_validate_prints_json(capsys):
     papers = json.loads(answer(capsys, "validate", "ftorek", "--json"))["papers"]
     assert [paper["paper"] for paper in papers] == ["ftorek"]
-    assert len(papers[0]["tables"]) == 10
+    assert len(papers[0]["tables"]) == 12
     assert list(papers[0]["tables"][0]["rows"][0]) == [
         "case", "quantity", "unit", "printed", "ours", "difference_percent", "difference_points", "close", "note",
     ]  # fmt: skip
