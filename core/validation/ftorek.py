@@ -34,6 +34,7 @@ from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
 from railjoule.core.validation.ftorek_nameplate import nameplate
 from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
+    LAST_DIGIT_POINTS,
     TABLE_3_COPPER_WEIGHT,
     amperes_per_newton,
     change_percent,
@@ -56,8 +57,6 @@ MATCHED_PEAK = (
 )
 BEATEN = "The printed run leaves the work of drag out of its cost; with the whole cost, less energy is possible."
 NOT_BEATEN = "No less energy is possible."
-# The changes are printed with two decimals, some cut off and not rounded.
-MISPRINT_POINTS = 0.02
 MISPRINT = "By the paper's own {} it is {:+.2f} %."
 PRINTED_TABLES = {"eoc": TABLE_1, "enoc": TABLE_2}
 OTHER_WEIGHT = "With the copper loss that fits Table 2 the surface has its minimum elsewhere."
@@ -164,7 +163,7 @@ def headline_percentages(line: PlainLine, amperes: float, printed: list[Printed]
         case = f"{strategy.upper()}, T_m = {time} s against {BASE_TIME_S} s"
         for key, number in change_percent(line, amperes, strategy, time).items():
             symbol, own = QUANTITIES[key][0], table_change_percent(strategy, time, key)
-            misprint = abs(own - entry[key]) > MISPRINT_POINTS
+            misprint = abs(own - entry[key]) > LAST_DIGIT_POINTS
             note = MISPRINT.format(PRINTED_TABLES[strategy], own) if misprint else ""
             rows.append(Row(case, symbol, "%", entry[key], number, note, f"section 3, {case}, {symbol}"))
     return Table("Changes with 10 % less and 10 % more time", tuple(rows), "section 3, section 4")

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import prepare_task, solve
@@ -28,6 +29,8 @@ CHANGES = ("max_current_a", "min_current_a", "peak_energy_wh", "total_energy_wh"
 # takes the match for a confirmation.
 TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
+# The changes are printed with two decimals, some cut off and not rounded.
+LAST_DIGIT_POINTS = 0.02
 # far beyond the printed minimum, so that the bracket does not choose it
 LONGEST_TIME_S = 20_000.0
 
@@ -139,10 +142,17 @@ def closed_loop_run(
 
 def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:
     """Compute travel time and acceleration time of the least energy of ENOC [s]."""
-
-    def least_energy(time_s: float) -> float:
-        return float(enoc_energy(coefficients, time_s, best_acceleration_time(coefficients, time_s)))
-
     # nested, as the best ramp for a time has a search of its own
-    time = minimize_scalar(least_energy, bounds=(1.0, LONGEST_TIME_S), method="bounded", options={"xatol": 1e-6}).x
+    time = minimize_scalar(
+        lambda time_s: float(least_energies_j(coefficients, np.array([time_s]))[0]),
+        bounds=(1.0, LONGEST_TIME_S),
+        method="bounded",
+        options={"xatol": 1e-6},
+    ).x
     return float(time), best_acceleration_time(coefficients, time)
+
+
+def least_energies_j(coefficients: EnocCoefficients, times_s: FloatArray) -> FloatArray:
+    """Compute ENOC's energies with its best acceleration times for travel times [J]; shape as the times."""
+    ramps = np.array([best_acceleration_time(coefficients, float(time)) for time in times_s])
+    return enoc_energy(coefficients, times_s, ramps)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
+from railjoule.core.strategies.enoc import enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import SampledRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
@@ -16,6 +16,7 @@ from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     TABLE_3_COPPER_WEIGHT,
     amperes_per_newton,
+    least_energies_j,
     paper,
     paper_line,
     paper_scenario,
@@ -117,13 +118,15 @@ def surface_figure(points: list[dict[str, Any]], longest_s: float, longest_ramp_
     longest_s, longest_ramp_s : float
         Ends of the printed axes [s].
     """
-    coefficients = enoc_coefficients(paper_line())
+    line = paper_line()
+    coefficients = enoc_coefficients(line)
     over_time, over_ramp = [], []
     times = np.linspace(min(p["travel_time_s"] for p in points) / 1.3, longest_s, POINTS_A_LINE)
-    over_time.append(Line("T_e of least energy", times, _least_energies_wh(times)))
+    over_time.append(Line("T_e of least energy", times, least_energies_j(coefficients, times) / J_PER_WH))
     if points is paper()["table_3"]:
         label = f"T_e of least energy, {TABLE_3_COPPER_WEIGHT:g} times the copper loss"
-        over_time.append(Line(label, times, _least_energies_wh(times, TABLE_3_COPPER_WEIGHT)))
+        heavier = replace(line, loss_coefficient=TABLE_3_COPPER_WEIGHT * line.loss_coefficient)
+        over_time.append(Line(label, times, least_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
     for point in points:
         time, ramp = point["travel_time_s"], point["acceleration_time_s"]
         over_time.append(Line(f"T_e = {ramp:g} s", times, enoc_energy(coefficients, times, ramp) / J_PER_WH))
@@ -137,14 +140,6 @@ def surface_figure(points: list[dict[str, Any]], longest_s: float, longest_ramp_
         Panel("Acceleration time T_e, s", "Energy, Wh", tuple(over_ramp)),
     )
     return FigureData(panels, "With the copper loss that fits Table 2; Table 3 agrees only with 3.087 times that loss.")
-
-
-def _least_energies_wh(times: FloatArray, copper_weight: float = 1.0) -> FloatArray:
-    """Compute ENOC's energies with its best acceleration times [Wh], the copper loss times `copper_weight`."""
-    line = paper_line()
-    coefficients = enoc_coefficients(replace(line, loss_coefficient=copper_weight * line.loss_coefficient))
-    ramps = np.array([best_acceleration_time(coefficients, float(time)) for time in times])
-    return enoc_energy(coefficients, times, ramps) / J_PER_WH
 
 
 EOC = {"strategy": "eoc", "eoc.variant": "as_printed"}
