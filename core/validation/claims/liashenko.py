@@ -14,7 +14,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, simulate_following
+from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
@@ -154,10 +154,8 @@ def stop_under_errors() -> Finding:
 
 def speed_sensor() -> Finding:
     """Examine the stops with errors of the measured speed, with and without precision braking."""
-    worst, without = (
-        _worst_stop_m([{"simulation.speed_error": error, "simulation.target_braking": on} for error in SPEED_ERRORS])
-        for on in (True, False)
-    )
+    changes = [{"simulation.speed_error": error} for error in SPEED_ERRORS]
+    worst, without = (_worst_stop_m(changes, is_braking) for is_braking in (True, False))
     fast = {"simulation.speed_error": max(SPEED_ERRORS)}
     late = max(follow(plan, plan.scenario.with_(**fast)).delay_s for plan in _plans())
     return judge(
@@ -209,7 +207,7 @@ def high_deceleration() -> Finding:
 
 def braking_zone() -> Finding:
     """Examine the speeds at which optimal runs would enter the zone of precision braking."""
-    free = [plan_for(one.with_(**{"simulation.target_braking": False})) for one in _base_scenarios()]
+    free = _plans(is_braking=False)
     options, top = free[0].scenario.simulation, free[0].scenario.vehicle.traction.max_speed_kmh
     zone, deceleration = options.reset_sensor_m, options.target_deceleration_ms2
     assert zone is not None
@@ -318,9 +316,10 @@ def _profiles() -> list[Scenario]:
 
 
 @cache
-def _plans() -> tuple[Trajectory, ...]:
-    """Return the plans for 35 km/h of the four profiles, there and back."""
-    return tuple(plan_for(one) for profile in _profiles() for one in both_directions(profile))
+def _plans(is_braking: bool = True) -> tuple[Trajectory, ...]:
+    """Return the plans for 35 km/h of the four profiles, there and back, with or without precision braking."""
+    changes = {} if is_braking else {"simulation.target_braking": False}
+    return tuple(plan_for(one) for profile in _profiles() for one in both_directions(profile, **changes))
 
 
 def _base_scenarios() -> list[Scenario]:
@@ -331,13 +330,12 @@ def _energy(scenario: Scenario, mesh_m: float) -> float:
     return solve(scenario.with_(**{"solver.mesh_m": mesh_m})).energy_kwh
 
 
-def _worst_stop_m(changes: Iterable[Mapping[str, Any]]) -> float:
+def _worst_stop_m(changes: Iterable[Mapping[str, Any]], is_braking: bool = True) -> float:
     """Return the largest stopping error of runs that follow the plans under changes [m]."""
-    plans = _plans()
-    scenarios = [(plan, plan.scenario.with_(**change)) for change in changes for plan in plans]
     return max(
-        abs((follow(plan, one) if one.simulation.target_braking else simulate_following(one)).stop_error_m)
-        for plan, one in scenarios
+        abs(follow(plan, plan.scenario.with_(**change)).stop_error_m)
+        for change in changes
+        for plan in _plans(is_braking)
     )
 
 
