@@ -27,7 +27,7 @@ Printed = dict[str, Any]
 
 @cache
 def printed_paper() -> Printed:
-    """Return what the paper prints."""
+    """Return the printed numbers of the paper."""
     return printed_numbers("rawicki-2013")
 
 

@@ -85,7 +85,7 @@ def evaluations() -> tuple[Row, ...]:
             Row(case, "combinations that the search tries", "", None, len(search.evaluations)),
             Row(case, "samples within the window before they are scaled", "%", None, 100 * inside),
             Row(case, "combinations that differential evolution tries", "", None, int(other.nfev)),
-            Row(case, "its energy over ours less 1", "%", None, more),
+            Row(case, "its energy over that of the search less 1", "%", None, more),
         ]
     return tuple(rows)
 
@@ -103,7 +103,7 @@ def near_full_effort() -> tuple[Row, ...]:
 
 @cache
 def regenerative_stop() -> tuple[Row, ...]:
-    """Return what the electric brake brings back."""
+    """Return the energy that the electric brake returns."""
     rows = []
     for speed in SCENARIOS:
         run = run_limits(speed, "coast")
@@ -186,7 +186,7 @@ def spread() -> tuple[Row, ...]:
 
 @cache
 def literal_braking() -> tuple[Row, ...]:
-    """Return what the brake brings back by the printed formulas: power over efficiency, and a gear that gives power."""
+    """Return the braking energy by the printed formulas: power over efficiency, and a gear that gives power."""
     run = run_limits(40, "brake")
     drive = make_drive(run.scenario.vehicle.drive)
     share = run.scenario.vehicle.drive.gear_loss_share  # type: ignore[union-attr]

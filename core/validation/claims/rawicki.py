@@ -30,7 +30,8 @@ from railjoule.core.validation.rawicki_runs import (
 
 ABOUT_POINTS = 5.0
 """A saving of 'about 20 %' is one of 15 to 25 %."""
-# The printed energies of Figs. 1 to 4 lie up to 1.1 % from ours, and a penalty is the ratio of two of them.
+# Printed energies of Figs. 1 to 4 differ by up to 1.1 % from those of the identified tram, and a penalty is the ratio
+# of two of them.
 PENALTY_POINTS = 2.0
 SAME_ENERGY_PERCENT = 1.5
 LATER_S = 10.0
@@ -49,9 +50,9 @@ def saving(kr: float) -> Finding:
         f"{saved:.1f} % ({best:.3f} against {steady:.3f} kWh); {saved_gentle:.1f} % against a gentle brake "
         f"({gentle:.3f} kWh)",
         abs(saved - 20.0) <= ABOUT_POINTS,
-        "The paper defines no driver. Ours starts at full current, holds one speed by power, does not coast and brakes "
-        f"fully, in the same time; the gentle one brakes with {100 * GENTLE_SHARE:.0f} % of the current. About 20 % is "
-        f"taken for {20 - ABOUT_POINTS:.0f} to {20 + ABOUT_POINTS:.0f} %.",
+        "The paper defines no driver. This one starts at full current, holds one speed by power, does not coast and "
+        f"brakes fully, in the same time; the gentle one brakes with {100 * GENTLE_SHARE:.0f} % of the current. About "
+        f"20 % is taken for {20 - ABOUT_POINTS:.0f} to {20 + ABOUT_POINTS:.0f} %.",
     )
 
 
@@ -160,11 +161,11 @@ def recuperation_saves() -> Finding:
 def penalty(kr: float) -> Finding:
     """Return by how much the stop raises the energy."""
     entry = next(one for one in printed_paper()["figure"][2:] if one["recuperation_factor"] == kr)
-    printed, ours = entry["penalty_percent"], 100 * share_above(energy_with_stop_kwh(kr), energy_kwh(plan_run(kr)))
+    printed, found = entry["penalty_percent"], 100 * share_above(energy_with_stop_kwh(kr), energy_kwh(plan_run(kr)))
     return judge(
-        f"{ours:.1f} %",
-        abs(ours - printed) <= PENALTY_POINTS,
-        f"{abs(ours - printed):.1f} points from the printed {printed} %, of which {PENALTY_POINTS:g} are allowed: a "
+        f"{found:.1f} %",
+        abs(found - printed) <= PENALTY_POINTS,
+        f"{abs(found - printed):.1f} points from the printed {printed} %, of which {PENALTY_POINTS:g} are allowed: a "
         "penalty is a ratio of two energies.",
     )
 
@@ -184,12 +185,12 @@ def delay_recovered() -> Finding:
 def quicker_ride() -> Finding:
     """Compare speed and energy of part II with those without a stop, and with an accepted delay."""
     kr = 0.0
-    alone, second, later = plan_run(kr), plan_part_two(kr), plan_part_two(kr, LATER_S)
+    undisturbed, second, later = plan_run(kr), plan_part_two(kr), plan_part_two(kr, LATER_S)
     less = energy_kwh(second) - energy_kwh(later)
     return judge(
-        f"{second.cruise_speed_ms:.1f} m/s instead of {alone.cruise_speed_ms:.1f} m/s; {less:.3f} kWh less in the "
-        f"second part with {LATER_S:g} s more",
-        second.cruise_speed_ms > alone.cruise_speed_ms and less > 0,
+        f"{second.cruise_speed_ms:.1f} m/s instead of {undisturbed.cruise_speed_ms:.1f} m/s; {less:.3f} kWh less in "
+        f"the second part with {LATER_S:g} s more",
+        second.cruise_speed_ms > undisturbed.cruise_speed_ms and less > 0,
         f"Cruising speeds with kr = 0; the second part needs {energy_kwh(second):.3f} kWh in time and "
         f"{energy_kwh(later):.3f} kWh if it may take {LATER_S:g} s more.",
     )
@@ -199,11 +200,11 @@ def second_start() -> Finding:
     """Return the energy of the second start."""
     part_two = make_planner(0.0).phases_of(plan_part_two(0.0))
     first, second = _start_kwh(drive_part_one(0.0)), _start_kwh(part_two)
-    alone = energy_kwh(plan_run(0.0))
+    undisturbed = energy_kwh(plan_run(0.0))
     return judge(
         f"{second:.3f} kWh for the second start, {first:.3f} kWh for the first",
-        first + second > alone,
-        f"With kr = 0; the whole run without the stop needs {alone:.3f} kWh.",
+        first + second > undisturbed,
+        f"With kr = 0; the whole run without the stop needs {undisturbed:.3f} kWh.",
     )
 
 
@@ -229,10 +230,10 @@ def accepted_delay() -> Finding:
     """Compare the extra energy of the stop if its delay is recovered in one segment, and in two."""
     one = replan(0.0, "driver")
     two = replan_two_segments(0.0)
-    alone, shared = (run.actual.energy_kwh - run.planned.energy_kwh for run in (one, two))
+    undisturbed, shared = (run.actual.energy_kwh - run.planned.energy_kwh for run in (one, two))
     return judge(
-        f"{shared:.3f} kWh more with two segments, {alone:.3f} kWh more with one",
-        shared < alone and two.delay_s <= LATE_S,
+        f"{shared:.3f} kWh more with two segments, {undisturbed:.3f} kWh more with one",
+        shared < undisturbed and two.delay_s <= LATE_S,
         f"The ride with the stop, kr = 0, and a second segment of {one.planned.position_m[-1]:.0f} m with the same "
         f"time; the tram is {two.delay_s:.1f} s late at its end.",
     )
@@ -242,8 +243,10 @@ def updated_run() -> Finding:
     """Compare a run that a computer replans from the notice on with one that a driver stops by hand."""
     runs = {kr: [replan(kr, who).actual.energy_kwh for who in ("computer", "driver")] for kr in RECUPERATION_FACTORS}
     return judge(
-        "; ".join(f"kr = {kr:g}: {ours:.3f} instead of {driver:.3f} kWh" for kr, (ours, driver) in runs.items()),
-        all(ours < driver for ours, driver in runs.values()),
+        "; ".join(
+            f"kr = {kr:g}: {computer:.3f} instead of {driver:.3f} kWh" for kr, (computer, driver) in runs.items()
+        ),
+        all(computer < driver for computer, driver in runs.values()),
         "A computer that replans from the notice at 70.11 m on, against the paper's driver, who holds the speed and "
         "brakes; both arrive in time.",
     )

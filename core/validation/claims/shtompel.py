@@ -110,18 +110,18 @@ def harmonic_losses() -> Finding:
 def fewest_evaluations() -> Finding:
     """Compare the evaluations of two methods that find the same energy."""
     values = _values(evaluations())
-    ours, other, apart = [], [], []
+    printed, other, differences = [], [], []
     for speed in SCENARIOS:
         case = f"{speed} km/h, two sections"
-        ours.append(values[case, "combinations that the search tries"])
+        printed.append(values[case, "combinations that the search tries"])
         other.append(values[case, "combinations that differential evolution tries"])
-        apart.append(abs(values[case, "its energy over ours less 1"]))
+        differences.append(abs(values[case, "its energy over that of the search less 1"]))
     speeds = " and ".join(f"{speed} km/h" for speed in SCENARIOS)
     return judge(
-        f"{ours[0]:.0f} and {ours[1]:.0f}; differential evolution {other[0]:.0f} and {other[1]:.0f}",
-        max(apart) < SAME_ENERGY_PERCENT and all(a < b for a, b in zip(ours, other, strict=True)),
-        f"At {speeds} with two sections; their energies differ by {max(apart):.3f} % at most. Another method needs "
-        "no more evaluations, so these are not the fewest.",
+        f"{printed[0]:.0f} and {printed[1]:.0f}; differential evolution {other[0]:.0f} and {other[1]:.0f}",
+        max(differences) < SAME_ENERGY_PERCENT and all(a < b for a, b in zip(printed, other, strict=True)),
+        f"At {speeds} with two sections; their energies differ by {max(differences):.3f} % at most. Another method "
+        "needs no more evaluations, so these are not the fewest.",
     )
 
 
@@ -184,8 +184,8 @@ def adhesion() -> Finding:
     found = "; ".join(f"{values[0]:.0f} and {values[1]:.0f} km/h at {speed} km/h" for speed, values in limits.items())
     return undecided(
         f"set speeds {found}; {effort / total_weight_kn(vehicle):.2f} of the train's weight as effort",
-        "The paper prints neither effort nor adhesion. Without a limit of adhesion our set speeds stay below 80 km/h "
-        "too: the time bounds them.",
+        "The paper prints neither effort nor adhesion. Without a limit of adhesion the set speeds found also stay "
+        "below 80 km/h: the time bounds them.",
     )
 
 
@@ -207,7 +207,7 @@ def rigid_chain() -> Finding:
 
 def time_step() -> Finding:
     """Return the energies of the printed regulator over its time step."""
-    energy = [row.ours for row in spread() if row.quantity == "energy"]
+    energy = [value for (_, quantity), value in _values(spread()).items() if quantity == "energy"]
     return undecided(
         f"{energy[0]:.2f} kWh with steps of {TIME_STEPS_S[0]:g} s, {energy[-1]:.2f} kWh with {TIME_STEPS_S[-1]:g} s",
         "The relay (5) switches at each step, so its energy depends on the step; none is printed.",
@@ -309,14 +309,14 @@ def _efficiency_at(drive: Synchronous, power_w: float, speed_ms: np.ndarray) -> 
 def power_in_braking() -> Finding:
     """Compare the energy by (8) and (9) with the work at the wheels."""
     values, case = _values(literal_braking()), "40 km/h, brake limits"
-    supplied, printed, ours = (
+    supplied, printed, recuperated = (
         values[case, quantity]
         for quantity in ("work that the wheels supply", "recuperated by (8) and (9)", "recuperated")
     )
     return judge(
         f"{printed:.2f} kWh by (8) and (9), of {supplied:.2f} kWh that the wheels supply",
         printed <= supplied,
-        f"In braking the power is multiplied by the efficiency, which gives {ours:.2f} kWh.",
+        f"In braking the power is multiplied by the efficiency, which gives {recuperated:.2f} kWh.",
     )
 
 
