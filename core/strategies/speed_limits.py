@@ -32,8 +32,8 @@ from railjoule.core.strategies.plain_line import require_no_passing_points
 from railjoule.core.strategies.set_speed_run import (
     LEAST_LIMIT_KMH,
     SetSpeedRun,
-    drive_limits,
     build_limit_problem,
+    drive_limits,
     no_limits_reason,
     problem_within,
     run_notes,
