@@ -25,8 +25,8 @@ LEAST_LIMIT_KMH = 1.0
 """Below (16): the least limit of a section."""
 # near its stop a train's motors begin to draw power: where, only short cells tell
 HALVINGS_AT_STOPS = 6
-# A cell has one effort, that at its mean speed. A limit of power changes much from one end of a cell to the other if
-# the train speeds up or slows down faster than this, so that such cells are cut to at most that length.
+# A cell has one effort, that at its mean speed. A limit of power changes much within a cell if the train speeds up or
+# slows down faster than this, so that such cells are cut to at most that length.
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
 
 
