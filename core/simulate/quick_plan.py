@@ -12,7 +12,7 @@ from railjoule.core.simulate.train_state import State
 REPLAN_S = 0.05
 """A plan ahead is to take no longer [s]."""
 # Measured with the shipped scenarios: interior points take 4 microseconds a cell, the recursion up to 0.5 ms
-MOST_CELLS, MOST_RECURSION_CELLS = 5000, 36
+MOST_CELLS, MOST_RECURSION_CELLS = 5000, 32
 """Cells of the mesh ahead, beside those that stops and borders add: in general, and of Bellman's recursion."""
 
 
