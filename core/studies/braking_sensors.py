@@ -1,4 +1,4 @@
-"""The stopping place of a train with errors of measurement: with the three sensors of precision braking, and without them.
+"""The stopping place of a train with errors of measurement, with precision braking and without it.
 
 Source: Liashenko, Yatsko 2025, Figure 2 and the sentence after (11): precision braking withstands errors of the speed
 sensor and of the distances L_pb, L_c and L_st. An error of L_pb is one of the place of D1, an error of L_c one of D2
