@@ -1,4 +1,4 @@
-"""Where a train stops with errors of measurement: with the three sensors of precision braking, and without them.
+"""The stopping place of a train with errors of measurement, with precision braking and without it.
 
 Source: Liashenko, Yatsko 2025, Figure 2 and the sentence after (11): precision braking withstands errors of the speed
 sensor and of the distances L_pb, L_c and L_st. An error of L_pb is one of the place of D1, an error of L_c one of D2
@@ -135,7 +135,7 @@ def braking_sensors(scenario: Scenario, executor: Executor | None = None) -> Bra
         The run, its sensors in `simulation`, and in `montecarlo` the distributions of `MEASUREMENTS`, the number of
         runs and the seed. Load, resistance and voltage are those of its `disturbance`; none of them is drawn.
     executor : Executor, optional
-        What does the runs; by default this thread.
+        Executor of the runs; by default this thread.
 
     Raises
     ------
@@ -148,19 +148,19 @@ def braking_sensors(scenario: Scenario, executor: Executor | None = None) -> Bra
     both = [_with_precision(scenario, is_on) for is_on in (True, False)]
     plans = [plan_for(one) for one in both]
     drawn = {name: values for name, values in draw(scenario).items() if name in MEASUREMENTS}
-    alone = [
+    single = [
         (name, float(value))
         for name in MEASUREMENTS
         for value in np.quantile(drawn[name], [0.5 - 0.5 * COVERAGE, 0.5 + 0.5 * COVERAGE])
     ]
     planned = _planned(scenario)
-    # one row for each error alone, then the runs in which all of them are drawn
-    rows = [[value if name == one else planned[one] for one in MEASUREMENTS] for name, value in alone]
+    # one row for each error by itself, then the runs in which all of them are drawn
+    rows = [[value if name == one else planned[one] for one in MEASUREMENTS] for name, value in single]
     samples = np.vstack([rows, np.column_stack([drawn[name] for name in MEASUREMENTS])])
     work = RowByRow(_Stops(both, plans).run, len(both), ())
     errors = all_rows(work, samples, executor).values
-    effects = [ErrorEffect(*one, *map(float, pair)) for one, pair in zip(alone, errors[: len(alone)], strict=True)]
-    runs = errors[len(alone) :]
+    effects = [ErrorEffect(*one, *map(float, pair)) for one, pair in zip(single, errors[: len(single)], strict=True)]
+    runs = errors[len(single) :]
     return BrakingSensors(scenario, tuple(effects), drawn, frozen_array(runs[:, 0]), frozen_array(runs[:, 1]))
 
 

@@ -219,7 +219,7 @@ def robust_plan(
     candidates : int
         How many plans are tried beside the scenario's own.
     executor : Executor, optional
-        What does the runs; by default this thread.
+        Executor of the runs; by default this thread.
 
     Raises
     ------

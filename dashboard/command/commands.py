@@ -226,7 +226,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
 
 
 def write_labelled_table(table: "xarray.Dataset", path: Path) -> None:
-    """Write a labelled table as its suffix says.
+    """Write a labelled table in the format of its suffix.
 
     Raises
     ------

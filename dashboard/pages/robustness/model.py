@@ -34,7 +34,7 @@ CHANCE_FIELDS = (
     "mean_departure_delay_s",
     "seed",
 )
-"""What is drawn by chance, and how."""
+"""The draws of the Monte Carlo study."""
 ROBUST_FIELDS = ("probability_percent", "accepted_delay_s", "candidates")
 """The search for a robust plan."""
 TABLE_FIELDS = ("both_directions", "knows")

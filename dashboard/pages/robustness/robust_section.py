@@ -154,7 +154,7 @@ def _cells(name: str, plan: Candidate, checked: DrawnRuns) -> tuple[str, ...]:
 
 
 def robust_notes(found: RobustPlan) -> list[str]:
-    """Return what the robust plan costs, whether the check holds, and how the search was done, in sentences."""
+    """Return the cost of the robust plan, the result of its check, and the size of the search, in sentences."""
     assert found.chosen is not None
     assert found.checked is not None
     extra, error = found.extra_kwh

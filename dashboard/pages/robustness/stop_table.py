@@ -1,4 +1,4 @@
-"""Where the train stops with errors of measurement: with precision braking and without it, as a table."""
+"""The stopping place with errors of measurement, with precision braking and without it, as a table."""
 
 from collections.abc import Callable
 

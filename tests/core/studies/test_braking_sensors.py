@@ -27,7 +27,7 @@ def test_the_stopping_errors_follow_from_figure_2(study):
     assert np.mean(np.abs(study.with_m - expected) < 1e-6) > 0.95
 
 
-def test_without_sensors_the_train_stops_where_it_estimates_the_stop(study):
+def test_without_sensors_the_train_stops_at_its_estimate_of_the_stop(study):
     """(10), and an odometer that measures 1 + e of the distance S: it stops at (S - ds) / (1 + e)."""
     drawn, length = study.drawn, study.scenario.line.length_m
     expected = (length - drawn["coordinate_error_m"]) / (1 + drawn["speed_error"]) - length
@@ -36,7 +36,7 @@ def test_without_sensors_the_train_stops_where_it_estimates_the_stop(study):
     assert np.mean(np.abs(study.without_m - expected) < 1e-6) > 0.3
 
 
-def test_each_error_alone_is_withstood_but_that_of_the_last_sensor(study):
+def test_precision_braking_withstands_each_error_but_that_of_the_last_sensor(study):
     effects = {}
     for effect in study.effects:
         effects.setdefault(effect.quantity, []).append(effect)
