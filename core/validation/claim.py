@@ -1,4 +1,4 @@
-"""Claims of a paper, each with our number and a verdict."""
+"""Claims of a paper, each with a number of railjoule and a verdict."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any, Literal
 
 Verdict = Literal["supports", "refutes", "cannot be decided"]
-"""What our number says of a claim."""
+"""The judgement of a claim."""
 
 
 @dataclass(frozen=True)
@@ -15,21 +15,21 @@ class Finding:
 
     Parameters
     ----------
-    ours : str
-        Our number or numbers, with units.
+    found : str
+        The number or numbers of railjoule, with units.
     verdict : {'supports', 'refutes', 'cannot be decided'}
     reason : str
         One or two sentences: by which measure, or what the paper leaves open.
     """
 
-    ours: str
+    found: str
     verdict: Verdict
     reason: str
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of a paper that asserts a number or a comparison, beside our finding.
+    """A sentence of a paper that asserts a number or a comparison, with the finding of railjoule.
 
     Parameters
     ----------
@@ -37,13 +37,13 @@ class Claim:
         Section, table, figure or formula of the paper.
     claim : str
         The assertion.
-    ours, verdict, reason
+    found, verdict, reason
         As in `Finding`.
     """
 
     place: str
     claim: str
-    ours: str
+    found: str
     verdict: Verdict
     reason: str
 
@@ -71,14 +71,14 @@ def list_claims(paper: dict[str, Any], examinations: Examinations) -> tuple[Call
 
 def _examine(entry: dict[str, Any], examination: Callable[[], Finding]) -> Claim:
     finding = examination()
-    return Claim(entry["place"], entry["text"], finding.ours, finding.verdict, finding.reason)
+    return Claim(entry["place"], entry["text"], finding.found, finding.verdict, finding.reason)
 
 
-def judge(ours: str, is_supported: bool, reason: str) -> Finding:
-    """Return the finding of a claim that our number can decide."""
-    return Finding(ours, "supports" if is_supported else "refutes", reason)
+def judge(found: str, is_supported: bool, reason: str) -> Finding:
+    """Return the finding of a claim that a number decides."""
+    return Finding(found, "supports" if is_supported else "refutes", reason)
 
 
-def undecided(ours: str, reason: str) -> Finding:
+def undecided(found: str, reason: str) -> Finding:
     """Return the finding of a claim that cannot be decided from what the paper prints."""
-    return Finding(ours, "cannot be decided", reason)
+    return Finding(found, "cannot be decided", reason)

@@ -1,4 +1,4 @@
-"""Printed figures of a paper, rebuilt from runs: printed numbers as points, ours as lines."""
+"""Printed figures of a paper, rebuilt from runs: printed numbers as points, those of railjoule as lines."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ class Line:
     x, y : array of shape (n,)
         In the units of the panel's axes.
     is_printed : bool
-        Whether these are numbers that the paper prints, drawn as points, and not ours.
+        Whether the paper prints these numbers; they are drawn as points.
     """
 
     label: str
@@ -45,13 +45,13 @@ class Panel:
 
 @dataclass(frozen=True, eq=False)
 class FigureData:
-    """What a rebuilt figure shows.
+    """The content of a rebuilt figure.
 
     Parameters
     ----------
     panels : tuple of Panel
     note : str
-        One or two sentences: what agrees with the print and what does not.
+        One or two sentences on agreement with the print.
     """
 
     panels: tuple[Panel, ...]
@@ -67,7 +67,7 @@ class PaperFigure:
     place : str
         Its name in the paper, such as 'Fig. 4'; figures that are drawn together share one entry.
     caption : str
-        What it shows.
+        Its content.
     compute : callable
         Returns its `FigureData`; takes seconds.
     scenario : str

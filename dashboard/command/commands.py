@@ -292,7 +292,7 @@ def benchmark(output: Output) -> None:
 
 
 def validate(paper: str | None, output: Output) -> None:
-    """Show the printed numbers and claims of one or all papers beside ours.
+    """Show the printed numbers and claims of one or all papers with those of railjoule.
 
     Raises
     ------

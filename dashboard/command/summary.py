@@ -20,9 +20,13 @@ if TYPE_CHECKING:
     from railjoule.core.simulate.following import Following
     from railjoule.core.studies.simple_advice import SimpleAdvice
     from railjoule.core.validation.benchmark import Timing
+    from railjoule.core.validation.claim import Claim
     from railjoule.core.validation.table import Row, Table, Validation
 
 Summary = dict[str, Any]
+
+ALTERNATIVE_KEYS = ("quantity", "ours", "difference_percent", "difference_points", "note")
+"""Keys of a further comparison of a printed number."""
 
 
 def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = None) -> Summary:
@@ -163,7 +167,7 @@ def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
 
 
 def summarise_validations(validations: "Sequence[Validation]") -> Summary:
-    """Return the papers' printed numbers and claims beside ours as plain values, by the name of the paper.
+    """Return the papers' printed numbers and claims with those of railjoule, by the name of the paper.
 
     The rows have one entry for each printed number: the first comparison, with the others as alternatives. A reference
     that no paper prints, such as the energy of another solver, is no printed number and stands separately.
@@ -175,10 +179,15 @@ def _validation(validation: "Validation") -> Summary:
     return {
         "citation": validation.citation,
         "rows": _rows(validation.tables),
-        "claims": [asdict(claim) for claim in validation.claims],
+        "claims": [_claim(claim) for claim in validation.claims],
         "tables": [_table(table) for table in validation.tables],
         "errata": [asdict(erratum) for erratum in validation.errata],
     }
+
+
+def _claim(claim: "Claim") -> Summary:
+    values = asdict(claim)
+    return {"place": values.pop("place"), "claim": values.pop("claim"), "ours": values.pop("found"), **values}
 
 
 def _rows(tables: "Sequence[Table]") -> list[Summary]:
@@ -188,8 +197,8 @@ def _rows(tables: "Sequence[Table]") -> list[Summary]:
     for table, row in pairs:
         first = by_source.get(row.source) if row.source else None
         if first is not None:
-            again = {"table": table.title, "ours": row.ours, "difference_percent": row.difference_percent}
-            first["alternatives"].append({**again, "difference_points": row.difference_points, "note": row.note})
+            values = _row(row)
+            first["alternatives"].append({"table": table.title} | {key: values[key] for key in ALTERNATIVE_KEYS})
             continue
         entry = {"table": table.title, "place": table.place, **_row(row), "independent": None, "alternatives": []}
         if row.source:

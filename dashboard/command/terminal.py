@@ -223,7 +223,7 @@ def validations_text(validations: Summary) -> str:
 
 
 def validation_text(validation: Summary) -> str:
-    """Return a paper's published numbers and claims compared with ours, with the reasons as footnotes."""
+    """Return a paper's published numbers and claims compared with those of railjoule."""
     lines = wrapped(validation["citation"])
     for table in validation["tables"]:
         place = f" ({table['place']})" if table["place"] else ""

@@ -180,7 +180,7 @@ def _paper(name: str, paper: dict[str, Any]) -> Iterator[str]:
     yield "### Claims\n"
     yield "| place | claim | railjoule | verdict | reason |\n| --- | --- | --- | --- | --- |"
     for claim in paper["claims"]:
-        yield "| " + " | ".join(_cell(claim[key]) for key in ("place", "claim", "ours", "verdict", "reason")) + " |"
+        yield "| " + " | ".join(_cell(claim[key]) for key in ("place", "claim", "found", "verdict", "reason")) + " |"
     yield ""
     for table in paper["tables"]:
         place = f" ({table['place']})" if table["place"] else ""

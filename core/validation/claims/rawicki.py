@@ -30,8 +30,7 @@ from railjoule.core.validation.rawicki_runs import (
 
 ABOUT_POINTS = 5.0
 """A saving of 'about 20 %' is one of 15 to 25 %."""
-# Printed energies of Figs. 1 to 4 differ by up to 1.1 % from those of the identified tram, and a penalty is the ratio
-# of two of them.
+# The printed energies differ by up to 1.1 % from those of the identified tram; a penalty is the ratio of two.
 PENALTY_POINTS = 2.0
 SAME_ENERGY_PERCENT = 1.5
 LATER_S = 10.0

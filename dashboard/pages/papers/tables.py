@@ -168,7 +168,7 @@ def verdict_words(claims: Iterable[Claim]) -> str:
 def _claim_cells(claim: Claim) -> tuple[str, ...]:
     token, word = VERDICTS[claim.verdict]
     verdict = markup('<b style="color:var(--rj-{})">{}</b>', token, word)
-    return claim.place, claim.claim, claim.ours, verdict, claim.reason
+    return claim.place, claim.claim, claim.found, verdict, claim.reason
 
 
 def errata_html(errata: tuple[Erratum, ...]) -> Markup:
