@@ -1,4 +1,4 @@
-"""Printed figures of a paper, one under the other: their printed numbers as points, ours as lines."""
+"""Printed figures of a paper, one under the other: their printed numbers as points, those of railjoule as lines."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -23,7 +23,10 @@ Request = tuple[tuple[tuple[int, PaperFigure, FigureData], ...], bool]
 """Figures to draw, each with its number, and whether in dark colours."""
 Drawn = dict[int, tuple[list[Figure], Palette]]
 
-PANEL_CSS = {"flex": "1 1 420px", "min-width": "260px"}
+BODY_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 4px 16px; }
+"""
+"""As many panels beside each other as are at least 420 px wide."""
 NOT_DRAWN = "The figures could not be drawn: a program error, which the server\u2019s log describes."
 
 
@@ -65,7 +68,7 @@ class PrintedFigures:
             on_click=lambda _: ask(),
         )
         self.status = parts.html_pane(visible=False)
-        self.bodies = [pn.FlexBox(margin=0, visible=False) for _ in self._figures]
+        self.bodies = [parts.stack(visible=False, css=BODY_CSS) for _ in self._figures]
         self.notes = [parts.html_pane(visible=False) for _ in self._figures]
         self.buttons = [self._opener(printed) for printed in self._figures]
         places = (self._place(number) for number in range(len(self._figures)))
@@ -111,7 +114,7 @@ class PrintedFigures:
             for number, (panels, palette) in drawn.items():
                 palette.switch(self._state.dark)
                 self.bodies[number][:] = [
-                    pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width", styles=PANEL_CSS) for panel in panels
+                    pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in panels
                 ]
                 self.bodies[number].visible = True
         self._drawn |= drawn

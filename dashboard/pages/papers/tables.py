@@ -46,7 +46,7 @@ def tables_csv(tables: tuple[Table, ...]) -> str:
 
 
 def paper_html(paper: PaperTables) -> Markup:
-    """Return the claims and tables of a paper that are done, and what must be corrected in it."""
+    """Return the claims and tables of a paper that are done, and its corrections."""
     tables = joined(table_html(table) for table in paper.validation.tables)
     left = paper.step_count - paper.done_count
     rest = parts.note_paragraphs([f"{left} more to compute."]) if left else errata_html(paper.validation.errata)
@@ -54,10 +54,10 @@ def paper_html(paper: PaperTables) -> Markup:
 
 
 def table_html(table: Table) -> Markup:
-    """Return one table, with the reasons of its differences beneath it."""
+    """Return one table, with the reasons of its differences below it."""
     notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
     rows = [(row_cells(row, notes), False) for row in table.rows]
-    header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
+    header = ("Case", "Quantity", table.reference, "railjoule", "difference", "in words", "")
     listed = joined(markup("<li>{}</li>", note) for note in notes)
     return markup(
         '<details><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
@@ -128,7 +128,7 @@ def figure_cells(papers: Collection[PaperTables]) -> list[str]:
     compared = [row for each in tables for row in first_comparisons(each)]
     others = sum(not row.source for each in tables for table in each for row in table.rows)
     close = sum(row.is_close for row in compared)
-    told = sum(not row.is_close and bool(row.note) for row in compared)
+    explained = sum(not row.is_close and bool(row.note) for row in compared)
     counted = f"of {len(compared)} printed numbers, each counted once"
     claims = [claim for paper in papers for claim in paper.validation.claims]
     return [
@@ -140,14 +140,14 @@ def figure_cells(papers: Collection[PaperTables]) -> list[str]:
             "main",
         ),
         parts.figure("Numbers that agree", words.number(close, 0), "", counted),
-        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason is below the table"),
-        parts.figure("Differ, unexplained", words.number(len(compared) - close - told, 0), "", ""),
+        parts.figure("Differ, with a reason", words.number(explained, 0), "", "the reason is below the table"),
+        parts.figure("Differ, unexplained", words.number(len(compared) - close - explained, 0), "", ""),
         parts.figure("Rows without a printed number", words.number(others, 0), "", "not counted"),
     ]
 
 
 def claims_html(claims: tuple[Claim, ...]) -> Markup:
-    """Return the claims of a paper with our numbers and the verdicts."""
+    """Return the claims of a paper with the numbers of railjoule and the verdicts."""
     if not claims:
         return Markup()
     rows = [(_claim_cells(claim), False) for claim in claims]
@@ -172,7 +172,7 @@ def _claim_cells(claim: Claim) -> tuple[str, ...]:
 
 
 def errata_html(errata: tuple[Erratum, ...]) -> Markup:
-    """Return what must be corrected in a paper."""
+    """Return the corrections of a paper."""
     if not errata:
         return Markup()
     template = "<li>{}: printed {}, corrected: {}. {}</li>"

@@ -82,9 +82,11 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
     close, differs = Row("a", "W", "Wh", 2.0, 2.0, source="a"), Row("b", "W", "Wh", 2.0, 3.0, "Because.", "b")
     again = Row("a", "W by parts", "Wh", 2.0, 3.0, "Because.", "a")
     tables = (Table("One", (close, differs)), Table("Two", (again, Row("c", "W", "Wh", 2.0, 2.0))))
-    _, agree, told, unexplained, others = figure_cells([PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)])
+    _, agree, explained, unexplained, others = figure_cells(
+        [PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)]
+    )
     assert ">1<" in agree
     assert "of 2 printed numbers" in agree
-    assert ">1<" in told
+    assert ">1<" in explained
     assert ">0<" in unexplained
     assert ">1<" in others
