@@ -156,7 +156,7 @@ def window() -> Finding:
         "; ".join(f"{share:.4f} of the scheduled time at {speed} km/h" for speed, share in shares.items()),
         all(abs(share - 1) <= width + LATE_SHARE for share in shares.values()),
         "The minimum lies at the late end, as time saves energy: the earliest time never binds. The printed relay (5) "
-        f"takes {max(relay):.1f} s at 40 km/h with the limits that an ideal regulator keeps in {latest:.1f} s.",
+        f"takes up to {max(relay):.1f} s at 40 km/h, where {latest:.1f} s are allowed.",
     )
 
 
