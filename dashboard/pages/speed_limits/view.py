@@ -238,6 +238,7 @@ class SpeedLimitsView(PageView):
         self.map.host.visible = not refusal
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
+        self.losses.visible = not refusal
         if refusal:
             self.no_map.object = parts.note_paragraphs([refusal], "padding-left:6px")
         if found is not None and run is not None:
