@@ -201,7 +201,7 @@ def drive_stretches(line: Stretches, speeds_ms: FloatArray) -> tuple[FloatArray,
 
 
 class _State(NamedTuple):
-    """What a descent knows of the run that it has: arrays of k stretches, and two of the nodes to write in.
+    """The current run of a descent: arrays of k stretches, and two of the nodes to write in.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def descend(line: Stretches, price_w: float, speeds_ms: FloatArray, step_ms: flo
     price_w : float
         Price of time [W].
     speeds_ms : array of shape (3, k)
-        Where it begins [m/s].
+        First speeds [m/s].
     step_ms : float
         First step [m/s].
     """
