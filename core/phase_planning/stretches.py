@@ -160,7 +160,7 @@ def _drive_stretch(
     course = line.course
     train, traction, braking, drive = shared_by_cells(course)
     negligible_n = negligible_effort(train.drive_kind, drive)
-    # the brakes leave the cruise alone
+    # the train does not brake below its cruise
     braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2
     time = energy = 0.0
     for i in range(line.borders[stretch], line.borders[stretch + 1]):
