@@ -160,7 +160,7 @@ def _drive_stretch(
     course = line.course
     train, traction, braking, drive = shared_by_cells(course)
     negligible_n = negligible_effort(train.drive_kind, drive)
-    # the brakes leave the cruise alone
+    # the train does not brake below its cruise
     braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2
     time = energy = 0.0
     for i in range(line.borders[stretch], line.borders[stretch + 1]):
@@ -201,7 +201,7 @@ def drive_stretches(line: Stretches, speeds_ms: FloatArray) -> tuple[FloatArray,
 
 
 class _State(NamedTuple):
-    """What a descent knows of the run that it has: arrays of k stretches, and two of the nodes to write in.
+    """The current run of a descent: arrays of k stretches, and two of the nodes to write in.
 
     Parameters
     ----------
@@ -278,7 +278,7 @@ def descend(line: Stretches, price_w: float, speeds_ms: FloatArray, step_ms: flo
     price_w : float
         Price of time [W].
     speeds_ms : array of shape (3, k)
-        Where it begins [m/s].
+        First speeds [m/s].
     step_ms : float
         First step [m/s].
     """

@@ -76,7 +76,7 @@ class Runs:
         return replace(self, runs={name: with_tighter_bound(run, bound) for name, run in self.runs.items()})
 
 
-SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
+SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3, "phases": 3e-4}
 """Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 """The second for drives that take power idling, for which the optimum takes time with the square of its cells."""

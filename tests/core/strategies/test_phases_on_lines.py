@@ -24,11 +24,11 @@ def limited_tram(**changes):
     return load_scenario("tram-950m").with_(**{"line.speed_limits": [LIMIT], **changes})
 
 
-def plan_of(task):
+def compute_plan(task):
     return plan_line(task.scenario, task.course, task.running_time_s)
 
 
-def run_of(task):
+def check_phases(task):
     run = run_strategy(task, "phases")
     result = check_run(task.scenario, run, initial_speed_ms=task.end_speeds_ms[0])
     assert result.ok, result.broken
@@ -41,7 +41,7 @@ def test_agrees_with_the_tables_on_a_plain_line(name):
     """Two independent integrations: cell by cell, and tables over speed."""
     task = prepare_task(load_scenario(name, FINE))
     assert _is_plain(task)
-    plan, run = plan_of(task), run_strategy(task, "phases")
+    plan, run = compute_plan(task), run_strategy(task, "phases")
     assert plan.energy_j == pytest.approx(run.energy.net_j - run.energy.auxiliary_j, rel=2e-3)
     assert np.sqrt(plan.speed2.max()) == pytest.approx(run.speed_ms.max(), rel=0.02)
     assert plan.price_of_time_w == pytest.approx(run.price_of_time_w, rel=0.1)
@@ -49,7 +49,7 @@ def test_agrees_with_the_tables_on_a_plain_line(name):
 
 def test_a_lower_limit_in_the_middle():
     task = prepare_task(limited_tram())
-    run, best = run_of(task), run_strategy(task, "optimal")
+    run, best = check_phases(task), run_strategy(task, "optimal")
     # Cycles of one start at full current; the optimum starts with less. On the plain line the phases need 5.6 % more
     assert best.energy.net_j < run.energy.net_j < 1.04 * best.energy.net_j
     inside = (run.position_m >= 400) & (run.position_m <= 600)
@@ -61,7 +61,7 @@ def test_a_lower_limit_in_the_middle():
 def test_a_second_has_one_price_in_all_stretches():
     """Time moved from the first stretch to the last or back costs energy."""
     task = prepare_task(limited_tram(**FINE))
-    plan = plan_of(task)
+    plan = compute_plan(task)
     planner = LinePlanner(
         task.course, cut_line(task.course, task.course.data, task.greatest_speed2, task.scenario.phases)
     )
@@ -77,14 +77,14 @@ def test_a_second_has_one_price_in_all_stretches():
         assert moved(last).times_s[0] != pytest.approx(plan.times_s[0], abs=0.3)
         assert moved(last).energy_j > plan.energy_j
     # and a second more saves what it is said to save
-    later = plan_of(replace(task, running_time_s=task.running_time_s + 1.0))
+    later = compute_plan(replace(task, running_time_s=task.running_time_s + 1.0))
     assert plan.energy_j - later.energy_j == pytest.approx(plan.price_of_time_w * 1.0, rel=0.15)
     assert plan.speeds_ms[CRUISE, 0] > later.speeds_ms[CRUISE, 0]
 
 
 def test_the_whole_train_leaves_a_limit():
     task = prepare_task(limited_tram(**{"line.limits_hold_for": "whole_train"}))
-    run = run_of(task)
+    run = check_phases(task)
     slow = run.position_m[np.abs(run.speed_ms * 3.6 - 30) < 1e-6]
     assert slow[-1] == pytest.approx(613.5)
 
@@ -92,14 +92,14 @@ def test_the_whole_train_leaves_a_limit():
 def test_hills_stops_and_curves():
     changes = {"line.sections": HILLS, "line.stations": [{"position_m": 900.0, "dwell_s": 20.0}]}
     task = prepare_task(plain_scenario({**changes, "timetable.travel_time_s": 230.0}))
-    run, best = run_of(task), run_strategy(task, "optimal")
+    run, best = check_phases(task), run_strategy(task, "optimal")
     assert best.energy.net_j < run.energy.net_j < 1.1 * best.energy.net_j
 
 
 def test_a_train_that_begins_too_fast_for_its_time_brakes():
     task = prepare_task(limited_tram(**{"timetable.travel_time_s": 200.0}), 15.0)
-    run = run_of(task)
-    assert run.energy_kwh < run_of(prepare_task(limited_tram(), 15.0)).energy_kwh
+    run = check_phases(task)
+    assert run.energy_kwh < check_phases(prepare_task(limited_tram(), 15.0)).energy_kwh
 
 
 def test_cycles_need_a_plain_line():
@@ -108,15 +108,15 @@ def test_cycles_need_a_plain_line():
 
 
 def test_a_given_and_a_free_starting_current():
-    given = run_of(prepare_task(limited_tram(**{"phases.starting_current_a": 150.0})))
-    free = run_of(prepare_task(limited_tram(**{"phases.free_starting_current": True})))
+    given = check_phases(prepare_task(limited_tram(**{"phases.starting_current_a": 150.0})))
+    free = check_phases(prepare_task(limited_tram(**{"phases.free_starting_current": True})))
     assert given.current_a.max() <= 150 * (1 + 1e-4)
-    assert free.energy_kwh <= min(given.energy_kwh, run_of(prepare_task(limited_tram())).energy_kwh) * (1 + 1e-3)
+    assert free.energy_kwh <= min(given.energy_kwh, check_phases(prepare_task(limited_tram())).energy_kwh) * (1 + 1e-3)
 
 
 @pytest.mark.parametrize("reaction", ["computer", "driver", "known"])
 def test_a_limit_that_appears_on_the_way(reaction):
-    """What the button "+ limit" of the page Disturbances asks of the shipped tram."""
+    """The button "+ limit" of the page Disturbances, on the shipped tram."""
     event = LIMIT | {"noticed_at_m": 200.0}
     result = simulate_disturbances(load_scenario("tram-950m", {"disturbance.speed_limits": [event]}), reaction)
     run = result.actual

@@ -77,6 +77,20 @@ def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
     assert state.chosen == "phases"
 
 
+def test_a_limit_on_the_shipped_tram_is_possible() -> None:
+    state = Workbench()
+    Disturbances(state)
+    state.scenario.choose("tram-950m")
+    assert state.chosen == "phases"
+    state.page = "Disturbances"
+    state.disturbances.drop("limit", 475.0)
+    model = state.disturbances
+    assert model.failure is None
+    assert model.rides is not None
+    planned = model.rides.rides["driver"].planned.energy_kwh
+    assert all(planned < ride.actual.energy_kwh < 2 * planned for ride in model.rides.rides.values())
+
+
 def test_the_plan_follows_the_field_of_its_strategy_alone() -> None:
     state = Workbench()
     Disturbances(state)
