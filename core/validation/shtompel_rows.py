@@ -291,16 +291,16 @@ def solve_optimum(speed_kmh: int) -> Trajectory:
 
 
 @cache
-def _searched(speed_kmh: int, regulator: str, free: bool) -> tuple[Trajectory, LimitSearch]:
-    changes: dict[str, Any] = {"search.regulator": regulator} | (FREE if free else {})
-    return speed_limits_with_search(prepare_task(kharkiv_scenario(speed_kmh).with_(**changes)))
+def _searched(speed_kmh: int, regulator: str, free: bool, rail_condition: str | None) -> tuple[Trajectory, LimitSearch]:
+    changes: dict[str, Any] = {"search.regulator": regulator, "line.rail_condition": rail_condition}
+    return speed_limits_with_search(prepare_task(kharkiv_scenario(speed_kmh).with_(**changes, **FREE if free else {})))
 
 
 def run_limits(speed_kmh: int, regulator: str, free: bool = False) -> Trajectory:
     """Return the run under the best limits of two sections, or of three whose ends are free."""
-    return _searched(speed_kmh, regulator, free)[0]
+    return _searched(speed_kmh, regulator, free, None)[0]
 
 
-def search_run(speed_kmh: int, regulator: str) -> LimitSearch:
+def search_run(speed_kmh: int, regulator: str, rail_condition: str | None = None) -> LimitSearch:
     """Return the search for the limits of two sections."""
-    return _searched(speed_kmh, regulator, False)[1]
+    return _searched(speed_kmh, regulator, False, rail_condition)[1]

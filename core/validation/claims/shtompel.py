@@ -175,17 +175,19 @@ def time_without_train() -> Finding:
 
 
 def adhesion() -> Finding:
-    """Return the adhesion that the assumed effort needs, and the set speeds without any limit of adhesion."""
-    scenario = kharkiv_scenario(20)
-    vehicle = scenario.vehicle
+    """Compare the set speeds without a limit of adhesion with those on wet rails."""
+    vehicle = kharkiv_scenario(20).vehicle
     effort = vehicle.traction.max_effort_kn
     assert effort is not None
-    limits = {speed: search_run(speed, "coast").best.limits_ms / MS_PER_KMH for speed in SCENARIOS}
-    found = "; ".join(f"{values[0]:.0f} and {values[1]:.0f} km/h at {speed} km/h" for speed, values in limits.items())
+
+    def describe(rail_condition: str | None) -> str:
+        found = {speed: search_run(speed, "coast", rail_condition).best.limits_ms / MS_PER_KMH for speed in SCENARIOS}
+        return "; ".join(f"{one[0]:.0f} and {one[1]:.0f} km/h at {speed} km/h" for speed, one in found.items())
+
     return undecided(
-        f"set speeds {found}; {effort / total_weight_kn(vehicle):.2f} of the train's weight as effort",
-        "The paper prints neither effort nor adhesion. Without a limit of adhesion the set speeds found also stay "
-        "below 80 km/h: the time bounds them.",
+        f"set speeds without a limit of adhesion {describe(None)}, on wet rails {describe('wet')}",
+        f"The paper prints neither effort nor adhesion; an effort of {effort / total_weight_kn(vehicle):.2f} of the "
+        "train's weight is assumed. Set speeds stay below 80 km/h without a limit of adhesion, too: the time bounds them.",
     )
 
 
