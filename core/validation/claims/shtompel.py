@@ -187,7 +187,7 @@ def adhesion() -> Finding:
     return undecided(
         f"set speeds without a limit of adhesion {describe(None)}, on wet rails {describe('wet')}",
         f"The paper prints neither effort nor adhesion; an effort of {effort / total_weight_kn(vehicle):.2f} of the "
-        "train's weight is assumed. Set speeds stay below 80 km/h without a limit of adhesion, too: the time bounds them.",
+        "train's weight is assumed. Set speeds stay below 80 km/h without it, too: the time bounds them.",
     )
 
 
