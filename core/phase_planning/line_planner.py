@@ -41,10 +41,10 @@ PRICE_FACTOR, PRICE_RANGE = 4.0, 1e4
 # The bracket is narrow enough where its two runs differ by this share of the running time
 NARROW = 2e-3
 # So close, two prices lie at a jump of the time from one local optimum to another
-SAME_PRICE = 5e-3
+SAME_PRICE = 1e-2
 MOST_PRICES = 24
 # An interpolation between the prices of a bracket stays away from its ends by this share
-INSIDE = 0.1
+INSIDE = 0.3
 # Halvings of an interval of doubles down to neighbouring numbers
 HALVINGS = 53
 
