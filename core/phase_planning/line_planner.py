@@ -41,10 +41,10 @@ PRICE_FACTOR, PRICE_RANGE = 4.0, 1e4
 # The bracket is narrow enough where its two runs differ by this share of the running time
 NARROW = 2e-3
 # So close, two prices lie at a jump of the time from one local optimum to another
-SAME_PRICE = 5e-3
+SAME_PRICE = 1e-2
 MOST_PRICES = 24
 # An interpolation between the prices of a bracket stays away from its ends by this share
-INSIDE = 0.1
+INSIDE = 0.3
 # Halvings of an interval of doubles down to neighbouring numbers
 HALVINGS = 53
 
@@ -140,11 +140,13 @@ class LinePlanner:
         early, late = fastest, self.drive(self.slowest_speeds_ms, 0.0)
         if late.running_time_s < running_time_s:
             return None
-        speeds, step = guess_speeds(self.stretches, price), FIRST_STEP_MS
         prices = [0.0, math.inf]
         for _ in range(MOST_PRICES):
-            speeds, step = descend(self.stretches, price, speeds, step), NEXT_STEP_MS
-            found = self.drive(speeds, price)
+            # each price begins at the cheapest of three runs, so that no local optimum of another price is followed
+            guess = self.drive(guess_speeds(self.stretches, price))
+            start = min((guess, late, early), key=lambda run: run.energy_j + price * run.running_time_s)
+            step = FIRST_STEP_MS if start is guess else NEXT_STEP_MS
+            found = self.drive(descend(self.stretches, price, start.speeds_ms, step), price)
             is_late = found.running_time_s > running_time_s
             late, early = (found, early) if is_late else (late, found)
             prices[not is_late] = price
