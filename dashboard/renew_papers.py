@@ -15,7 +15,7 @@ DIGITS = 10
 
 def as_kept(table: Table) -> dict[str, Any]:
     """Return a table as the file has it."""
-    rows = tuple(replace(row, ours=float(f"{row.ours:.{DIGITS}g}")) for row in table.rows)
+    rows = tuple(replace(row, value=float(f"{row.value:.{DIGITS}g}")) for row in table.rows)
     return asdict(replace(table, rows=rows))
 
 

@@ -25,7 +25,7 @@ class Row:
         In which unit both numbers are; empty where they have none.
     printed : float or None
         The reference; None where there is none.
-    ours : float
+    value : float
         What this version computes.
     note : str
         One sentence on a difference that stays; empty where none needs explaining.
@@ -38,7 +38,7 @@ class Row:
     quantity: str
     unit: str
     printed: float | None
-    ours: float
+    value: float
     note: str = ""
     source: str = ""
 
@@ -48,7 +48,7 @@ class Row:
         # a share of zero means nothing: such rows show both numbers and no difference
         if self.printed is None or self.printed == 0:
             return None
-        return 100 * (self.ours / self.printed - 1)
+        return 100 * (self.value / self.printed - 1)
 
     @property
     def is_percentage(self) -> bool:
@@ -58,7 +58,7 @@ class Row:
     @property
     def difference_points(self) -> float | None:
         """Our percentage less the printed one, in percentage points; None for other units or where none is printed."""
-        return self.ours - self.printed if self.is_percentage and self.printed is not None else None
+        return self.value - self.printed if self.is_percentage and self.printed is not None else None
 
     @property
     def difference(self) -> float | None:

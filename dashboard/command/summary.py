@@ -254,7 +254,7 @@ def _row(row: "Row") -> Summary:
         "quantity": row.quantity,
         "unit": row.unit,
         "printed": row.printed,
-        "ours": row.ours,
+        "ours": row.value,
         "difference_percent": row.difference_percent,
         "difference_points": row.difference_points,
         "close": row.is_close,

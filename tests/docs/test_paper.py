@@ -69,7 +69,7 @@ def test_numbers_are_those_that_validate_prints():
             if (row["case"], row["quantity"], row["unit"]) == (case, quantity, unit)
         ]
         assert any(
-            row["printed"] == float(printed) and f"{row['ours']:.{decimals(ours)}f}" == ours for row in candidates
+            row["printed"] == float(printed) and f"{row['value']:.{decimals(ours)}f}" == ours for row in candidates
         ), (paper, case, quantity)
 
 

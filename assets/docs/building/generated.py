@@ -185,10 +185,10 @@ def _paper(name: str, paper: dict[str, Any]) -> Iterator[str]:
     for table in paper["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
         yield f"### {table['title']}{place}\n"
-        yield f"| case | quantity | unit | {table['reference']} | ours |\n| --- | --- | --- | --- | --- |"
+        yield f"| case | quantity | unit | {table['reference']} | railjoule |\n| --- | --- | --- | --- | --- |"
         for row in table["rows"]:
             printed = "" if row["printed"] is None else f"{row['printed']:g}"
-            words = (row["case"], row["quantity"], row["unit"], printed, f"{row['ours']:.5g}")
+            words = (row["case"], row["quantity"], row["unit"], printed, f"{row['value']:.5g}")
             yield "| " + " | ".join(map(_cell, words)) + " |"
         yield ""
 

@@ -54,7 +54,7 @@ UNLIMITED_KW = 1e6
 
 
 def _values(rows: tuple[Row, ...]) -> dict[tuple[str, str], float]:
-    return {(row.case, row.quantity): row.ours for row in rows}
+    return {(row.case, row.quantity): row.value for row in rows}
 
 
 def motor_above_drive() -> Finding:

@@ -69,7 +69,7 @@ def _numbers(row: Row) -> tuple[str, ...]:
     digits = words.decimals(row.printed)
     printed = words.number(row.printed or 0.0, digits)
     difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
-    return row.quantity, f"{printed}{unit}", f"{words.number(row.ours, digits + 1)}{unit}", difference
+    return row.quantity, f"{printed}{unit}", f"{words.number(row.value, digits + 1)}{unit}", difference
 
 
 def difference_figure(papers: Sequence[PaperTables], dark: bool) -> tuple[figure, Palette]:

@@ -39,7 +39,7 @@ def tables_csv(tables: tuple[Table, ...]) -> str:
     rows: list[tuple[object, ...]] = [COLUMNS]
     for table in tables:
         for row in table.rows:
-            cells = (row.case, row.quantity, row.unit, row.printed, row.ours)
+            cells = (row.case, row.quantity, row.unit, row.printed, row.value)
             differences = row.difference_percent, row.difference_points
             rows.append((table.title, table.place, *cells, *differences, row.note))
     return csv_of_rows(rows)
@@ -81,7 +81,7 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
         row.case,
         f"{row.quantity}{unit}",
         "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
-        words.number(row.ours, words.decimals(row.printed) + 1),
+        words.number(row.value, words.decimals(row.printed) + 1),
         difference,
         difference_words(row),
         mark,
@@ -97,8 +97,8 @@ def difference_words(row: Row) -> str:
         return "printed as zero"
     if abs(difference) < SAME_PERCENT:
         return "the same"
-    side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
-    if row.ours * row.printed < 0:
+    side = "larger" if abs(row.value) > abs(row.printed) else "smaller"
+    if row.value * row.printed < 0:
         return "opposite sign"
     size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
     return f"{size} {side}".strip()

@@ -51,7 +51,7 @@ def test_figures_within_one_and_a_half_percent(tables):
 def test_penalties_within_two_points(tables):
     """In points of percent; the printed energies give 114.3 and 58.9 only to a tenth of a point themselves."""
     for row in printed_rows(tables.figures, unit="%"):
-        assert abs(row.ours - row.printed) < 2, row
+        assert abs(row.value - row.printed) < 2, row
 
 
 def test_every_phase_within_one_and_a_half_percent(tables):
@@ -73,13 +73,13 @@ def test_all_24_numbers_of_phases_are_there(tables):
     ],
 )
 def test_figures_are_those_of_the_findings(tables, case, energy_kwh):
-    ours = next(row.ours for row in tables.figures.rows if row.case == case and row.quantity == "En")
+    ours = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En")
     assert ours == pytest.approx(energy_kwh, rel=3e-3)
 
 
 @pytest.mark.parametrize(("case", "energy_kwh"), [("Fig. 3, kr = 0", 1.3766), ("Fig. 4, kr = 1", 0.9268)])
 def test_part_two_is_that_of_the_findings(tables, case, energy_kwh):
-    ours = next(row.ours for row in tables.figures.rows if row.case == case and row.quantity == "En of part II")
+    ours = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En of part II")
     assert ours == pytest.approx(energy_kwh, rel=3e-3)
 
 
@@ -94,11 +94,11 @@ def test_free_starting_current_within_three_per_mille(tables):
 def test_saving_over_constant_speed(tables, recuperation, saving_percent):
     """Findings on Rawicki: the four phases save 17.8 and 6.6 %; the paper's 20 % are over an undefined driver."""
     steady = next(
-        row.ours
+        row.value
         for row in tables.others.rows
         if "constant speed" in row.quantity and row.case.endswith(f"= {recuperation}")
     )
-    assert 100 * (1 - tables.figures.rows[recuperation].ours / steady) == pytest.approx(saving_percent, abs=0.2)
+    assert 100 * (1 - tables.figures.rows[recuperation].value / steady) == pytest.approx(saving_percent, abs=0.2)
 
 
 def test_nameplate_within_one_percent(tables):
@@ -147,7 +147,7 @@ def test_it_is_registered(validation):
 
 def test_bounds_lie_below_the_best_force_laws(tables):
     """Rows of `optimal`, each followed by free switching and by its bound."""
-    ours = [row.ours for row in tables.others.rows if "force laws" in row.quantity or "bound" in row.quantity]
+    ours = [row.value for row in tables.others.rows if "force laws" in row.quantity or "bound" in row.quantity]
     for without, switched, bound in (ours[:3], ours[3:]):
         assert bound < switched < without * (1 + 1e-4)
 
@@ -189,7 +189,7 @@ def test_a_heavier_tram_moves_what_depends_on_its_mass(tables, heavier_tram):
 
 
 def ratios(table, before):
-    return [row.ours / other.ours for row, other in zip(table.rows, before.rows, strict=True)]
+    return [row.value / other.value for row, other in zip(table.rows, before.rows, strict=True)]
 
 
 def test_claims_have_the_verdicts_of_their_numbers(validation):
@@ -206,7 +206,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
         "all_disturbances",
         "rated_efficiency",
     ]
-    numbers = {name: claim.ours for name, claim in found.items()}
+    numbers = {name: claim.value for name, claim in found.items()}
     assert numbers["saving_without_recuperation"].startswith("17.9 %")
     assert numbers["saving_with_recuperation"].startswith("6.6 %")
     assert numbers["longer_cruise"] == "331 m with kr = 1, 169 m with kr = 0"

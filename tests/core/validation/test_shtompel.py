@@ -36,7 +36,7 @@ def forget_runs():
 
 @pytest.fixture(scope="module")
 def rows(tables):
-    return {(row.case, row.quantity): row.ours for table in tables for row in table.rows}
+    return {(row.case, row.quantity): row.value for table in tables for row in table.rows}
 
 
 def test_nothing_is_said_to_be_printed(rows, tables):
@@ -114,7 +114,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
         "adhesion",
     ]
     # audit of the papers: 216.0 s instead of 207.4 s
-    assert found["time_without_train"].ours == "216.0 s over 2400 m, 207.4 s less a train of 96 m"
+    assert found["time_without_train"].value == "216.0 s over 2400 m, 207.4 s less a train of 96 m"
 
 
 def test_a_heavier_train_moves_runs_and_no_map(rows, monkeypatch, forget_runs):

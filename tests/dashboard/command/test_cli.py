@@ -315,8 +315,8 @@ def test_validate_without_a_paper_shows_all(capsys):
     whole = json.loads(answer(capsys, "validate", "--json"))["papers"]
     assert list(whole) == list(PAPERS)
     assert sum(len(paper["claims"]) for paper in whole.values()) >= 40
-    alone = json.loads(answer(capsys, "validate", "liashenko", "--json"))["papers"]
-    assert alone == {"liashenko": whole["liashenko"]}
+    one = json.loads(answer(capsys, "validate", "liashenko", "--json"))["papers"]
+    assert one == {"liashenko": whole["liashenko"]}
 
 
 @pytest.mark.nightly

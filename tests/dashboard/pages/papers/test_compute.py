@@ -40,7 +40,7 @@ def test_a_sample_is_computed_alike(name: str, number: int) -> None:
             row.note,
             row.source,
         )
-        assert kept.ours == pytest.approx(row.ours, rel=CLOSE, abs=1e-9)
+        assert kept.value == pytest.approx(row.value, rel=CLOSE, abs=1e-9)
 
 
 @pytest.mark.parametrize(
