@@ -47,6 +47,8 @@ def _overlay(panel: Panel) -> hv.Overlay:
         responsive=True,
         min_height=100,
         padding=0.04,
+        # of a single line, HoloViews would make the label a title
+        title="",
         legend_position="top",
         legend_cols=LEGEND_COLUMNS,
         show_legend=len(panel.lines) > 1,
@@ -54,7 +56,7 @@ def _overlay(panel: Panel) -> hv.Overlay:
 
 
 def _element(line: Line, panel: Panel) -> hv.Element:
-    label = f"{line.label}, printed" if line.is_printed else line.label
+    label = f"{line.label}, printed" if line.is_printed and "printed" not in line.label else line.label
     columns = hv.Dimension("x", label=panel.x_title), hv.Dimension("y", label=panel.y_title)
     if line.is_printed:
         points = hv.Scatter((line.x, line.y), *columns, label=label)
