@@ -100,7 +100,8 @@ class PrintedFigures:
 
     def _place(self, number: int) -> Viewable:
         printed = self._figures[number]
-        heading = parts.html_pane(markup('<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>', printed.place, printed.caption))
+        template = '<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>'
+        heading = parts.html_pane(markup(template, printed.place, printed.caption))
         return parts.stack(heading, self.bodies[number], self.notes[number], self.buttons[number])
 
     def _open(self, printed: PaperFigure, _: object) -> None:
