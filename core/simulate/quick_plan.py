@@ -11,7 +11,7 @@ from railjoule.core.simulate.train_state import State
 
 REPLAN_S = 0.05
 """A plan ahead is to take no longer [s]."""
-# Measured with the shipped scenarios: interior points take 4 microseconds a cell, four phases 0.5 ms, the recursion 1 ms
+# Measured with the shipped scenarios: interior points take 4 microseconds a cell, phases 0.5 ms, Bellman 1 ms
 MOST_CELLS, SLOW_CELLS = 5000, {"phases": 60, "bellman": 32}
 """Cells of the mesh ahead, beside those that stops and borders add: in general, and of slow strategies."""
 
