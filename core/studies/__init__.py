@@ -1,8 +1,8 @@
 """Many scenarios at once, as labelled tables."""
 
-from railjoule.core.studies.braking_sensors import BrakingSensors, braking_sensors
+from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
-from railjoule.core.studies.robust_plan import RobustPlan, robust_plan, robust_plan_steps
+from railjoule.core.studies.robust_plan import RobustPlan, find_robust_plan, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
 from railjoule.core.studies.storage import (
     Storage,
@@ -23,17 +23,17 @@ __all__ = [
     "Storage",
     "StorageNeed",
     "StorageRun",
-    "braking_sensors",
     "energy_time_frontier",
     "enoc_frontier",
+    "find_robust_plan",
     "frontier_times",
     "monte_carlo",
     "monte_carlo_steps",
-    "robust_plan",
     "robust_plan_steps",
     "saving_over_size",
     "sensitivity",
     "sensitivity_steps",
     "storage_need",
+    "study_braking_sensors",
     "with_storage",
 ]

@@ -126,7 +126,7 @@ class BrakingSensors:
         )
 
 
-def braking_sensors(scenario: Scenario, executor: Executor | None = None) -> BrakingSensors:
+def study_braking_sensors(scenario: Scenario, executor: Executor | None = None) -> BrakingSensors:
     """Return the stopping errors that errors of measurement cause, with precision braking and without it.
 
     Parameters

@@ -201,7 +201,7 @@ class RobustPlan:
         )
 
 
-def robust_plan(
+def find_robust_plan(
     scenario: Scenario,
     probability: float = PROBABILITY,
     candidates: int = CANDIDATES,

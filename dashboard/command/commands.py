@@ -198,11 +198,11 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         If anything is wrong with the scenario or the file to write.
     """
     from railjoule.core.studies import (  # noqa: PLC0415
-        braking_sensors,
         energy_time_frontier,
         frontier_times,
         monte_carlo,
         sensitivity,
+        study_braking_sensors,
     )
     from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
@@ -214,7 +214,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         elif name == "montecarlo":
             table = monte_carlo(scenario, executor).to_dataset()
         elif name == "braking":
-            table = braking_sensors(scenario, executor).to_dataset()
+            table = study_braking_sensors(scenario, executor).to_dataset()
         else:
             task = prepare_task(scenario)
             frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)

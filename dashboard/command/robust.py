@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan, robust_plan
+from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan, find_robust_plan
 from railjoule.core.studies.sweep.running import worker_count
 from railjoule.dashboard.command.commands import (
     LABELLED_SUFFIXES,
@@ -44,7 +44,7 @@ def study_robust(options: "argparse.Namespace", changes: Mapping[str, Any]) -> N
     trajectory = None if options.trajectory is None else table_file(options.trajectory)
     scenario = load(options.file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
-        found = robust_plan(scenario, options.probability, options.candidates, executor)
+        found = find_robust_plan(scenario, options.probability, options.candidates, executor)
     write_labelled_table(found.to_dataset(), path)
     if trajectory is not None and found.chosen is not None:
         write_table(found.chosen.plan.to_dataframe(), trajectory, index=False)

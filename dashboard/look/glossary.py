@@ -127,6 +127,11 @@ ENERGY = (
         ("Numbers that agree", "Differ, with a reason", "Differ, unexplained", "Rows without a printed number"),
     ),
     Term(
+        "Claim",
+        "A sentence of a paper that asserts a number or a comparison; runs of railjoule support or refute it.",
+        ("Claims supported",),
+    ),
+    Term(
         "Saving",
         "By how much less energy the first of two runs needs than the second, as a share of the second.",
         ("Coasting saves", "Right plan saves"),
@@ -345,8 +350,8 @@ TRAIN = (
         ("D1, resets position", "D3, resets position", "D1 to D2, calibrates"),
     ),
     Term(
-        "Place error of a sensor",
-        "How much farther on a braking sensor stands than the train assumes. That of D3 becomes an error of the stop.",
+        "Place error",
+        "How much farther on a sensor of precision braking stands than the train assumes. That of D3 shifts the stop.",
         tuple(f"{name} place error, m" for name in ("D1", "D2", "D3")),
     ),
     Term("Median", "Half of all simulated days cost less than this.", ()),

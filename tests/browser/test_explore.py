@@ -95,6 +95,7 @@ def test_a_brush_outlasts_another_axis_and_goes_with_a_click(user: User) -> None
     expect(chart(user, "draws")).to_be_visible()
     user.settled()
     assert held(user) == count
+    chart(user, "draws_resistance").scroll_into_view_if_needed()
     box = chart(user, "draws_resistance").bounding_box()
     assert box is not None
     user.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])

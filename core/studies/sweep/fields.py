@@ -164,9 +164,9 @@ class Patch:
             part = scenario
             for key in field.path[:-1]:
                 part = getattr(part, key)
-            # what the field replaces: both would contradict each other
+            # the field replaces other keys, which would contradict it: their defaults, in tuples of one
             for other in _alternatives(field.path[-1]) & type(part).model_fields.keys():
-                table[other] = None
+                table[other] = (type(part).model_fields[other].default,)
 
     def __call__(self, values: Sequence[float]) -> Scenario:
         """Return the scenario with values, one a field in their order; untouched tables are the same objects."""
@@ -183,8 +183,8 @@ def _patched(part: Any, tree: Mapping[str, Any], values: Sequence[float]) -> Any
     update = {
         key: _patched(getattr(part, key), inner, values)
         if isinstance(inner, dict)
-        else None
-        if inner is None
+        else inner[0]
+        if isinstance(inner, tuple)
         else values[inner]
         for key, inner in tree.items()
     }

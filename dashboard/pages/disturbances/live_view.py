@@ -128,15 +128,14 @@ class LivePart:
         assert run is not None
         late = run.delay_s
         verdict = "late" if late >= 0.05 else "early" if late <= -0.05 else "on time"
+        whole_m = words.number(run.planned.distance_m, 0)
         cells = [
-            parts.figure("Clock", clock(run.time_s), "", f"of {clock(run.scenario.travel_time_s)}", "main"),
-            parts.figure(
-                "Position", words.number(run.position_m, 0), "m", f"of {words.number(run.planned.distance_m, 0)}"
-            ),
-            parts.figure("Speed", words.number(run.speed_ms / MS_PER_KMH), "km/h", _doing(run)),
+            parts.figure("Clock", clock(run.time_s), "", f"of {clock(run.scenario.travel_time_s)}", "main", term=""),
+            parts.figure("Position", words.number(run.position_m, 0), "m", f"of {whole_m}", term=""),
+            parts.figure("Speed", words.number(run.speed_ms / MS_PER_KMH), "km/h", _doing(run), term=""),
             parts.figure("Arrives", clock(run.arrival_s), "", f"{words.delay(late)} s, {verdict}", term="Delay"),
-            parts.figure("Energy so far", words.energy(run.energy_j / J_PER_KWH), "kWh", ""),
-            parts.figure("To come", words.energy(run.remaining_j / J_PER_KWH), "kWh", "by the plan ahead"),
+            parts.figure("Energy so far", words.energy(run.energy_j / J_PER_KWH), "kWh", "", term=""),
+            parts.figure("To come", words.energy(run.remaining_j / J_PER_KWH), "kWh", "by the plan ahead", term=""),
         ]
         self.numbers.object = parts.figures(cells, role="timer")
 

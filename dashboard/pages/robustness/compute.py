@@ -6,7 +6,7 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
-from railjoule.core.studies.braking_sensors import BrakingSensors, braking_sensors
+from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable, sensitivity_steps
@@ -84,7 +84,7 @@ def compute_stops(request: RealityRequest) -> Iterator[BrakingSensors]:
     """Yield where the train stops with errors of measurement; errors as `compute_reality`."""
     scenario = request.scenario_in_reality()
     with named_refusals(scenario):
-        yield braking_sensors(scenario)
+        yield study_braking_sensors(scenario)
 
 
 @dataclass(frozen=True)

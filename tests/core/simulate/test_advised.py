@@ -18,8 +18,8 @@ from railjoule.core.strategies import compare, run_strategy
 
 SCENARIOS = preset_names("scenarios")
 
-LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 2.0, 0.01, 0.05
-"""The advice arrives within 2 s, takes the run's energy but for 1 %, and breaks no limit but by its own rounding."""
+LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 3.0, 0.01, 0.05
+"""The advice arrives within 3 s, takes the run's energy but for 1 %, and breaks no limit but by its own rounding."""
 
 
 @cache
@@ -52,7 +52,9 @@ def test_no_advice_is_longer_than_a_driver_can_follow(name):
     for run in runs_of(name):
         stops = sum(1 for phase in run.phases if phase.end_ms < 1e-3 and phase.phase != "stand")
         assert len(run.advice) <= 20 * stops
-        lasting = [p.end_s - p.start_s for p in run.phases if p.phase in {"hold", "coast"}]
+        followed = zip(run.phases, [phase.phase for phase in run.phases[1:]] + [""], strict=True)
+        steady = [p for p, after in followed if p.phase == "coast" or (p.phase == "hold" and after != "coast")]
+        lasting = [p.end_s - p.start_s for p in steady]
         assert np.percentile(lasting, 25, method="nearest") >= 5.0
 
 

@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.simulate.following import simulate_following
-from railjoule.core.studies.braking_sensors import MEASUREMENTS, braking_sensors
+from railjoule.core.studies.braking_sensors import MEASUREMENTS, study_braking_sensors
 
 
 def metro(**changes):
@@ -12,7 +12,7 @@ def metro(**changes):
 
 @pytest.fixture(scope="module")
 def study():
-    return braking_sensors(metro())
+    return study_braking_sensors(metro())
 
 
 def test_the_stopping_errors_follow_from_figure_2(study):

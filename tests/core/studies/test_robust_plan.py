@@ -8,7 +8,7 @@ from railjoule.core.studies.robust_plan import (
     CHECK_RATIO,
     DrawnRuns,
     UnreachedProbabilityError,
-    robust_plan,
+    find_robust_plan,
     robust_plan_steps,
 )
 
@@ -31,7 +31,7 @@ def drawn(**changes):
 
 @pytest.fixture(scope="module")
 def found():
-    return robust_plan(drawn(), 0.8, 12)
+    return find_robust_plan(drawn(), 0.8, 12)
 
 
 def test_the_robust_plan_has_the_least_expected_energy_of_those_on_time(found):
@@ -65,7 +65,7 @@ def test_all_plans_are_followed_by_monte_carlo_under_the_same_draws(found):
 
 
 def test_the_same_seed_finds_the_same_plan():
-    first, again = (robust_plan(drawn(**{"montecarlo.runs": 100}), 0.3, 3) for _ in range(2))
+    first, again = (find_robust_plan(drawn(**{"montecarlo.runs": 100}), 0.3, 3) for _ in range(2))
     assert again.chosen.reserve_s == first.chosen.reserve_s
     assert np.array_equal(again.checked[1].energy_kwh, first.checked[1].energy_kwh)
 
@@ -74,7 +74,7 @@ def test_a_certain_delay_needs_that_reserve():
     """The only thing drawn is a departure 3 s late: on time are the plans that arrive 3 s early, and no others."""
     few = {"montecarlo.runs": 200, "montecarlo.departure_delay_s": {"distribution": "fixed", "value": 3.0}}
     late = drawn(**CERTAIN, **few)
-    found = robust_plan(late, 0.9, 16)
+    found = find_robust_plan(late, 0.9, 16)
     reserves = {one.reserve_s: one.drawn.share_on_time for one in found.candidates}
     assert all(share == (1.0 if reserve >= 2.95 else 0.0) for reserve, share in reserves.items())
     assert found.chosen.reserve_s == min(reserve for reserve, share in reserves.items() if share == 1.0) < 4
@@ -97,7 +97,7 @@ def test_an_accepted_lateness_needs_no_reserve():
             "disturbance.accepted_delay_s": 3.0,
         },
     )
-    found = robust_plan(late, 0.9, 3)
+    found = find_robust_plan(late, 0.9, 3)
     assert found.chosen.reserve_s == 0
     assert found.extra_kwh[0] == pytest.approx(0, abs=1e-9)
 
@@ -121,9 +121,9 @@ def test_a_probability_that_none_reaches_is_a_sentence():
     sentence = "^probability = 0.9 is reached by none of 4 plans: the best one is on time in 0 of 20 runs"
     late = {"montecarlo.departure_delay_s": {"distribution": "fixed", "value": 120.0}, "montecarlo.runs": 100}
     with pytest.raises(UnreachedProbabilityError, match=sentence):
-        robust_plan(drawn(**late), 0.9, 3)
+        find_robust_plan(drawn(**late), 0.9, 3)
     with pytest.raises(UnreachedProbabilityError, match=r"in 20 of 20 runs \(1; at 95 % confidence at least 0\.832\)"):
-        robust_plan(drawn(**{"montecarlo.runs": 100}), 0.99, 3)
+        find_robust_plan(drawn(**{"montecarlo.runs": 100}), 0.99, 3)
 
 
 @pytest.mark.parametrize(

@@ -193,7 +193,7 @@ def test_claims_and_their_verdicts(validation):
 
 def test_half_the_speed(validation):
     claims = [asdict(claim) for claim in validation.claims if "half the speed" in claim.claim]
-    assert [claim["ours"] for claim in claims] == ["50.00 %", "75.00 %"]
+    assert [claim["found"] for claim in claims] == ["50.00 %", "75.00 %"]
 
 
 @pytest.mark.parametrize("figure", ftorek_comparison().figures, ids=lambda figure: figure.place)

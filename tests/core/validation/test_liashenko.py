@@ -14,7 +14,7 @@ from railjoule.core.validation.claims.liashenko import EXAMINATIONS
 from railjoule.core.validation.figures.liashenko import FIGURES
 from railjoule.core.validation.liashenko import BY_LOAD, BY_PLAN, examples, overconsumption
 
-number = attrgetter("ours")
+number = attrgetter("value")
 """The computed number of a row or claim."""
 PLACES = ("Table 4", "Table 5", "Table 6", "Table 7")
 
@@ -127,7 +127,7 @@ def test_every_claim_is_examined(validation):
     claims = liashenko_runs.paper_numbers()["claim"]
     assert {claim["name"] for claim in claims} == set(EXAMINATIONS)
     assert [claim.claim for claim in validation.claims] == [claim["text"] for claim in claims]
-    assert all(number(claim) and claim.reason for claim in validation.claims)
+    assert all(claim.found and claim.reason for claim in validation.claims)
 
 
 def test_verdicts_follow_from_the_tables(validation):
@@ -150,8 +150,8 @@ def test_verdicts_follow_from_the_tables(validation):
 def test_sensors_move_the_stop_by_their_geometry(validation):
     """D1 and D2 move it by L_st / L_c = 15 / 120 of their deviation, D3 by all of it."""
     claims = dict(zip(verdicts(validation), validation.claims, strict=True))
-    assert number(claims["first_sensors"]) == f"the stop moves by {15 / 120:.3f} m for each metre"
-    assert number(claims["last_sensor"]) == "the stop moves by 1.000 m for each metre"
+    assert claims["first_sensors"].found == f"the stop moves by {15 / 120:.3f} m for each metre"
+    assert claims["last_sensor"].found == "the stop moves by 1.000 m for each metre"
     assert [claims[name].verdict for name in ("first_sensors", "last_sensor")] == ["supports", "refutes"]
 
 

@@ -206,7 +206,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
         "all_disturbances",
         "rated_efficiency",
     ]
-    numbers = {name: claim.value for name, claim in found.items()}
+    numbers = {name: claim.found for name, claim in found.items()}
     assert numbers["saving_without_recuperation"].startswith("17.9 %")
     assert numbers["saving_with_recuperation"].startswith("6.6 %")
     assert numbers["longer_cruise"] == "331 m with kr = 1, 169 m with kr = 0"

@@ -287,7 +287,7 @@ def test_compare_prints_json(capsys):
 
 def test_compare_tells_who_refuses(capsys):
     values = json.loads(answer(capsys, "compare", "metro-with-limit", "--json"))
-    assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc", "phases"]
+    assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc"]
     assert all(entry["reason"].endswith(".") for entry in values["refused"])
     text = answer(capsys, "compare", "metro-with-limit")
     assert "\nEOC: needs a line without limits.\nENOC: needs" in text

@@ -88,6 +88,6 @@ def test_titles_cannot_steer_the_terminal():
 
 def test_lines_are_no_wider_than_the_terminal(monkeypatch):
     monkeypatch.setenv("COLUMNS", "70")
-    lines = terminal.validation_text({"citation": "word " * 60, "tables": [], "errata": []}).splitlines()
+    lines = terminal.validation_text({"citation": "word " * 60, "tables": [], "claims": [], "errata": []}).splitlines()
     assert len(lines) > 3
     assert max(map(len, lines)) <= 70

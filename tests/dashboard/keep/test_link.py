@@ -102,6 +102,9 @@ def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:
         '{"number":1,"station":"Market","position_m":1950,"dwell_s":30,"fixed":true,"arrival_s":190}]'
     )
     state, read = Workbench(), read_link(f"?v=1&preset=metro-10-stations&line.stations={stations}")
+    state.scenario.choose("metro-10-stations")
+    # on a page its work does so
+    state.speed_limits.take(state.scenario.base)
     assert (lay(state, read.snapshot), read.refusal) == ((), "")
     assert state.scenario.scenario().line.stations[2].window_s == (190, 190)
 

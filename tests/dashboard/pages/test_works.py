@@ -28,7 +28,7 @@ BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"WholeLines": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Motor.detuning", "Papers.papers", "Start.cards"}
+GO_ON = {"Motor.detuning", "Papers.papers", "Papers.figures", "Robustness.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 

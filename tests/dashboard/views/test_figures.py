@@ -85,8 +85,8 @@ CASES = {
     "Help": [("metro-with-limit", None)],
 }
 """Of each page the scenarios, and what is done there, until each of its figures is drawn."""
-NO_FIGURE = {"sankey", "surface", "detuning"}
-"""What is no figure of Bokeh, and the study of the page Motor, which is begun by hand: tests/dashboard/pages/motor."""
+NO_FIGURE = {"sankey", "surface", "detuning", "robust_speed", "candidates"}
+"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/motor and robustness."""
 
 
 # Panel warns once of how panel-material-ui calls it

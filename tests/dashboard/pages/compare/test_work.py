@@ -30,7 +30,7 @@ def text(markup: str) -> str:
 
 def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session) -> None:
     state = session.state
-    assert list(state.compared.runs) == ["optimal", "fastest", "bellman", "phases", "speed_limits"]
+    assert list(state.compared.runs) == ["optimal", "phases", "fastest", "bellman", "speed_limits"]
     assert set(state.compared.refused) == {"eoc", "enoc"}
     before = state.compared
     state.page = "Drive"
@@ -45,7 +45,7 @@ def test_the_table_and_the_words_follow_the_scenario(session: Session, view: Com
     table = text(view.table.object)
     assert "Bellman" in table
     assert "1 Optimal, 170.0 s, load 50 %, recuperation 40 %" in table
-    assert "EOC: needs a line without stops between its ends." in table
+    assert "EOC: needs a line without limits." in table
     view.reference.value = "optimal"
     assert session.state.reference == "optimal"
     assert "load 50 % instead of 60 %" in text(view.differences.object)
