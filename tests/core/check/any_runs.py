@@ -11,7 +11,7 @@ from railjoule.core.bounds import bounded
 from railjoule.core.strategies import STRATEGIES, run_strategy
 from tests.any_scenarios import any_task
 
-SEEDS = 180
+SEEDS = 120
 CLEAR = 2
 """A rule that is broken by less than this many times what is allowed may be kept on another machine."""
 

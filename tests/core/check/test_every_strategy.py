@@ -1,4 +1,4 @@
-"""Every strategy's runs over 180 scenarios of every drive keep every rule."""
+"""Every strategy's runs over 120 scenarios of every drive keep every rule."""
 
 import importlib.util
 import warnings

@@ -47,8 +47,9 @@ def test_a_played_run_is_the_one_of_its_file(name: str) -> None:
     run = set_event(played_to(run, 0.3 * scenario.line.length_m), VoltageChange(line_voltage_factor=0.9))
     played = finished_run(to_the_end(run))
     filed = simulate_disturbances(with_events(scenario, events_to_keep(run)), "computer")
-    assert played.actual.energy_kwh == pytest.approx(filed.actual.energy_kwh, rel=1e-6)
-    assert played.delay_s == pytest.approx(filed.delay_s, abs=1e-4)
+    # the plan ahead of a tram has 60 cells, the file's plan those of its mesh
+    assert played.actual.energy_kwh == pytest.approx(filed.actual.energy_kwh, rel=5e-4)
+    assert played.delay_s == pytest.approx(filed.delay_s, abs=0.05)
     # with advance notice a train needs no more at the same arrival
     known = known_run(run)
     assert known.delay_s < played.delay_s + 1e-3

@@ -92,6 +92,7 @@ def test_given_limits_are_driven_from_stop_to_stop():
     assert run.speed_ms[at_station] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.nightly
 def test_a_search_with_it_keeps_the_window():
     """(14) holds for its own run, of the time (2400 - 96) m / 40 km/h by (15), and no cheaper pair is near."""
     scenario = load_scenario("kharkiv-like-40kmh", {"search.regulator": "literal"})
