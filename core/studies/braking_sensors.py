@@ -18,6 +18,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.following import follow, plan_for
+from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.montecarlo import SENSOR_ERRORS, UNITS, draw, drawn_scenario
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import all_rows
@@ -112,17 +113,15 @@ class BrakingSensors:
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the runs with labels and units."""
-        import xarray  # noqa: PLC0415  (slow to import)
-
         columns = {name: (self.drawn[name], UNITS.get(name, "1")) for name in MEASUREMENTS}
         columns |= {
             "stop_error_m": (self.with_m, "m"),
             "stop_error_without_sensors_m": (self.without_m, "m"),
         }
-        return xarray.Dataset(
-            {name: ("run", values, {"units": unit}) for name, (values, unit) in columns.items()},
-            coords={"run": np.arange(len(self.with_m))},
-            attrs={"title": self.scenario.title, "seed": self.scenario.montecarlo.seed},
+        return label_rows(
+            "run",
+            columns,
+            {"title": self.scenario.title, "seed": self.scenario.montecarlo.seed},
         )
 
 

@@ -16,6 +16,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulate.actual_vehicle import voltage_notes
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
+from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order
 from railjoule.core.trajectory import Trajectory
@@ -100,8 +101,6 @@ class MonteCarloTable:
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the runs done so far with labels and units."""
-        import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
-
         columns = {name: (values[: self.done], UNITS.get(name, "1")) for name, values in self.drawn.items()}
         columns |= {
             "energy_kwh": (self.energy_kwh, "kWh"),
@@ -110,10 +109,10 @@ class MonteCarloTable:
             "delay_s": (self.delay_s, "s"),
             "stop_error_m": (self.stop_error_m, "m"),
         }
-        return xarray.Dataset(
-            {name: ("run", values, {"units": unit}) for name, (values, unit) in columns.items()},
-            coords={"run": np.arange(self.done)},
-            attrs={
+        return label_rows(
+            "run",
+            columns,
+            {
                 "title": self.scenario.title,
                 "strategy": self.scenario.strategy,
                 "planned_energy_kwh": self.planned_kwh,

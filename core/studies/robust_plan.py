@@ -25,6 +25,7 @@ from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulate.actual_vehicle import actual_vehicle
 from railjoule.core.simulate.disturbances import LATE_S
 from railjoule.core.simulate.following import plan_for, plannable_task
+from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs
 from railjoule.core.studies.sweep.running import all_rows
 from railjoule.core.trajectory import Trajectory
@@ -175,8 +176,6 @@ class RobustPlan:
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the candidates with labels and units, the scenario's own plan first."""
-        import xarray  # noqa: PLC0415  (slow to import)
-
         columns = {
             "load_factor": ([one.load_factor for one in self.candidates], "1"),
             "resistance_factor": ([one.resistance_factor for one in self.candidates], "1"),
@@ -188,10 +187,10 @@ class RobustPlan:
             "share_high": ([one.drawn.share_interval[1] for one in self.candidates], "1"),
             "is_chosen": ([int(one is self.chosen) for one in self.candidates], "1"),
         }
-        return xarray.Dataset(
-            {name: ("candidate", values, {"units": unit}) for name, (values, unit) in columns.items()},
-            coords={"candidate": np.arange(len(self.candidates))},
-            attrs={
+        return label_rows(
+            "candidate",
+            columns,
+            {
                 "title": self.scenario.title,
                 "strategy": self.scenario.strategy,
                 "probability": self.probability,
