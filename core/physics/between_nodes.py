@@ -20,7 +20,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import driving_power, generated_power, may_draw_while_braking
+from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort, may_draw_while_braking
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, needed_force
@@ -45,9 +45,10 @@ SPEED, WEIGHT, FORCE, RESISTANCE = range(4)
 SAME_SPEED = 1e-6
 """Speeds that differ by less than this share are equal."""
 MOST_STEPS, EXACT = 40, 1e-12
-# the error of a kink goes with the inverse square: 1e-4 of its effect remains
-PARTS = 32
-"""Parts of each half of a cell whose power has a kink that depends on the speed."""
+# The error of a kink goes with the inverse square: of one in the losses, as where a flux is weakened, 4e-6 of a cell's
+# energy remain, of one where a drive begins to draw power or brakes share their effort, 1e-4 of its effect.
+FEW_PARTS, MANY_PARTS = 4, 32
+"""Parts of each half of a cell for drives whose losses, and for cells whose power, have a kink over the speed."""
 EFFORT, SHARE, EXCESS, DURATION, ENERGY = range(5)
 """Rows of the result, in the order of the fields of `RunBetweenNodes`."""
 
@@ -187,13 +188,14 @@ def _follow_cell(
     if is_uniform:
         time = cell.length_m / v
         return effort, share, excess, time, time * _line_power_w(train, braking, drive, is_off, effort, v)
-    parts = 1
+    parts = FEW_PARTS if jumps_at_no_effort(train.drive_kind) else 1
     if sign < 0.0 and not is_off and may_draw_while_braking(train.drive_kind):
         # the line's power has a kink where the drive begins to draw, and the brakes share the effort differently there
         strongest = largest_effort(braking, slow)
         electric = electric_effort(train.drive_kind, drive, -effort, slow, strongest, beside)
         is_kinked = electric < min(-effort, strongest)
-        parts = PARTS if is_kinked or generated_power(train.drive_kind, drive, electric, slow)[0] <= 0.0 else 1
+        if is_kinked or generated_power(train.drive_kind, drive, electric, slow)[0] <= 0.0:
+            parts = MANY_PARTS
     time = energy = 0.0
     for part in range(2 * parts):
         low, high, number = (start, corner, part) if part < parts else (corner, end, part - parts)
