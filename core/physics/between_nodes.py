@@ -1,14 +1,14 @@
-"""Follow a run between the nodes of its mesh, where its account takes effort and resistance at a cell's mean speed.
+"""Follow a run between the nodes of its mesh; its account takes effort and resistance at a cell's mean speed.
 
-A train that passes a cell has one of two controls: a constant effort, where the largest effort F(v) allows it at every
-speed in the cell, and otherwise a constant share u of F(v), as at full power it is the power that is constant. The net
-force N(v) then depends on the speed alone, so that the speed is monotone within the cell and exceeds no constant limit
+A train passes a cell under one of two controls: a constant effort where the largest effort F(v) permits it at every
+speed in the cell, and otherwise a constant share u of F(v): at full power the power is constant, not the effort. The
+net force N(v) depends only on the speed, so that the speed is monotone within the cell and exceeds no constant limit
 that its nodes keep. With the speed as the variable the motion needs no steps; m resists acceleration:
 
     length  h = integral of m v dv / N(v)      time  integral of m dv / N(v)      energy  integral of m P(v) dv / N(v)
 
-The first of them says that the harmonic mean of N, weighted by v, is k (w1 - w0), as in `cell`: an equation for the
-constant effort or for u, nearly linear. A share above 1 is an effort that the train does not have.
+By the first of them the harmonic mean of N, weighted by v, is k (w1 - w0), with k and w as in `cell`. That is an
+equation for the constant effort or for u, and nearly linear. A share above 1 is an effort that the train does not have.
 """
 
 import math
@@ -36,7 +36,7 @@ from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
 ALLOWED_SHARE = 1e-3
 """A run whose efforts and speeds exceed their limits by less than this share is possible."""
-# five points in each half integrate 1 / N to 1e-9 where N changes by half over the half
+# five points in each half integrate 1 / N to 3e-8 where N changes by a factor of two over the half
 ABSCISSAE, WEIGHTS = np.polynomial.legendre.leggauss(5)
 HALF = len(ABSCISSAE)
 SPEED, WEIGHT, FORCE, RESISTANCE = range(4)
@@ -45,12 +45,10 @@ SPEED, WEIGHT, FORCE, RESISTANCE = range(4)
 SAME_SPEED = 1e-6
 """Speeds that differ by less than this share are equal."""
 MOST_STEPS, EXACT = 40, 1e-12
-# The error of a kink goes with the inverse square: of one in the losses, as where a flux is weakened, 4e-6 of a cell's
-# energy remain, of one where a drive begins to draw power or brakes share their effort, 1e-4 of its effect.
+# The error of a kink falls with the square of the parts. With four, 1e-7 of the energy of a fast run with induction
+# motors remain, whose flux is weakened from a speed on; with one, 2e-6. With 32, 1e-8 remain of random runs.
 FEW_PARTS, MANY_PARTS = 4, 32
 """Parts of each half of a cell for drives whose losses, and for cells whose power, have a kink over the speed."""
-EFFORT, SHARE, EXCESS, DURATION, ENERGY = range(5)
-"""Rows of the result, in the order of the fields of `RunBetweenNodes`."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -151,7 +149,54 @@ def _share_control(
 
 
 @njit(cache=True, error_model="numpy")
-def _follow_cell(
+def _control_cell(
+    cell: Cell,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
+    start_speed2: float,
+    end_speed2: float,
+    points: FloatArray,
+) -> tuple[float, float, float, float]:
+    """Return effort [N], share of the limit and its excess from node to node, and the limit's corner [m/s]."""
+    start, end = math.sqrt(start_speed2), math.sqrt(end_speed2)
+    v, slow, fast = mean_speed(start, end), max(min(start, end), NEARLY_AT_REST_MS), max(start, end)
+    is_uniform = fast - slow <= SAME_SPEED * fast
+    if is_uniform:
+        effort = needed_force(cell, start_speed2, end_speed2, v)
+    else:
+        _place_points(cell, start, v, end, points)
+        effort = _find_control(points, cell.inertia * (end_speed2 - start_speed2))
+    limit, beside, sign = traction, 0.0, 1.0
+    if effort < 0.0:
+        limit, beside, sign = braking, train.friction_effort_n, -1.0
+    if cell.powered < 1.0:
+        # friction is all that is left; without it an effort counts as a share of the drive's largest one elsewhere
+        return effort, 0.0, max(abs(effort) - beside, 0.0) / (beside if beside > 0.0 else limit.constant_n), v
+    if abs(effort) <= effort_range(limit, slow, fast)[0] + beside:
+        return effort, 0.0, 0.0, v
+    if is_uniform:
+        share, corner = abs(effort) / (largest_effort(limit, v) + beside), v
+    else:
+        share, corner = _share_control(cell, limit, beside, sign, start, end, points)
+    return effort, share, max(share - 1.0, 0.0), corner
+
+
+@njit(cache=True, error_model="numpy")
+def _count_parts(train: Train, braking: EffortLimit, drive: FloatArray, effort: float, slow: float) -> int:
+    """Return in how many parts each half of a cell is integrated whose slowest speed [m/s] is above zero."""
+    if effort < 0.0 and may_draw_while_braking(train.drive_kind):
+        # the line's power has a kink where the drive begins to draw, and the brakes share the effort differently there
+        strongest = largest_effort(braking, slow)
+        electric = electric_effort(train.drive_kind, drive, -effort, slow, strongest, train.friction_effort_n)
+        spares = electric < min(-effort, strongest)
+        if spares or generated_power(train.drive_kind, drive, electric, slow)[0] <= 0.0:
+            return MANY_PARTS
+    return FEW_PARTS if jumps_at_no_effort(train.drive_kind) else 1
+
+
+@njit(cache=True, error_model="numpy")
+def _integrate_cell(
     cell: Cell,
     train: Train,
     traction: EffortLimit,
@@ -159,43 +204,23 @@ def _follow_cell(
     drive: FloatArray,
     start_speed2: float,
     end_speed2: float,
-    points: FloatArray,
-) -> tuple[float, float, float, float, float]:
-    """Return the rows of a cell from one square of speed [m2/s2] to another, not both zero."""
+    effort: float,
+    share: float,
+    corner: float,
+) -> tuple[float, float]:
+    """Return the time [s] and line energy [J] of a cell under a control that `_control_cell` has found."""
     start, end = math.sqrt(start_speed2), math.sqrt(end_speed2)
-    corner = v = mean_speed(start, end)
-    slow, fast = max(min(start, end), NEARLY_AT_REST_MS), max(start, end)
-    is_uniform, is_powered = fast - slow <= SAME_SPEED * fast, cell.powered >= 1.0
-    effort, share = needed_force(cell, start_speed2, end_speed2, v), 0.0
+    v, slow = mean_speed(start, end), max(min(start, end), NEARLY_AT_REST_MS)
     # a drive that a solver leaves next to no effort is off, as in `action_of_cell`
-    is_off = not is_powered or abs(effort) <= NEXT_TO_NOTHING * traction.constant_n
-    if not is_uniform:
-        _place_points(cell, start, v, end, points)
-        effort = _find_control(points, cell.inertia * (end_speed2 - start_speed2))
+    by_mean_speed = needed_force(cell, start_speed2, end_speed2, v)
+    is_off = cell.powered < 1.0 or abs(by_mean_speed) <= NEXT_TO_NOTHING * traction.constant_n
+    if abs(end - start) <= SAME_SPEED * v:
+        time = cell.length_m / v
+        return time, time * _line_power_w(train, braking, drive, is_off, effort, v)
     limit, beside, sign = traction, 0.0, 1.0
     if effort < 0.0:
         limit, beside, sign = braking, train.friction_effort_n, -1.0
-    if not is_powered:
-        # friction is all that is left; an effort beyond it counts as a share of the drive's largest one elsewhere
-        excess = max(abs(effort) - beside, 0.0) / (beside if beside > 0.0 else limit.constant_n)
-    else:
-        if abs(effort) > effort_range(limit, slow, fast)[0] + beside:
-            if is_uniform:
-                share = abs(effort) / (largest_effort(limit, v) + beside)
-            else:
-                share, corner = _share_control(cell, limit, beside, sign, start, end, points)
-        excess = max(share - 1.0, 0.0)
-    if is_uniform:
-        time = cell.length_m / v
-        return effort, share, excess, time, time * _line_power_w(train, braking, drive, is_off, effort, v)
-    parts = FEW_PARTS if jumps_at_no_effort(train.drive_kind) else 1
-    if sign < 0.0 and not is_off and may_draw_while_braking(train.drive_kind):
-        # the line's power has a kink where the drive begins to draw, and the brakes share the effort differently there
-        strongest = largest_effort(braking, slow)
-        electric = electric_effort(train.drive_kind, drive, -effort, slow, strongest, beside)
-        is_kinked = electric < min(-effort, strongest)
-        if is_kinked or generated_power(train.drive_kind, drive, electric, slow)[0] <= 0.0:
-            parts = MANY_PARTS
+    parts = 1 if is_off else _count_parts(train, braking, drive, effort, slow)
     time = energy = 0.0
     for part in range(2 * parts):
         low, high, number = (start, corner, part) if part < parts else (corner, end, part - parts)
@@ -208,17 +233,20 @@ def _follow_cell(
             passed = 2.0 * cell.inertia * cell.length_m * half * WEIGHTS[i] / (force - resistance)
             time += passed
             energy += passed * _line_power_w(train, braking, drive, is_off, force, v)
-    return effort, share, excess, time, energy
+    return time, energy
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _follow_run(course: CourseData, speed2: FloatArray) -> FloatArray:
-    """Return the rows of all cells, of shape (5, n)."""
+    """Return effort, share, excess, time and energy of all cells, of shape (5, n)."""
     n = course.cell_length_m.shape[0]
     rows, points = np.empty((5, n)), np.empty((4, 2 * HALF))
     train, traction, braking, drive = shared_by_cells(course)
     for i in range(n):
-        rows[:, i] = _follow_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1], points)
+        cell, start, end = cell_of(course, i), speed2[i], speed2[i + 1]
+        effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
+        time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
+        rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
     return rows
 
 
@@ -238,17 +266,18 @@ def slow_to_possible(course: CourseData, speed2: FloatArray) -> FloatArray:
     """
     n = course.cell_length_m.shape[0]
     lowered, points = speed2.copy(), np.empty((4, 2 * HALF))
-    train, traction, braking, drive = shared_by_cells(course)
+    train, traction, braking, _ = shared_by_cells(course)
     for number in range(2 * n):
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
         node, cell = i if is_braking else i + 1, cell_of(course, i)
         for _ in range(MOST_STEPS):
-            row = _follow_cell(cell, train, traction, braking, drive, lowered[i], lowered[i + 1], points)
-            if (row[EFFORT] < 0.0) != is_braking or row[EXCESS] <= EXACT or course.fixed_speed2[node] >= 0.0:
+            start, end = lowered[i], lowered[i + 1]
+            effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)
+            if (effort < 0.0) != is_braking or excess <= EXACT or course.fixed_speed2[node] >= 0.0:
                 break
-            # the force is too much by this, and falls by k a unit of the speed squared
-            beyond = abs(row[EFFORT]) * row[EXCESS] / (1.0 + row[EXCESS])
+            # the force is too much by about this, and falls by k with the square of the speed
+            beyond = abs(effort) * excess / (1.0 + excess)
             lowered[node] = max(lowered[node] - beyond / cell.inertia, 0.0)
     return lowered
 
@@ -340,7 +369,7 @@ def follow_between_nodes(course: CourseData, speed2: FloatArray) -> RunBetweenNo
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2], no two neighbours zero.
     """
-    rows = _follow_run(course, speed2)
+    effort, share, excess, duration, energy = _follow_run(course, speed2)
     speed_excess = np.maximum(np.sqrt(speed2 / np.maximum(course.largest_speed2, NEARLY_AT_REST_MS)) - 1.0, 0.0)
     over = np.maximum(speed_excess[:-1], speed_excess[1:])
-    return RunBetweenNodes(*rows, speed_excess_share=over, cell_length_m=course.cell_length_m)
+    return RunBetweenNodes(effort, share, excess, duration, energy, over, course.cell_length_m)
