@@ -123,11 +123,13 @@ def _patch_curvatures(
     turning: tuple[float, float],
     speed: tuple[float, float],
     turns: float,
-) -> tuple[float, float]:
-    """Return the suprema of L_MM / v and of the second derivative of L / v by v, for one motor and one patch.
+) -> tuple[float, float, float]:
+    """Return suprema of L_MM / v, of the second derivative of L / v by v, and of the size of its mixed one.
 
-    `torque` and `turning` are the ranges of M and of y, `corner` that of the patch, from which its 16 coefficients
-    count; `speed` is that of v.
+    For one motor and one patch, whose 16 coefficients are `c`.
+
+    `torque` and `turning` are the ranges of M and of y, `corner` that of the patch, from which its coefficients count;
+    `speed` is that of v.
     """
     x1, x2 = torque[0] - corner[0], torque[1] - corner[0]
     y1, y2 = turning[0] - corner[1], turning[1] - corner[1]
@@ -146,24 +148,41 @@ def _patch_curvatures(
         s3 = r * (((c[15] * back + c[14]) * back + c[13]) * back + c[12]) + g * c[15]
         by_speed = max(by_speed, _bezier_most(s0, s1, s2, s3, x1, x2))
     # a curvature downwards counts as none, so that it does not matter which end of v it is divided by
-    return by_torque / speed[0], by_speed
+    return by_torque / speed[0], by_speed, _mixed_most(c, x2, y2, turning[1]) / (speed[0] * speed[0])
 
 
 @njit(cache=True, error_model="numpy")
-def _loss_curvatures(
+def _mixed_most(c: FloatArray, x: float, y: float, turning: float) -> float:
+    """Return an upper bound of |y L_My - L_M| over a patch up to x and y from its corner: the sum of its terms' sizes.
+
+    The second derivative of L / v by M and v is that over v^2.
+    """
+    most = 0.0
+    power = 1.0
+    for a in range(1, 4):
+        row = 4 * a
+        size = abs(c[row]) + abs(c[row + 1]) * (turning + y) + abs(c[row + 2]) * y * (2.0 * turning + y)
+        most += a * power * (size + abs(c[row + 3]) * y * y * (3.0 * turning + y))
+        power *= x
+    return most
+
+
+@njit(cache=True, error_model="numpy")
+def loss_curvatures(
     kind: int,
     parameters: FloatArray,
     braking: bool,
     effort: tuple[float, float],
     speed: tuple[float, float],
     patch: FloatArray,
-) -> tuple[float, float]:
-    """Return suprema of e_xx and e_vv over a rectangle, of a kind in `CLOSED_FORMS`; `patch` is room for 16 numbers."""
+) -> tuple[float, float, float]:
+    """Return suprema of e_xx, e_vv and |e_xv| over a rectangle, of a kind in `CLOSED_FORMS`; `patch` has room for 16."""
     if kind == CONSTANT_EFFICIENCY:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     if kind == COPPER_LOSS:
         e_xx = 2.0 * parameters[LOSS_COEFFICIENT] / speed[0]
-        return e_xx, e_xx * (effort[1] / speed[0]) ** 2
+        slope = effort[1] / speed[0]
+        return e_xx, e_xx * slope * slope, e_xx * slope
     motors, turns = parameters[MOTORS], parameters[TURNS]
     m = work_bounds(kind, parameters)[1 if braking else 0] / (motors * turns)
     torque, turning = (m * effort[0], m * effort[1]), (turns * speed[0], turns * speed[1])
@@ -171,13 +190,13 @@ def _loss_curvatures(
         patch[:] = 0.0
         patch[0], patch[1], patch[2] = parameters[NO_LOAD], parameters[BY_SPEED], parameters[BY_SPEED2]
         patch[4], patch[8] = parameters[BY_TORQUE], parameters[BY_TORQUE2]
-        e_xx, e_vv = _patch_curvatures(patch, torque, (0.0, 0.0), turning, speed, turns)
-        return motors * m * m * e_xx, motors * e_vv
+        e_xx, e_vv, e_xv = _patch_curvatures(patch, torque, (0.0, 0.0), turning, speed, turns)
+        return motors * m * m * e_xx, motors * e_vv, motors * m * e_xv
     start = int(parameters[BRAKING_TABLE]) if braking else DRIVING_TABLE
     torques, speeds = int(parameters[start]), int(parameters[start + 1])
     first_torque = start + HEAD
     first_speed = first_torque + torques
-    e_xx = e_vv = -math.inf
+    e_xx = e_vv = e_xv = -math.inf
     for i in range(
         piece_in(parameters, first_torque, torques, torque[0]),
         piece_in(parameters, first_torque, torques, torque[1]) + 1,
@@ -195,27 +214,28 @@ def _loss_curvatures(
             found = _patch_curvatures(
                 parameters[c : c + PATCH], (x1, x2), corner, (y1, y2), (y1 / turns, y2 / turns), turns
             )
-            e_xx, e_vv = max(e_xx, found[0]), max(e_vv, found[1])
-    return motors * m * m * e_xx, motors * e_vv
+            e_xx, e_vv, e_xv = max(e_xx, found[0]), max(e_vv, found[1]), max(e_xv, found[2])
+    return motors * m * m * e_xx, motors * e_vv, motors * m * e_xv
 
 
 @njit(cache=True, error_model="numpy")
-def _estimated_sag(a: FloatArray, b: FloatArray, slope: int, step: float) -> float:
-    """Return what a function may sag below the chord of two points, from values, slopes and curvatures there.
+def estimated_sag(start: tuple[float, float, float], end: tuple[float, float, float], step: float) -> float:
+    """Return what a function may sag below the chord of two points, from value, slope and curvature at both.
 
     The least of three: a quarter of what its slope changes by, an eighth of its curvature, and the chord less the
     tangent at the first point.
     """
-    curvature = slope + 2
-    by_bend = max(0.25 * step * (b[slope] - a[slope]), 0.125 * step * step * max(a[curvature], b[curvature]))
-    concave = 0.5 * step * step * max(-a[curvature], -b[curvature], 0.0)
-    by_start = b[0] - a[0] - a[slope] * step + concave
+    value, slope, curvature = start
+    end_value, end_slope, end_curvature = end
+    by_bend = max(0.25 * step * (end_slope - slope), 0.125 * step * step * max(curvature, end_curvature))
+    concave = 0.5 * step * step * max(-curvature, -end_curvature, 0.0)
+    by_start = end_value - value - slope * step + concave
     sag: float = SAFETY * max(min(by_bend, by_start), 0.0)
     return sag
 
 
 @njit(cache=True, error_model="numpy")
-def _point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
+def energy_point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
     """Return e, e_x, e_v, e_xx, e_xv, e_vv [J/m] of a drive that is on; machines go on straight beyond an effort."""
     kind, parameters, braking = course.drive_kind, course.drive_parameters, mode == BRAKING
     if kind in CLOSED_FORMS:
@@ -272,15 +292,17 @@ def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, 
         for k in range(reach[j]):
             if kind in CLOSED_FORMS:
                 effort = step * k, step * (k + 1)
-                e_xx, e_vv = _loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
+                e_xx, e_vv, _ = loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
                 sag = 0.125 * (step * step * max(e_xx, 0.0) + (v2 - v1) ** 2 * max(e_vv, 0.0))
                 if GEARED[kind]:
                     sag = max(sag, _cut_off(points, j, k, shaft * step))
             else:
                 along = across = 0.0
                 for q in range(2):
-                    along = max(along, _estimated_sag(points[j + q, k], points[j + q, k + 1], 1, step))
-                    across = max(across, _estimated_sag(points[j, k + q], points[j + 1, k + q], 2, v2 - v1))
+                    a, b = points[j + q, k], points[j + q, k + 1]
+                    along = max(along, estimated_sag((a[0], a[1], a[3]), (b[0], b[1], b[3]), step))
+                    a, b = points[j, k + q], points[j + 1, k + q]
+                    across = max(across, estimated_sag((a[0], a[2], a[4]), (b[0], b[2], b[4]), v2 - v1))
                 sag = along + across
             for q in range(2):
                 for r in range(2):
@@ -347,7 +369,7 @@ def tabulate(course: CourseData, slowest: float, fastest: float) -> DriveTable:
             v = row_speed(slowest, fastest, j)
             most = largest_effort(limit, v)
             for k in range(table.last[mode, j] + 1):
-                e, e_x, e_v, e_xx, _, e_vv = _point(course, mode, step * k, most, step, v)
+                e, e_x, e_v, e_xx, _, e_vv = energy_point(course, mode, step * k, most, step, v)
                 p = points[j, k]
                 p[0], p[1], p[2], p[3], p[4] = e, e_x, e_v, e_xx, e_vv
         sags = _sags(course, table, mode, points, reach)

@@ -1,0 +1,143 @@
+"""A lower bound of the energy of every driving of a train, from prices along the line.
+
+For any driving that keeps its limits, with the state w = v^2 over the place s, half the inertia K and the price p = -K y,
+
+    E + lambda T = integral of [e + lambda / v + (p w)'] ds - [p w] between the ends
+                >= sum over pieces of integral of c(s) ds + sum over their ends of min(0, (p+ - p-) w_max) - [p w],
+    c(s) = least over v and efforts of H, see `hamiltonian`.
+
+No mesh occurs in it. Within a piece y and p' w are affine in s, and so is H for each speed and effort: their least c is
+concave, so that the mean of its two ends times the length is at most its integral.
+
+References: the inequality is that of Hamilton, Jacobi and Bellman with a potential that is linear in w; derived here.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
+from railjoule.core.continuous_bound.hamiltonian import fill_pieces, strip_bends
+from railjoule.core.continuous_bound.prices import Pieces, price_pieces
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.motion.course import Course
+from railjoule.core.physics.course_data import CourseData
+
+
+class ContinuousBound(NamedTuple):
+    """What prices along a line prove.
+
+    Parameters
+    ----------
+    energy_j : float
+        No driving of the train needs less [J], dwells not included.
+    pieces : Pieces
+        The prices.
+    shares_j : array of shape (k,)
+        What each piece adds to energy and priced time [J].
+    """
+
+    energy_j: float
+    pieces: Pieces
+    shares_j: FloatArray
+
+
+def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) -> ContinuousBound:
+    """Return the bound that the multipliers of an optimum prove for every driving within a time."""
+    data = course.data
+    rows = rows_of(course)
+    price_of_time = max(optimum.price_of_time_w, 0.0)
+    pieces = price_pieces(data, optimum, rows, price_of_time + data.auxiliary_power_w)
+    shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
+    energy = float(shares.sum() + sum_of_ends(data, pieces)) - price_of_time * running_time_s
+    return ContinuousBound(energy, pieces, shares)
+
+
+def rows_of(course: Course) -> DriveRows:
+    """Return the table of a course's drive up to the greatest speed of the course."""
+    return drive_rows(course.data, float(course.cell_limit_ms.max()))
+
+
+def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
+    """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
+    data, cell = course.data, pieces.cell
+    length = np.diff(pieces.position_m)
+    line = np.array([data.line_force_n[cell], data.resistance_quadratic[cell], piece_limits(course, pieces)])
+    neutral = data.powered[cell] < 1.0
+    train = np.array(
+        [
+            data.half_inertia_kg,
+            data.resistance_constant_n,
+            data.resistance_linear,
+            price_of_time,
+            data.max_acceleration_ms2,
+            data.max_deceleration_ms2,
+        ]
+    )
+    values, speeds = np.empty((2, 2, len(cell)))
+    prices = np.concatenate([pieces.motion, pieces.force])
+    bend = strip_bends(rows.speed_ms)
+    fill_pieces(rows, bend, length, prices, line, train, values, speeds)
+    shares: FloatArray = 0.5 * length * (values[0] + values[1])
+    _replace_at_rest(data, rows, pieces, line, price_of_time, shares)
+    return shares
+
+
+def _replace_at_rest(
+    data: CourseData, rows: DriveRows, pieces: Pieces, line: FloatArray, price_of_time: float, shares: FloatArray
+) -> None:
+    """Replace the shares of the pieces that end at rest, in place, by what holds for any motion there.
+
+    Over a length d between rest and a square of speed w, with an acceleration of at most a, w <= 2 a d and the time is
+    at least sqrt(2 d / a). The work at the wheels is N = +-K w + (A + G) d or more, and costs at least the greater of
+    eta N and eta_b r N, the least per work of driving and the most returned per work of braking.
+    """
+    driving, braking, taken, returned = rows.at_rest
+    inertia = data.half_inertia_kg
+    places = np.searchsorted(pieces.position_m, np.append(0.0, np.cumsum(data.cell_length_m)) - 1e-9)
+    for place in places[data.fixed_speed2 == 0.0]:
+        for piece, side, most in ((place, 1.0, data.max_acceleration_ms2), (place - 1, -1.0, data.max_deceleration_ms2)):
+            if not 0 <= piece < len(shares):
+                continue
+            length = pieces.position_m[piece + 1] - pieces.position_m[piece]
+            resisted = data.resistance_constant_n + line[0, piece]
+            fastest2 = 2.0 * length * most
+            effort = driving - resisted if side > 0.0 else braking + rows.friction_n + resisted
+            if side < 0.0:
+                # resistance at the greatest speed that the piece may begin with helps, too
+                fastest2 = min(fastest2, line[2, piece] ** 2, length * (effort + 1.0) / inertia)
+                effort += data.resistance_linear * fastest2**0.5 + line[1, piece] * fastest2
+            acceleration = min(effort / (2.0 * inertia), most)
+            if acceleration <= 0.0:
+                continue
+            fastest2 = 2.0 * length * acceleration
+            price = pieces.motion[1 if side > 0.0 else 0, piece]
+            level = resisted * length
+            # convex in w: least at an end, or where no work is needed
+            squares = np.clip(np.array([0.0, fastest2, -side * level / inertia]), 0.0, fastest2)
+            work = side * inertia * squares + level
+            cost = np.maximum(taken * work, returned * data.recuperation_factor * work) - side * price * inertia * squares
+            shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
+
+
+def piece_limits(course: Course, pieces: Pieces) -> FloatArray:
+    """Return the greatest speed in each piece [m/s]."""
+    limits: FloatArray = course.cell_limit_ms[pieces.cell]
+    if np.isfinite(course.permitted_deceleration_ms2):
+        limit2 = course.data.largest_speed2
+        limits = np.minimum(limits, np.sqrt(np.maximum(limit2[pieces.cell], limit2[pieces.cell + 1])))
+    return limits
+
+
+def sum_of_ends(data: CourseData, pieces: Pieces) -> float:
+    """Return at most what the prices at the ends of the line and their jumps add [J]."""
+    node = np.append(0.0, np.cumsum(data.cell_length_m))
+    price = -data.half_inertia_kg * pieces.motion
+    # the first piece that begins at each node, and the one before
+    after = np.searchsorted(pieces.cell, np.arange(1, len(node) - 1))
+    # all that depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
+    slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
+    fixed = data.fixed_speed2
+    worth = np.where(fixed >= 0.0, slope * np.maximum(fixed, 0.0), np.minimum(0.0, slope * data.largest_speed2))
+    return float(worth.sum())
