@@ -44,13 +44,13 @@ from railjoule.core.drive.loss_map.table import PATCH
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
-SPEEDS = 240
+SPEEDS = 160
 """Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed."""
 EFFORT_SHARES = (np.arange(193) / 192) ** 1.5
 """Shares of the largest effort of the table: a train that holds its speed needs little."""
 ALL_OR_NOTHING = np.array([0.0, 1.0])
 """Those of a drive whose energy is linear in effort."""
-SLOWEST_MS, GREATEST_RATIO = 1e-4, 1.055
+SLOWEST_MS, GREATEST_RATIO = 1e-4, 1.08
 """Below the speed where these rows stand in the ratio, they fall by it down to the first [m/s]."""
 LIMIT_EXCESS = 2e-5
 """Strips in which the line above a limit exceeds it by more than this share of the largest effort are halved."""

@@ -26,7 +26,7 @@ from railjoule.core.physics.course_data import CourseData
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
 """Within the first of these of a place of rest y is traced, down to the second [m]."""
-GROWTH, MOST_GROWTH = 0.04, 0.12
+GROWTH, MOST_GROWTH = 0.05, 0.15
 """A piece at the distance d of rest is longer than the next nearer one by GROWTH (NEAR_M / d)^(1/4), up to the most."""
 AT_LIMIT = 1e-5
 """Within this share of a limit a train keeps it."""

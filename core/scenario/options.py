@@ -38,6 +38,9 @@ class SolverOptions(Part):
     """How finely the line is cut."""
 
     mesh_m: Number = Field(5.0, ge=0.001, le=1000, description="Largest length of a cell [m].")
+    tolerance: Number = Field(
+        5e-4, ge=1e-5, le=0.1, description="Share of the energy by which an optimum may exceed its lower bound."
+    )
 
 
 class SearchOptions(Part):

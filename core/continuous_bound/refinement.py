@@ -1,0 +1,157 @@
+"""The optimum of a task over a mesh that is refined until its run is close to what no driving undercuts.
+
+Solve, bound, compare cell by cell what the run costs with what the bound says of the cell, cut the cells where they
+differ, and again. What a cell of the length h misses falls with h^2 or faster, so that a cell whose gap is k^2 times
+its share of the tolerance is cut into k. Cells are also cut where the run would exceed its limits between the nodes,
+and none stays more than four times as long as its neighbour.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.bounds.minimum import Solution, minimise
+from railjoule.core.budget import current_budget
+from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
+from railjoule.core.errors import RailjouleError
+from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.between_nodes import follow_between_nodes
+from railjoule.core.physics.reference import reference_energy
+from railjoule.core.task import Task, prepare_task
+
+MOST_ROUNDS = 6
+"""Solutions at most; nearly all scenarios need one to three."""
+MOST_PARTS, SHORTEST_M = 4, 0.02
+"""Into how many parts a cell is cut at once, and the length below which it is not [m]."""
+ALLOTTED = 0.4
+"""Which share of the tolerance the cells together may keep."""
+STEEPEST = 4.0
+"""How many times as long as its neighbour a cell may be."""
+LARGEST_EXCESS = 5e-4
+"""Cells in which a run exceeds a limit by more than this share are cut."""
+MOST_GROWTH, FEWEST_CELLS = 4, 1000
+"""A mesh grows at most to so many times its cells, or to so many."""
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedOptimum:
+    """An optimum and what is proven of it.
+
+    Parameters
+    ----------
+    task : Task
+        What is asked for, over the refined mesh.
+    solution : Solution
+        The optimum over that mesh.
+    bound : ContinuousBound
+        The greatest bound found.
+    gap : float
+        Energy less the bound, over the reference energy.
+    rounds : int
+        How many solutions that took.
+    """
+
+    task: Task
+    solution: Solution
+    bound: ContinuousBound
+    gap: float
+    rounds: int
+
+
+def refined_optimum(task: Task) -> RefinedOptimum:
+    """Return the optimum of a smooth drive over a mesh as fine as `solver.tolerance` asks for.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable; its cells are the longest.
+
+    Raises
+    ------
+    SolverError
+        If no optimum is found over the first mesh. If a finer one has none, that before it stands.
+    """
+    tolerance = task.scenario.solver.tolerance
+    most_cells = min(max(MOST_GROWTH * task.course.cell_count, FEWEST_CELLS), current_budget().cell_count)
+    found = _bounded_optimum(task, 1)
+    best = found
+    while best.rounds < MOST_ROUNDS:
+        cuts = _cuts(found, tolerance)
+        if cuts.max() == 1 or cuts.sum() > most_cells:
+            break
+        try:
+            found = _bounded_optimum(_finer_task(found.task, cuts), found.rounds + 1)
+        except RailjouleError:
+            break
+        best = _better(best, found, tolerance)
+    return best
+
+
+def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
+    task.require_timetable()
+    solution = minimise(task)
+    optimum = solution.optimum
+    bound = continuous_bound(task.course, optimum, task.running_time_s)
+    return RefinedOptimum(task, solution, bound, _gap(task, solution, bound), rounds)
+
+
+def _gap(task: Task, solution: Solution, bound: ContinuousBound) -> float:
+    energy = solution.optimum.energy_j
+    return (energy - bound.energy_j) / reference_energy(task.course.data, energy, task.running_time_s)
+
+
+def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> RefinedOptimum:
+    """Return the later of two optima with the greater of both bounds, unless its gap is larger and not tolerated."""
+    bound = max(before.bound, found.bound, key=lambda bound: bound.energy_j)
+    gaps = [_gap(one.task, one.solution, bound) for one in (before, found)]
+    kept, gap = (found, gaps[1]) if abs(gaps[1]) <= max(abs(gaps[0]), tolerance) else (before, gaps[0])
+    return replace(kept, bound=bound, gap=gap, rounds=found.rounds)
+
+
+def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
+    """Return what the run costs in each cell above what the bound says of it [J]; shape (n,)."""
+    data, optimum, pieces = found.task.course.data, found.solution.optimum, found.bound.pieces
+    cells = account_of_run(data, optimum.speed2)
+    priced = cells.line_power_w + data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
+    count = len(data.cell_length_m)
+    numbers = np.arange(count)
+    first = np.searchsorted(pieces.cell, numbers)
+    last = np.searchsorted(pieces.cell, numbers, side="right") - 1
+    start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
+    gaps: FloatArray = priced * cells.duration_s - data.half_inertia_kg * (end - start)
+    return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
+
+
+def _cuts(found: RefinedOptimum, tolerance: float) -> np.ndarray:
+    """Return into how many parts each cell is cut; shape (n,)."""
+    data, optimum = found.task.course.data, found.solution.optimum
+    length = data.cell_length_m
+    cuts = np.ones(len(length), dtype=int)
+    if abs(found.gap) > tolerance:
+        scale = reference_energy(data, optimum.energy_j, found.task.running_time_s)
+        allotted = ALLOTTED * tolerance * scale / len(length)
+        cuts = np.clip(np.ceil(np.sqrt(np.abs(cell_gaps_j(found)) / allotted)), 1, MOST_PARTS).astype(int)
+    excess = follow_between_nodes(data, optimum.speed2).excess_share
+    cuts[excess > LARGEST_EXCESS] = MOST_PARTS
+    cuts[length < SHORTEST_M] = 1
+    if cuts.max() == 1:
+        return cuts
+    while True:
+        part = length / cuts
+        steep = np.zeros(len(length), dtype=bool)
+        steep[1:] |= part[1:] > STEEPEST * (1.0 + 1e-6) * part[:-1]
+        steep[:-1] |= part[:-1] > STEEPEST * (1.0 + 1e-6) * part[1:]
+        if not steep.any():
+            return cuts
+        cuts[steep] *= 2
+
+
+def _finer_task(task: Task, cuts: np.ndarray) -> Task:
+    """Return a task over a mesh whose cells are cut into parts."""
+    node = task.course.position_m
+    number = np.repeat(np.arange(len(cuts)), cuts)
+    part = np.arange(len(number)) - np.repeat(np.cumsum(cuts) - cuts, cuts)
+    position = np.append(node[number] + (node[number + 1] - node[number]) * part / cuts[number], node[-1])
+    finer = prepare_task(task.scenario, *task.end_speeds_ms, position)
+    return replace(finer, running_time_s=task.running_time_s)
