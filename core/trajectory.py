@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 
 MEASURED, BY_HAND = "measured", "by hand"
 """Who made a run that a recorder wrote, where others name a strategy."""
-# well above the tolerance of the solver and the rounding of its certificate, below any printed digit
-PROVEN_GAP = 1e-6
-"""A run this close to its bound, relatively, counts as proven optimal."""
 # a millisecond in a quarter of an hour
 LATE_SHARE = 1e-6
 """A run that is later than a bound's time by less than this share of it is in time but for rounding."""
@@ -39,6 +36,22 @@ Window = tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
+class Costate:
+    """The price of force along a line, from which a lower bound is proven: what a newton over a metre is worth.
+
+    Parameters
+    ----------
+    position_m : array of shape (m,)
+        Places [m], rising; where the price jumps, one place comes twice.
+    force_price : array of shape (m,)
+        Energy at the line over work at the wheels [J/J]. Next to a stop it grows without limit.
+    """
+
+    position_m: FloatArray
+    force_price: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Bound:
     """A lower bound of the energy of a scenario.
 
@@ -47,42 +60,48 @@ class Bound:
     energy_j : float
         No run that it covers needs less [J].
     statement : str
-        Which runs it covers, in words.
-    position_m : array of shape (n + 1,)
-        The nodes of the mesh over which it holds [m]: over others a run may need less.
+        The same in one sentence, with what it assumes.
     travel_time_s : float
         The longest time of a run that it covers, dwells included [s].
+    every_run_j : float
+        What every driving of this train needs at least [J]; less than `energy_j` where that covers runs over one mesh.
+    position_m : array of shape (n + 1,) or None
+        The nodes of the only mesh over which it holds [m]; None where it covers every run.
     slowest_ms : float or array of shape (n + 1,)
-        The least speeds at the nodes of a run that it covers [m/s].
-    switched_j : float or None
-        What such runs need at least that switch the powertrain on and off within cells [J], equal to `energy_j` where
-        the bound covers them too; None where it takes no power without effort, and there is nothing to switch.
+        The least speeds at these nodes of a run that it covers [m/s].
     premise : str
         What the bound takes for granted of the powertrain, in a clause; empty where nothing.
-    pending : bool
-        Whether a proof has yet to run. The energy is then only the work at the wheels: no bound to show.
     windows : tuple of Window
         Windows of arrival that a run that it covers keeps.
+    costate : Costate or None
+        What proves it, where that is one price of force along the whole line.
     """
 
     energy_j: float
     statement: str
-    position_m: FloatArray
     travel_time_s: float
+    every_run_j: float
+    position_m: FloatArray | None = None
     slowest_ms: FloatArray | float = 0.0
-    switched_j: float | None = None
     premise: str = ""
-    pending: bool = False
     windows: tuple[Window, ...] = ()
+    costate: Costate | None = None
+
+    @property
+    def covers_every_run(self) -> bool:
+        """Whether it holds for every driving of the train, not only for runs over one mesh."""
+        return self.position_m is None
 
     def covers(self, run: "Trajectory") -> bool:
-        """Return whether a run is over the same mesh, no later and nowhere slower, and keeps the bound's windows."""
-        # a later run may need less, as may a slower one, and one over other nodes may switch where these cannot
-        in_time = run.travel_time_s <= self.travel_time_s * (1 + LATE_SHARE)
-        if not in_time or not np.array_equal(run.nodes_m, self.position_m):
+        """Return whether a run is no later, keeps the bound's windows, and is over its mesh, if it has one."""
+        if run.travel_time_s > self.travel_time_s * (1 + LATE_SHARE):
             return False
-        slow = np.any(run.node_speed_ms < self.slowest_ms * (1 - LATE_SHARE))
-        return not slow and all(run.keeps(window) for window in self.windows)
+        if self.position_m is not None:
+            if not np.array_equal(run.nodes_m, self.position_m):
+                return False
+            if np.any(run.node_speed_ms < self.slowest_ms * (1 - LATE_SHARE)):
+                return False
+        return all(run.keeps(window) for window in self.windows)
 
 
 @dataclass(frozen=True)
@@ -240,7 +259,7 @@ class Trajectory:
     @property
     def lower_bound_kwh(self) -> float | None:
         """Energy that no run covered by the bound undercuts [kWh], if a bound is known."""
-        return None if self.bound is None or self.bound.pending else self.bound.energy_j / J_PER_KWH
+        return None if self.bound is None else self.bound.energy_j / J_PER_KWH
 
     @property
     def gap(self) -> float | None:
@@ -248,7 +267,7 @@ class Trajectory:
 
         A bound near zero counts as a tenth of the kinetic energy at the mean speed.
         """
-        if self.bound is None or self.bound.pending:
+        if self.bound is None:
             return None
         vehicle = self.scenario.vehicle
         kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2
@@ -258,8 +277,8 @@ class Trajectory:
 
     @property
     def is_proven(self) -> bool:
-        """Whether the bound proves that this is the optimum."""
-        return self.gap is not None and abs(self.gap) <= PROVEN_GAP
+        """Whether the bound proves that no run needs less by more than `solver.tolerance`."""
+        return self.gap is not None and abs(self.gap) <= self.scenario.solver.tolerance
 
     @property
     def above_kwh(self) -> float | None:

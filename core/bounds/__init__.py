@@ -1,26 +1,22 @@
 """The least energy of a task and what is proven of it: what strategies, studies and checks share.
 
 `minimum` finds the optimum: `minimise` that of a task, `minimise_decided` that with the drive on in given cells alone.
-`certified` turns the multipliers of an optimum into a bound: any multipliers prove some lower bound, those of the
-optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
-on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
-covers its own nodes and time. `tightening` raises the bound of a drive that idles step by step; `tightened` is its
-last step. `strongest_bounds` lets bounds of several timetables strengthen one another, and `time_line` has one for
-every time.
+`certified` turns its multipliers into a bound for every driving of the train: any multipliers prove some lower bound,
+those of the optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns it,
+`bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that covers its time.
+`tightening` raises the bound of a drive that idles step by step, for runs over one mesh; `tightened` is its last step.
+`strongest_bounds` lets bounds of several timetables strengthen one another, and `time_line` has one for every time.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
 
 from railjoule.core.bounds.certified import (
-    PROOF_BUDGET,
     bound_of,
     bounded,
     certify,
     chain_proof,
     chain_target_j,
-    proven_j,
-    switched_premise,
-    windowed_bound_statement,
+    every_run_statement,
     with_chains,
     work_floor_j,
 )
@@ -42,7 +38,6 @@ from railjoule.core.bounds.timetables import strongest_bounds
 __all__ = [
     "FIRST_STAGE_BOXES",
     "LONGEST_PROOF_S",
-    "PROOF_BUDGET",
     "ProofStep",
     "Solution",
     "TimeLine",
@@ -53,16 +48,14 @@ __all__ = [
     "chain_proof",
     "chain_target_j",
     "check_seconds",
+    "every_run_statement",
     "minimise",
     "minimise_decided",
-    "proven_j",
     "run_to_prove",
     "strongest_bounds",
-    "switched_premise",
     "tightened",
     "tightening",
     "time_line",
-    "windowed_bound_statement",
     "with_chains",
     "with_tighter_bound",
     "work_floor_j",

@@ -58,13 +58,11 @@ class ProofStep:
 
 
 def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
-    """Return whether chains may prove more of a task than a bound, which is its own: of a run that may be the best."""
-    # a bound of another time or mesh, as of a run with nodes of its own, is another task's
-    own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
-    # the optimum of a smooth drive tells how loose its bound is: no proof comes near another run that needs more
-    may_be_best = task.course.drive.jumps_at_no_effort or run.strategy == OPTIMUM
+    """Return whether chains may prove more of a run of a task than a bound."""
+    # chains prove something of runs over the task's own mesh, and only where a drive idles more than the first bound
+    own = np.array_equal(run.nodes_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
     # a proof of the whole line knows no windows of arrival: it comes near no run that they bind
-    return may_be_best and own and not bound.windows and bound.covers(run)
+    return task.course.drive.jumps_at_no_effort and own and not bound.windows and bound.covers(run)
 
 
 def tightening(

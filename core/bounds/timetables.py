@@ -17,7 +17,7 @@ def strongest_bounds(bounds: Sequence[Bound]) -> list[Bound]:
     Parameters
     ----------
     bounds : sequence of Bound
-        Of the same scenario but for the timetable's times, in any order; those over other meshes stay apart.
+        Of the same scenario but for the timetable's times, in any order; what holds over one mesh says nothing of others.
 
     Returns
     -------
@@ -36,6 +36,12 @@ def _includes(other: Bound, own: Bound) -> bool:
         other.travel_time_s >= own.travel_time_s
         and other.energy_j >= own.energy_j
         and set(other.windows) <= set(own.windows)
-        and np.array_equal(other.position_m, own.position_m)
-        and bool(np.all(other.slowest_ms <= own.slowest_ms))
+        and _covers_mesh(other, own)
     )
+
+
+def _covers_mesh(other: Bound, own: Bound) -> bool:
+    """Return whether a bound holds over every mesh, or over that of another one for runs that are as slow."""
+    if other.position_m is None or own.position_m is None:
+        return other.position_m is None
+    return np.array_equal(other.position_m, own.position_m) and bool(np.all(other.slowest_ms <= own.slowest_ms))

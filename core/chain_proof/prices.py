@@ -11,35 +11,36 @@ Each interval's price is the multiplier clipped to this window at its speed. Whe
 the optimum's own price rightly lies outside of the window at its own speed: the window is widened by that factor.
 """
 
+import math
+
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_speed
-from railjoule.core.drive.kernels import jumps_at_no_effort
-from railjoule.core.interior_point.certificate import energy_tangents, usable_prices
-from railjoule.core.interior_point.certificate import node_prices as smooth_prices
-from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
+from railjoule.core.continuous_bound.drive_rows import drive_rows
+from railjoule.core.continuous_bound.prices import price_pieces
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.interior_point.switching_bound import START, price_switched_cells
-from railjoule.core.physics.course_data import CourseData, cells_of
+from railjoule.core.physics.course_data import CourseData
 
 
 def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
     """Return the slopes of the cost to go by the square of speed at each node [J s2/m2]; shape (n + 1,).
 
-    A priced cell's slope by the square of speed at its start is the node's price plus what its force and its limit of
-    acceleration say; the cost to go falls by the price. At the end no cost is left to go.
+    They are -K times the price of force of `railjoule.core.continuous_bound.prices`; next to rest, where that has no
+    end, that of the middle of the cell.
     """
-    if not jumps_at_no_effort(course.drive_kind):
-        price_of_time, over_speed = usable_prices(course, optimum)
-        given = price_of_time + course.auxiliary_power_w, over_speed, energy_tangents(course, optimum)
-        return -smooth_prices(course, optimum, *given)
-    cells = price_switched_cells(course, optimum)[0]
-    cell = cells_of(course)
-    by_start = -(cell.inertia - 0.5 * cell.quadratic)
-    rise = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) * cell.inertia
-    prices = -(cells[:, START] - optimum.force_price * by_start + rise)
-    return np.append(prices, 0.0)
+    price_of_time = max(optimum.price_of_time_w, 0.0) + course.auxiliary_power_w
+    rows = drive_rows(course, math.sqrt(float(course.largest_speed2.max())))
+    pieces = price_pieces(course, optimum, rows, price_of_time)
+    count = len(course.cell_length_m)
+    first = np.searchsorted(pieces.cell, np.arange(count))
+    last = np.searchsorted(pieces.cell, np.arange(count), side="right") - 1
+    before, after = np.append(np.nan, pieces.motion[1, last]), np.append(pieces.motion[0, first], np.nan)
+    price = np.nanmean([before, after], axis=0)
+    middle = optimum.force_price / course.cell_length_m
+    at_rest = course.fixed_speed2 == 0.0
+    price[at_rest] = np.append(middle, middle[-1])[at_rest]
+    return -course.half_inertia_kg * price
 
 
 def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -176,7 +176,7 @@ def loss_curvatures(
     speed: tuple[float, float],
     patch: FloatArray,
 ) -> tuple[float, float, float]:
-    """Return suprema of e_xx, e_vv and |e_xv| over a rectangle, of a kind in `CLOSED_FORMS`; `patch` has room for 16."""
+    """Return suprema of e_xx, e_vv, |e_xv| over a rectangle, of a kind in `CLOSED_FORMS`; `patch` has room for 16."""
     if kind == CONSTANT_EFFICIENCY:
         return 0.0, 0.0, 0.0
     if kind == COPPER_LOSS:

@@ -10,9 +10,10 @@ from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.advice import advise
 from railjoule.core.bounds.minimum import FREE_CENTRING, TOLERANCE
 from railjoule.core.compilation.order import Part
-from railjoule.core.interior_point.proof import prove
+from railjoule.core.continuous_bound.bound import continuous_bound
 from railjoule.core.interior_point.solver import Optimum, minimise_energy
 from railjoule.core.motion import build_course
+from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
@@ -60,12 +61,13 @@ def drive_solver() -> None:
 
 
 def drive_proof() -> None:
-    """Use the kernels of the first proof without those of the interior point, of whose result they take the form."""
+    """Use the kernels of the bound without those of the interior point, of whose result they take the form."""
     task = first_task()
-    course, cells = task.course.data, task.course.cell_count
-    prices, speed2 = np.ones(cells), task.greatest_speed2
-    guess = Optimum(speed2, prices, prices, np.ones((12, cells)), prices, 1.0, 1.0, 1.0, 0, 0)
-    prove(course, guess, speed2, task.running_time_s, TOLERANCE, 0)
+    prices, speed2 = np.ones(task.course.cell_count), task.greatest_speed2
+    guess = Optimum(speed2, prices, prices, np.ones((12, len(prices))), prices, 1.0, 1.0, 1.0, 0, 0)
+    continuous_bound(task.course, guess, task.running_time_s)
+    follow_between_nodes(task.course.data, speed2)
+    slow_to_possible(task.course.data, speed2)
 
 
 def drive_optimum() -> None:

@@ -1,6 +1,6 @@
 """A lower bound of the energy of every driving of a train, from prices along the line.
 
-For any driving that keeps its limits, with the state w = v^2 over the place s, half the inertia K and the price p = -K y,
+For any driving that keeps its limits, with w = v^2 over the place s, half the inertia K and the price p = -K y,
 
     E + lambda T = integral of [e + lambda / v + (p w)'] ds - [p w] between the ends
                 >= sum over pieces of integral of c(s) ds + sum over their ends of min(0, (p+ - p-) w_max) - [p w],
@@ -36,11 +36,14 @@ class ContinuousBound(NamedTuple):
         The prices.
     shares_j : array of shape (k,)
         What each piece adds to energy and priced time [J].
+    price_of_time_w : float
+        The price of a second, without auxiliaries [J/s]: by so much the bound falls with each second more.
     """
 
     energy_j: float
     pieces: Pieces
     shares_j: FloatArray
+    price_of_time_w: float
 
 
 def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) -> ContinuousBound:
@@ -51,7 +54,7 @@ def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) ->
     pieces = price_pieces(data, optimum, rows, price_of_time + data.auxiliary_power_w)
     shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
     energy = float(shares.sum() + sum_of_ends(data, pieces)) - price_of_time * running_time_s
-    return ContinuousBound(energy, pieces, shares)
+    return ContinuousBound(energy, pieces, shares, price_of_time)
 
 
 def rows_of(course: Course) -> DriveRows:
@@ -64,7 +67,6 @@ def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time:
     data, cell = course.data, pieces.cell
     length = np.diff(pieces.position_m)
     line = np.array([data.line_force_n[cell], data.resistance_quadratic[cell], piece_limits(course, pieces)])
-    neutral = data.powered[cell] < 1.0
     train = np.array(
         [
             data.half_inertia_kg,
@@ -97,7 +99,10 @@ def _replace_at_rest(
     inertia = data.half_inertia_kg
     places = np.searchsorted(pieces.position_m, np.append(0.0, np.cumsum(data.cell_length_m)) - 1e-9)
     for place in places[data.fixed_speed2 == 0.0]:
-        for piece, side, most in ((place, 1.0, data.max_acceleration_ms2), (place - 1, -1.0, data.max_deceleration_ms2)):
+        for piece, side, most in (
+            (place, 1.0, data.max_acceleration_ms2),
+            (place - 1, -1.0, data.max_deceleration_ms2),
+        ):
             if not 0 <= piece < len(shares):
                 continue
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
@@ -117,7 +122,9 @@ def _replace_at_rest(
             # convex in w: least at an end, or where no work is needed
             squares = np.clip(np.array([0.0, fastest2, -side * level / inertia]), 0.0, fastest2)
             work = side * inertia * squares + level
-            cost = np.maximum(taken * work, returned * data.recuperation_factor * work) - side * price * inertia * squares
+            cost = (
+                np.maximum(taken * work, returned * data.recuperation_factor * work) - side * price * inertia * squares
+            )
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
 
 
@@ -136,7 +143,7 @@ def sum_of_ends(data: CourseData, pieces: Pieces) -> float:
     price = -data.half_inertia_kg * pieces.motion
     # the first piece that begins at each node, and the one before
     after = np.searchsorted(pieces.cell, np.arange(1, len(node) - 1))
-    # all that depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
+    # what depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
     slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
     fixed = data.fixed_speed2
     worth = np.where(fixed >= 0.0, slope * np.maximum(fixed, 0.0), np.minimum(0.0, slope * data.largest_speed2))

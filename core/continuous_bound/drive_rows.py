@@ -11,8 +11,8 @@ and friction brakes may add their effort where the price is negative. The table 
 
       du^2 / 8 sup max(e_uu, 0) + dv^2 / 8 sup max(e_vv along u, 0)
 
-  below the bilinear interpolant of its values at the corners (u, v) of a rectangle; the values are lowered by it. So the
-  linear interpolant over speed of the least over u at both rows lies below h.
+  below the bilinear interpolant of its values at the corners (u, v) of a rectangle; the values are lowered by it. So
+  the linear interpolant over speed of the least over u at both rows lies below h.
 - As a minimum of functions that are affine in y, h is concave in y: chords of a grid of prices lie below it. Beyond the
   grid it goes on with the slope of the greatest effort.
 
@@ -152,7 +152,12 @@ def _price_grid(course: CourseData, bounds: tuple[float, float]) -> FloatArray:
             away.append(away[-1] * ratio + step)
     distance = np.array(away)
     returned = course.recuperation_factor * distance[distance < CLOSE]
-    grids = [1.0 - distance, 1.0 + distance, course.recuperation_factor - returned, course.recuperation_factor + returned]
+    grids = [
+        1.0 - distance,
+        1.0 + distance,
+        course.recuperation_factor - returned,
+        course.recuperation_factor + returned,
+    ]
     kinks = [0.0, bounds[0], bounds[1] * course.recuperation_factor]
     return np.unique(np.concatenate([*grids, kinks]))
 
@@ -183,9 +188,7 @@ def _upper_efforts(limit: EffortLimit, speed: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def fill_energies(
-    course: CourseData, speed: FloatArray, most: FloatArray, share: FloatArray
-) -> FloatArray:
+def fill_energies(course: CourseData, speed: FloatArray, most: FloatArray, share: FloatArray) -> FloatArray:
     """Return the line's energy per metre by share of effort [J/m], lowered by the sag; shape (2, m, k).
 
     Parameters
@@ -212,7 +215,9 @@ def fill_energies(
                 terms = energy_point(course, mode, top * share[k], inside, step, speed[j])
                 p = points[j, k]
                 p[0], p[1], p[2], p[3], p[4], p[5] = terms
-                p[6] = p[0] - shaft_force(course.drive_kind, course.drive_parameters, mode == BRAKING, top * share[k])[0]
+                p[6] = (
+                    p[0] - shaft_force(course.drive_kind, course.drive_parameters, mode == BRAKING, top * share[k])[0]
+                )
         sags = _sags(course, mode, speed, most[mode], share, points)
         for j in range(rows):
             for k in range(share.shape[0]):
@@ -348,5 +353,3 @@ def _lower_hull(e: FloatArray, share: FloatArray, hull: IntArray) -> int:
         hull[count] = k
         count += 1
     return count
-
-

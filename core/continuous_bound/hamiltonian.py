@@ -4,12 +4,10 @@ At a place with line force G and limit of speed v_m, with the price of force y o
 
     H(v) = h(y, v) + y (A + G + B v) + lambda / v + q v^2,      q = y C + p',
 
-with h of `drive_rows`. Between two rows h lies above its linear interpolant, and what is added is a function of v alone:
-its second derivative is 2 lambda / v^3 + 2 q. Where that is positive, a strip's least lies between its ends: the tangent
-at a point close to it is a bound. Elsewhere the ends decide. Below the first row the price of time outweighs all.
+with h of `drive_rows`. Between two rows h lies above its linear interpolant, and what is added is a function of v
+alone: its second derivative is 2 lambda / v^3 + 2 q. Where that is positive, a strip's least lies between its ends: the
+tangent at a point close to it is a bound. Elsewhere the ends decide. Near rest the price of time outweighs all.
 """
-
-import math
 
 import numpy as np
 
@@ -114,9 +112,14 @@ def _slowest_row(
     if not room > 0.0:
         return worth, 0
     first = min(max(np.searchsorted(rows.speed_ms, price_of_time / room) - 1, 0), count - 1)
-    while first > 0 and worth + level + price_of_time / rows.speed_ms[first] + min(by_speed2, 0.0) * (
-        rows.speed_ms[first] * rows.speed_ms[first]
-    ) < known:
+    while (
+        first > 0
+        and worth
+        + level
+        + price_of_time / rows.speed_ms[first]
+        + min(by_speed2, 0.0) * (rows.speed_ms[first] * rows.speed_ms[first])
+        < known
+    ):
         first -= 1
     return worth, first
 
@@ -125,7 +128,7 @@ def _slowest_row(
 def _least_of_strip(
     ends: tuple[float, float, float, float], slope: float, by_speed2: float, price_of_time: float
 ) -> float:
-    """Return at most the least of slope v + lambda / v + q v^2 + constant between two speeds, whose values are known."""
+    """Return at most the least of slope v + lambda / v + q v^2 + constant between two speeds with known values."""
     v1, v2, first, last = ends
     by_time = price_of_time
     start = slope - by_time / (v1 * v1) + 2.0 * by_speed2 * v1
@@ -209,5 +212,3 @@ def fill_pieces(
             if more != 0.0:
                 value -= 2.0 * half_inertia * abs(more) * (acceleration if more > 0.0 else deceleration)
             values[side, i] = value
-
-

@@ -1,7 +1,7 @@
 """The price of force along a line, piece by piece, from the multipliers of an optimum over a mesh.
 
-The price y [without unit] of a change of K w, K half the inertia and w the square of speed, is the costate -p / K of the
-continuous problem. A multiplier is its value at the middle of a cell; to the nodes it goes on with its own slope,
+The price y [without unit] of a change of K w, K half the inertia and w the square of speed, is the costate -p / K of
+the continuous problem. A multiplier is its value at the middle of a cell; to the nodes it goes on with its own slope,
 
     K y' = dH/dw = 1 / (2 v) (dh/dv + y (B + 2 C v) - lambda / v^2),
 
@@ -83,9 +83,7 @@ def price_pieces(course: CourseData, optimum: Optimum, rows: DriveRows, price_of
     motion, held_motion = _prices_of_cells(course, optimum)
     motion = _marginal_prices(course, optimum, motion)
     prices = np.empty((2, len(cell)))
-    fill_prices(
-        course, rows, optimum.speed2, node, position, cell, motion, held_motion, at_rest, price_of_time, prices
-    )
+    fill_prices(course, rows, optimum.speed2, node, position, cell, motion, held_motion, at_rest, price_of_time, prices)
     places = np.searchsorted(position, node - 1e-9)
     may_jump = np.zeros(len(position), dtype=bool)
     may_jump[places] = at_rest | (course.fixed_speed2 >= 0) | (optimum.speed2 >= course.largest_speed2 * (1 - AT_LIMIT))

@@ -10,15 +10,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.bounds.minimum import Solution, minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
+from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError
+from railjoule.core.motion import running_time
 from railjoule.core.physics.account import account_of_run
-from railjoule.core.physics.between_nodes import follow_between_nodes
+from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
 from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task, prepare_task
+from railjoule.core.trajectory import LATE_SHARE, line_energies_j
 
 MOST_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
@@ -85,7 +88,8 @@ def refined_optimum(task: Task) -> RefinedOptimum:
         except RailjouleError:
             break
         best = _better(best, found, tolerance)
-    return best
+    possible = possible_optimum(best.task, best.solution)
+    return replace(best, solution=possible, gap=_gap(best.task, possible, best.bound))
 
 
 def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
@@ -123,15 +127,46 @@ def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
 
 
-def _cuts(found: RefinedOptimum, tolerance: float) -> np.ndarray:
+def possible_optimum(task: Task, solution: Solution) -> Solution:
+    """Return an optimum whose run keeps its limits between the nodes, too.
+
+    Where it exceeds them by more than a thousandth it is slowed down, and where it is then late, that of a time which
+    is shorter by as much. Where the train cannot be faster, the run stays as it is.
+
+    Parameters
+    ----------
+    task : Task
+    solution : Solution
+        Its optimum over the task's mesh.
+    """
+    data, optimum = task.course.data, solution.optimum
+    if follow_between_nodes(data, optimum.speed2).is_possible:
+        return solution
+    speed2 = slow_to_possible(data, optimum.speed2)
+    late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
+    if late_s > LATE_SHARE * task.running_time_s:
+        shorter = replace(task, running_time_s=task.running_time_s - late_s)
+        if not shorter.has_slack:
+            return solution
+        optimum = minimise(shorter).optimum
+        speed2 = slow_to_possible(data, optimum.speed2)
+        if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
+            return solution
+    net_j = net_energy(*line_energies_j(task.course, account_of_run(data, speed2)))
+    moved = optimum._replace(speed2=speed2, energy_j=net_j - task.dwell_energy_j)
+    return Solution(moved, solution.iterations + optimum.iterations, net_j)
+
+
+def _cuts(found: RefinedOptimum, tolerance: float) -> IntArray:
     """Return into how many parts each cell is cut; shape (n,)."""
     data, optimum = found.task.course.data, found.solution.optimum
     length = data.cell_length_m
     cuts = np.ones(len(length), dtype=int)
-    if abs(found.gap) > tolerance:
-        scale = reference_energy(data, optimum.energy_j, found.task.running_time_s)
-        allotted = ALLOTTED * tolerance * scale / len(length)
-        cuts = np.clip(np.ceil(np.sqrt(np.abs(cell_gaps_j(found)) / allotted)), 1, MOST_PARTS).astype(int)
+    if abs(found.gap) <= tolerance:
+        return cuts
+    scale = reference_energy(data, optimum.energy_j, found.task.running_time_s)
+    allotted = ALLOTTED * tolerance * scale / len(length)
+    cuts = np.clip(np.ceil(np.sqrt(np.abs(cell_gaps_j(found)) / allotted)), 1, MOST_PARTS).astype(int)
     excess = follow_between_nodes(data, optimum.speed2).excess_share
     cuts[excess > LARGEST_EXCESS] = MOST_PARTS
     cuts[length < SHORTEST_M] = 1
@@ -147,7 +182,7 @@ def _cuts(found: RefinedOptimum, tolerance: float) -> np.ndarray:
         cuts[steep] *= 2
 
 
-def _finer_task(task: Task, cuts: np.ndarray) -> Task:
+def _finer_task(task: Task, cuts: IntArray) -> Task:
     """Return a task over a mesh whose cells are cut into parts."""
     node = task.course.position_m
     number = np.repeat(np.arange(len(cuts)), cuts)

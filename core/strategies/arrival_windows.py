@@ -11,8 +11,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from railjoule.core.bounds import switched_premise, time_line, windowed_bound_statement, work_floor_j
-from railjoule.core.drive.kernels import may_be_concave
+from railjoule.core.bounds import every_run_statement, time_line, work_floor_j
+from railjoule.core.chain_proof.table import premise
 from railjoule.core.errors import ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.strategies.line_parts import (
@@ -308,19 +308,19 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
     if not line[-1].takes_exactly:
         # its own bound covers any earlier end
         exact.add(stops[-1])
-    total_j, slopes_w, slowest = 0.0, dict.fromkeys(arrivals, 0.0), [np.zeros(1)]
+    total_j, slopes_w = 0.0, dict.fromkeys(arrivals, 0.0)
     for timed in line:
         first, last, _ = timed.part
         bound = timed.bound
         if bound is None:
             return None
-        price_w, proven_j, floor = 0.0, bound.energy_j, bound.slowest_ms
+        price_w, proven_j = 0.0, bound.energy_j
         if not {first, last} <= exact:
             part = part_of(task, *timed.part)
             proven = time_line(with_auxiliaries(part, 0.0) if timed.takes_exactly else part)
             if proven is None:
                 return None
-            proven_j, price_w, floor = proven
+            proven_j, price_w = proven
         total_j += proven_j
         slopes_w[last] -= price_w
         if first > 0:
@@ -331,23 +331,13 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
             dwell_s = 0.0 if timed.takes_exactly else float(task.course.dwell_s[first])
             total_j += task.course.data.auxiliary_power_w * (arrivals[until] + dwell_s)
             slopes_w[until] += task.course.data.auxiliary_power_w
-        slowest.append(np.broadcast_to(floor, last - first + 1)[1:])
     for node, (low, high) in ends.items():
         if node in {timed.part[1] for timed in line} and node not in exact:
             total_j += min(slopes_w[node] * (low - arrivals[node]), slopes_w[node] * (high - arrivals[node]))
-    jumps = task.course.drive.jumps_at_no_effort
     total_j = max(total_j, work_floor_j(task))
-    return Bound(
-        total_j,
-        windowed_bound_statement(task, _words(task, windows)),
-        task.course.position_m,
-        task.travel_time_s,
-        np.concatenate(slowest),
-        switched_j=total_j if jumps else None,
-        premise=switched_premise(task) if jumps else "",
-        pending=jumps and may_be_concave(task.course.data.drive_kind),
-        windows=_with_places(task, windows),
-    )
+    statement = every_run_statement(task, total_j, _words(task, windows))
+    assumed, kept = premise(task.course.data.drive_kind), _with_places(task, windows)
+    return Bound(total_j, statement, task.travel_time_s, total_j, premise=assumed, windows=kept)
 
 
 def _words(task: Task, windows: Windows) -> str:

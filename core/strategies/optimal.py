@@ -4,9 +4,9 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 """
 
 from dataclasses import replace
-from functools import partial
 
-from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
+from railjoule.core.bounds import Solution, certify, minimise
+from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.energy import energy_decimals
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.physics.stretches import shortest_stretch_s
@@ -25,7 +25,7 @@ from railjoule.core.units import J_PER_KWH
 RELAXED_TOLERANCE = 1e-6
 
 
-def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
+def optimal(task: Task) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
     Of a drive that takes power without effort it is the best run found that is switched at nodes alone, and seldom
@@ -42,8 +42,6 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ----------
     task : Task
         What is asked for.
-    proof_budget : int
-        Boxes of speed that the proof may look at beyond one a cell.
 
     Raises
     ------
@@ -57,51 +55,69 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     task.require_timetable()
     windows = arrival_windows(task)
     if not windows:
-        return unwindowed_optimum(task, proof_budget)
-    line = optimum_within(task, windows, partial(unwindowed_optimum, proof_budget=proof_budget))
+        return _optimum_of(task, is_refined=True)
+    line = optimum_within(task, windows, unwindowed_optimum)
     best = joined(task, line, bound_within(task, line, windows))
     return _as_reference(task, best, binding_windows(task, line, windows))
 
 
-def unwindowed_optimum(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
-    """Return the optimum of a task whatever its windows of arrival; arguments and other errors as `optimal`."""
-    try:
-        return _by_interior_point(task, proof_budget)
-    except SolverError as failure:
-        return _by_recursion(task, failure)
+def unwindowed_optimum(task: Task) -> Trajectory:
+    """Return the optimum over a task's own mesh, whatever its windows of arrival; other errors as `optimal`."""
+    return _optimum_of(task, is_refined=False)
 
 
 def known_optimum(task: Task) -> Trajectory | None:
     """Return the optimum of a task, to measure other runs against; None where it is not found."""
     try:
-        return _by_interior_point(task, PROOF_BUDGET)
+        return _by_interior_point(task, is_refined=True)
     except RailjouleError:
         # another run stands without it
         return None
 
 
-def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
+def _optimum_of(task: Task, is_refined: bool) -> Trajectory:
+    try:
+        return _by_interior_point(task, is_refined)
+    except SolverError as failure:
+        return _by_recursion(task, failure)
+
+
+def _by_interior_point(task: Task, is_refined: bool) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
-    # the bound belongs to this optimum, relaxed or not: the run below may be another, and lie above it
+    if not task.course.drive.jumps_at_no_effort:
+        return _smooth_optimum(task, is_refined)
+    # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
-    optimum = solution.optimum
-    bound = certify(task, optimum, proof_budget)
-    speed2, price, iterations = optimum.speed2, optimum.price_of_time_w, solution.iterations
-    notes: tuple[str, ...] = ()
-    if task.course.drive.jumps_at_no_effort:
-        run = seldom_switched(task, optimum) if task.least_switching_s > 0 else None
-        run = run or unswitched(task, optimum)
-        speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
-        notes = (switching_note(task, solution, run),)
+    run = seldom_switched(task, solution.optimum) if task.least_switching_s > 0 else None
+    run = run or unswitched(task, solution.optimum)
     best = make_trajectory(
         task.scenario,
         task.course,
         "optimal",
-        speed2,
-        bound=bound,
-        price_of_time_w=price,
-        iterations=iterations,
-        notes=notes,
+        run.speed2,
+        bound=certify(task, solution.optimum),
+        price_of_time_w=run.price_of_time_w,
+        iterations=run.iterations,
+        notes=(switching_note(task, solution, run),),
+    )
+    return _as_reference(task, best)
+
+
+def _smooth_optimum(task: Task, is_refined: bool) -> Trajectory:
+    """Return the optimum of a drive without idle losses, over a mesh that is refined where it is asked for."""
+    if is_refined:
+        found = refined_optimum(task)
+        task, solution, proven = found.task, found.solution, found.bound
+    else:
+        solution, proven = minimise(task), None
+    best = make_trajectory(
+        task.scenario,
+        task.course,
+        "optimal",
+        solution.optimum.speed2,
+        bound=certify(task, solution.optimum, proven),
+        price_of_time_w=solution.optimum.price_of_time_w,
+        iterations=solution.iterations,
     )
     return _as_reference(task, best)
 

@@ -13,7 +13,8 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.bounds import certify, minimise
+from railjoule.core.bounds import certify
+from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
@@ -131,7 +132,6 @@ def frontier_times(task: Task, count: int = 40, longest_share: float = 2.0) -> F
 def energy_time_frontier(
     task: Task,
     travel_times_s: FloatArray,
-    with_bounds: bool = False,
     most_cells: int = MOST_CELLS,
     executor: Executor | None = None,
 ) -> Frontier:
@@ -143,8 +143,6 @@ def energy_time_frontier(
         What is asked for, but for its time.
     travel_times_s : array of shape (m,)
         Times of the whole run, dwells included [s].
-    with_bounds : bool
-        Whether each point is to be proven, which may take as long again.
     most_cells : int
         A finer mesh is replaced by one with about this many cells.
     executor : Executor, optional
@@ -156,9 +154,9 @@ def energy_time_frontier(
     coarse = coarsened(task, most_cells)
 
     def point(timed: Task) -> tuple[float, float, float]:
-        solution = minimise(timed, TOLERANCE)
-        bound = certify(timed, solution.optimum).energy_j if with_bounds else np.nan
-        return solution.energy_j, solution.optimum.price_of_time_w, bound
+        found = refined_optimum(timed)
+        bound = certify(found.task, found.solution.optimum, found.bound).energy_j
+        return found.solution.energy_j, found.solution.optimum.price_of_time_w, bound
 
     return _frontier(coarse, "optimal", travel_times_s, point, _notes(task, coarse), executor)
 

@@ -217,7 +217,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
             table = study_braking_sensors(scenario, executor).to_dataset()
         else:
             task = prepare_task(scenario)
-            frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)
+            frontier = energy_time_frontier(task, frontier_times(task), executor=executor)
             table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
             table.attrs["notes"] = " ".join(frontier.notes)
     write_labelled_table(table, path)

@@ -2,7 +2,7 @@
 
 An optimum of a smooth drive takes the same functions as `solve` does, in the same order, and none of what a table has
 no column for: phases, notes, arrays over distance. All else, another strategy, a drive that takes power without effort,
-windows of arrival, and the few optima that are not found or not proven at once, is left to `solve` itself.
+windows of arrival, and the few optima that are not found at once, is left to `solve` itself.
 """
 
 import math
@@ -13,10 +13,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.bounds import chain_target_j, minimise, proven_j
+from railjoule.core.bounds import certify
 from railjoule.core.bounds.proof_steps import OPTIMUM
 from railjoule.core.budget import Budget
 from railjoule.core.compilation import require_compiled
+from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
@@ -229,7 +230,7 @@ class Engine:
 
 
 def proven_optimum(task: Task) -> ProvenRun | None:
-    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for either.
+    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for it.
 
     Parameters
     ----------
@@ -237,14 +238,16 @@ def proven_optimum(task: Task) -> ProvenRun | None:
         Its timetable has slack, and no station a window of arrival.
     """
     try:
-        optimum = minimise(task).optimum
+        found = refined_optimum(task)
     except SolverError:
         return None
-    course, speed2 = task.course, optimum.speed2
+    course, optimum = found.task.course, found.solution.optimum
+    speed2 = optimum.speed2
     cells = account_of_run(course.data, speed2)
     net_j = net_energy(*line_energies_j(course, cells))
-    time_s, bound_j = float(np.cumsum(durations_s(course, cells))[-1]), proven_j(task, optimum)
-    # a bound covers no run that is later, and a loose one is tightened
-    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(task, net_j):
+    time_s = float(np.cumsum(durations_s(course, cells))[-1])
+    bound_j = certify(found.task, optimum, found.bound).energy_j
+    # a bound covers no run that is later
+    if time_s > task.travel_time_s * (1 + LATE_SHARE):
         return None
     return ProvenRun(course, speed2, cells, net_j, bound_j, time_s, optimum.price_of_time_w)

@@ -92,7 +92,7 @@ def test_times_that_no_train_can_keep_are_named(metro):
 
 
 def test_bounds_prove_the_points(metro):
-    frontier = energy_time_frontier(metro, frontier_times(metro, 5, longest_share=1.5), with_bounds=True)
+    frontier = energy_time_frontier(metro, frontier_times(metro, 5, longest_share=1.5))
     gap = frontier.energy_j / frontier.bound_j - 1
     # the proof aims at 0.8e-6, the points themselves at 1e-6
     assert np.all(gap >= 0)
