@@ -129,8 +129,7 @@ def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: floa
         What that needs, dwells included [J].
     """
     data, target = task.course.data, chain_target_j(task, energy_j) - task.dwell_energy_j
-    slowest2 = np.minimum(SLOWEST_SPEED2, optimum.speed2)
-    given = data, task.running_time_s, task.greatest_speed2, slowest2, speed2
+    given = data, task.running_time_s, task.greatest_speed2, slowest_covered_ms(optimum) ** 2, speed2
     return ChainProof(*given, node_prices(data, optimum), optimum.price_of_time_w, target)
 
 
@@ -140,8 +139,15 @@ def chain_target_j(task: Task, energy_j: float) -> float:
     return energy_j - CHAIN_TOLERANCE * reference_energy(task.course.data, moving, task.running_time_s)
 
 
-def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
-    """Return the greater of a bound and what chains have proven [J], dwells not included."""
+def slowest_covered_ms(optimum: Optimum) -> FloatArray:
+    """Return the least speeds at the nodes of the runs that chains from an optimum's prices cover [m/s]."""
+    # next to a stop, where the optimum itself is slower, they cover runs down to its speed
+    slowest: FloatArray = np.sqrt(np.minimum(SLOWEST_SPEED2, optimum.speed2))
+    return slowest
+
+
+def with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArray) -> Bound:
+    """Return the greater of a bound and what chains have proven [J], dwells not included, of runs so fast at least."""
     energy_j = float(proven_j + task.dwell_energy_j)
     if energy_j <= bound.energy_j:
         return bound
@@ -151,7 +157,7 @@ def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
         task.travel_time_s,
         bound.every_run_j,
         task.course.position_m,
-        math.sqrt(SLOWEST_SPEED2),
+        slowest_ms,
         premise(task.course.data.drive_kind),
     )
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railjoule.core.bounds.certified import chain_proof, chain_target_j, with_chains
+from railjoule.core.bounds.certified import chain_proof, chain_target_j, slowest_covered_ms, with_chains
 from railjoule.core.bounds.minimum import minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import ScenarioError
@@ -91,7 +91,8 @@ def tightening(
     if reached or not possible or budget <= 0 or seconds <= 0.0:
         return
     started = time.perf_counter()
-    proof = chain_proof(task, minimise(task).optimum, run.node_speed_ms**2, run.energy.net_j)
+    optimum = minimise(task).optimum
+    proof = chain_proof(task, optimum, run.node_speed_ms**2, run.energy.net_j)
     most = current_budget().chain_boxes
     while proof.may_advance(allowed := _boxes(budget, task, bound, run)):
         used = time.perf_counter() - started
@@ -99,7 +100,7 @@ def tightening(
         if used * (1.0 + proof.next_boxes / proof.boxes if proof.boxes else 1.0) > seconds:
             return
         proof.advance()
-        bound = with_chains(task, bound, proof.bound_j)
+        bound = with_chains(task, bound, proof.bound_j, slowest_covered_ms(optimum))
         yield ProofStep(bound, proof.boxes, allowed, proof.proven, not proof.proven and not proof.may_advance(most))
 
 

@@ -17,7 +17,7 @@ def strongest_bounds(bounds: Sequence[Bound]) -> list[Bound]:
     Parameters
     ----------
     bounds : sequence of Bound
-        Of the same scenario but for the timetable's times, in any order; what holds over one mesh says nothing of others.
+        Of the same scenario but for the timetable's times, in any order; one over a mesh says nothing of other meshes.
 
     Returns
     -------

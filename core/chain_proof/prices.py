@@ -40,7 +40,8 @@ def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
     middle = optimum.force_price / course.cell_length_m
     at_rest = course.fixed_speed2 == 0.0
     price[at_rest] = np.append(middle, middle[-1])[at_rest]
-    return -course.half_inertia_kg * price
+    slopes: FloatArray = -course.half_inertia_kg * price
+    return slopes
 
 
 def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -146,11 +146,10 @@ def fill_prices(
     # from the middle of each cell to its ends
     for i in range(n):
         level = at_limit[i] and at_limit[i + 1]
-        first = np.searchsorted(cell, i)
-        last = np.searchsorted(cell, i + 1) - 1
+        first = int(np.searchsorted(cell, i))
+        last = int(np.searchsorted(cell, i + 1)) - 1
         centre = 0.5 * (node[i] + node[i + 1])
-        start = np.searchsorted(position, centre - 1e-9)
-        start = min(max(start, first), last + 1)
+        start = min(max(int(np.searchsorted(position, centre - 1e-9)), first), last + 1)
         y = motion[i]
         for piece in range(start, last + 1):
             prices[0, piece] = y
@@ -232,7 +231,8 @@ def _traced(
     v = np.sqrt(np.sqrt(w1 * w2))
     slope = _slope(course, rows, i, price - held, v, price_of_time)
     half = price + 0.5 * direction * length * slope
-    return price + direction * length * _slope(course, rows, i, half - held, v, price_of_time)
+    end: float = price + direction * length * _slope(course, rows, i, half - held, v, price_of_time)
+    return end
 
 
 @njit(cache=True, error_model="numpy")
@@ -245,4 +245,5 @@ def _slope(course: CourseData, rows: DriveRows, i: int, price: float, speed: flo
     high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
     resisted = price * (course.resistance_linear + 2.0 * course.resistance_quadratic[i] * speed)
-    return (by_speed + resisted - price_of_time / (speed * speed)) / (2.0 * speed * course.half_inertia_kg)
+    slope: float = (by_speed + resisted - price_of_time / (speed * speed)) / (2.0 * speed * course.half_inertia_kg)
+    return slope
