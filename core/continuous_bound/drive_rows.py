@@ -353,3 +353,11 @@ def _lower_hull(e: FloatArray, share: FloatArray, hull: IntArray) -> int:
         hull[count] = k
         count += 1
     return count
+
+
+@njit(cache=True, error_model="numpy")
+def bracket(rows: DriveRows, price: float) -> tuple[int, float]:
+    """Return the number of the grid's price below a price, and the share of the way from there to the next."""
+    g = min(max(int(np.searchsorted(rows.price, price)) - 1, 0), rows.price.shape[0] - 2)
+    share = (price - rows.price[g]) / (rows.price[g + 1] - rows.price[g])
+    return g, min(max(share, 0.0), 1.0)

@@ -13,7 +13,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.continuous_bound.drive_rows import DriveRows
+from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 
 NEWTON_STEPS = 3
 """Steps towards the least of a convex strip: what they leave is subtracted."""
@@ -52,9 +52,7 @@ def least_hamiltonian(
         lambda, auxiliary power included [W].
     """
     speed = rows.speed_ms
-    g = min(max(np.searchsorted(rows.price, price) - 1, 0), rows.price.shape[0] - 2)
-    share = (price - rows.price[g]) / (rows.price[g + 1] - rows.price[g])
-    share = min(max(share, 0.0), 1.0)
+    g, share = bracket(rows, price)
     count = min(max(np.searchsorted(speed, limit), 1), speed.shape[0] - 1)
     level = price * constant
     beyond = price - min(max(price, rows.price[0]), rows.price[-1])

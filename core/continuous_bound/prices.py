@@ -18,7 +18,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
-from railjoule.core.continuous_bound.drive_rows import DriveRows
+from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
@@ -28,6 +28,8 @@ NEAR_M, NEAREST_M = 25.0, 1e-6
 """Within the first of these of a place of rest y is traced, down to the second [m]."""
 GROWTH, MOST_GROWTH = 0.05, 0.15
 """A piece at the distance d of rest is longer than the next nearer one by GROWTH (NEAR_M / d)^(1/4), up to the most."""
+SAME_PLACE_M = 1e-9
+"""Rounding of places [m]."""
 AT_LIMIT = 1e-5
 """Within this share of a limit a train keeps it."""
 MARGINAL = 2e-2
@@ -49,15 +51,46 @@ class Pieces(NamedTuple):
         Price of K w' at the start and at the end of each.
     force : array of shape (2, k)
         Price of force there.
-    may_jump : array of shape (k + 1,)
-        Whether the price may jump at an end that two pieces share.
     """
 
     position_m: FloatArray
     cell: IntArray
     motion: FloatArray
     force: FloatArray
+
+
+class Trace(NamedTuple):
+    """A run and its line in pieces, along which prices are traced.
+
+    Parameters
+    ----------
+    course : CourseData
+        Of n cells.
+    rows : DriveRows
+        The table of the drive.
+    speed2, node_m : array of shape (n + 1,)
+        Squares of speed of the run [m2/s2], and the nodes [m].
+    position_m, cell
+        As in `Pieces`.
+    held : array of shape (n,)
+        Which part of the price limits of acceleration hold in each cell.
+    at_rest, at_limit, may_jump : array of shape (n + 1,)
+        Whether the train stands at a node, keeps a limit of speed there, or has a given speed.
+    price_of_time : float
+        Price of a second, auxiliary power included [W].
+    """
+
+    course: CourseData
+    rows: DriveRows
+    speed2: FloatArray
+    node_m: FloatArray
+    position_m: FloatArray
+    cell: IntArray
+    held: FloatArray
+    at_rest: BoolArray
+    at_limit: BoolArray
     may_jump: BoolArray
+    price_of_time: float
 
 
 def price_pieces(course: CourseData, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
@@ -77,17 +110,15 @@ def price_pieces(course: CourseData, optimum: Optimum, rows: DriveRows, price_of
     length = course.cell_length_m
     node = np.append(0.0, np.cumsum(length))
     middle = 0.5 * (node[1:] + node[:-1])
-    at_rest = course.fixed_speed2 == 0.0
+    at_rest, fixed = course.fixed_speed2 == 0.0, course.fixed_speed2 >= 0.0
+    at_limit = optimum.speed2 >= course.largest_speed2 * (1 - AT_LIMIT)
     position = _positions(node, middle, node[at_rest])
     cell = np.clip(np.searchsorted(node, 0.5 * (position[1:] + position[:-1]), side="right") - 1, 0, len(length) - 1)
-    motion, held_motion = _prices_of_cells(course, optimum)
-    motion = _marginal_prices(course, optimum, motion)
+    motion, held = _prices_of_cells(course, optimum)
+    given = position, cell, held, at_rest, at_limit, fixed, price_of_time
     prices = np.empty((2, len(cell)))
-    fill_prices(course, rows, optimum.speed2, node, position, cell, motion, held_motion, at_rest, price_of_time, prices)
-    places = np.searchsorted(position, node - 1e-9)
-    may_jump = np.zeros(len(position), dtype=bool)
-    may_jump[places] = at_rest | (course.fixed_speed2 >= 0) | (optimum.speed2 >= course.largest_speed2 * (1 - AT_LIMIT))
-    return Pieces(position, cell, prices, prices - held_motion[cell], may_jump)
+    fill_prices(Trace(course, rows, optimum.speed2, node, *given), motion, prices)
+    return Pieces(position, cell, prices, prices - held[cell])
 
 
 def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> FloatArray:
@@ -98,152 +129,151 @@ def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> Floa
     near = np.add.outer(rest_m, np.concatenate([away, -np.asarray(away)])).ravel()
     places = np.unique(np.concatenate([node, middle, near[(near > 0.0) & (near < node[-1])]]))
     # a place that all but falls on a node gives way to it
-    apart = np.append(True, np.diff(places) > 1e-8)
+    apart = np.append(True, np.diff(places) > 10.0 * SAME_PLACE_M)
     return places[apart | np.isin(places, node)]
 
 
 def _prices_of_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     """Return the price of K w' in each cell, and which part of it limits of acceleration hold."""
     held = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) / course.cell_length_m
-    return optimum.force_price / course.cell_length_m + held, held
+    return _marginal_prices(course, optimum, optimum.force_price / course.cell_length_m) + held, held
 
 
-def _marginal_prices(course: CourseData, optimum: Optimum, motion: FloatArray) -> FloatArray:
-    """Return prices that are what a partial effort costs, where a drive of constant efficiency has one."""
+def _marginal_prices(course: CourseData, optimum: Optimum, price: FloatArray) -> FloatArray:
+    """Return prices of force that are what a partial effort costs, where a drive of constant efficiency has one."""
     if course.drive_kind != CONSTANT_EFFICIENCY:
-        return motion
+        return price
     speed = np.sqrt(optimum.speed2)
     mean = np.maximum(0.5 * (speed[1:] + speed[:-1]), 1e-3)
     efficiency, generating = course.drive_parameters[:2]
-    snapped = motion.copy()
+    snapped = price.copy()
     for effort, limit, cost in (
         (optimum.traction_n, course.traction, 1.0 / efficiency),
         (optimum.braking_n, course.braking, generating * course.recuperation_factor),
     ):
         share = effort / limit.effort_n(mean)
-        partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(motion - cost) < MARGINAL)
+        partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(price - cost) < MARGINAL)
         snapped[partial] = cost
     return snapped
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def fill_prices(
-    course: CourseData,
-    rows: DriveRows,
-    speed2: FloatArray,
-    node: FloatArray,
-    position: FloatArray,
-    cell: IntArray,
-    motion: FloatArray,
-    held: FloatArray,
-    at_rest: BoolArray,
-    price_of_time: float,
-    prices: FloatArray,
-) -> None:
-    """Fill the price of K w' at both ends of each piece, shape (2, k); arguments as in `price_pieces`."""
-    n = motion.shape[0]
-    at_limit = speed2 >= course.largest_speed2 * (1.0 - AT_LIMIT)
-    # from the middle of each cell to its ends
-    for i in range(n):
-        level = at_limit[i] and at_limit[i + 1]
-        first = int(np.searchsorted(cell, i))
-        last = int(np.searchsorted(cell, i + 1)) - 1
-        centre = 0.5 * (node[i] + node[i + 1])
-        start = min(max(int(np.searchsorted(position, centre - 1e-9)), first), last + 1)
-        y = motion[i]
-        for piece in range(start, last + 1):
-            prices[0, piece] = y
-            y = y if level else _traced(course, rows, speed2, node, i, position, piece, 1.0, y, held[i], price_of_time)
-            prices[1, piece] = y
-        y = motion[i]
-        for piece in range(start - 1, first - 1, -1):
-            prices[1, piece] = y
-            y = y if level else _traced(course, rows, speed2, node, i, position, piece, -1.0, y, held[i], price_of_time)
-            prices[0, piece] = y
-    # where neighbours meet
-    for i in range(1, n):
-        if at_rest[i] or course.fixed_speed2[i] >= 0.0:
+def fill_prices(trace: Trace, middle_price: FloatArray, prices: FloatArray) -> None:
+    """Fill the price of K w' at both ends of each piece.
+
+    Parameters
+    ----------
+    trace : Trace
+        The run, and the pieces.
+    middle_price : array of shape (n,)
+        Prices at the middles of the cells.
+    prices : array of shape (2, k)
+        To be filled.
+    """
+    _fill_from_middles(trace, middle_price, prices)
+    _join_neighbours(trace, prices)
+    for node in range(trace.node_m.shape[0]):
+        if trace.at_rest[node]:
+            _fill_next_to_rest(trace, node, 1, prices)
+            _fill_next_to_rest(trace, node, -1, prices)
+
+
+@njit(cache=True, error_model="numpy")
+def _fill_from_middles(trace: Trace, middle_price: FloatArray, prices: FloatArray) -> None:
+    """Fill the prices of each cell from its middle to its ends."""
+    first = 0
+    for i in range(middle_price.shape[0]):
+        held_limit = trace.at_limit[i] and trace.at_limit[i + 1]
+        centre = 0.5 * (trace.node_m[i] + trace.node_m[i + 1]) - SAME_PLACE_M
+        price, piece = middle_price[i], first
+        # the pieces before the middle come after those behind it, in the other direction
+        while piece < trace.cell.shape[0] and trace.cell[piece] == i and trace.position_m[piece] < centre:
+            piece += 1
+        start = piece
+        while piece < trace.cell.shape[0] and trace.cell[piece] == i:
+            prices[0, piece] = price
+            price = price if held_limit else _traced(trace, piece, 1.0, price)
+            prices[1, piece] = price
+            piece += 1
+        price, last = middle_price[i], piece
+        for before in range(start - 1, first - 1, -1):
+            prices[1, before] = price
+            price = price if held_limit else _traced(trace, before, -1.0, price)
+            prices[0, before] = price
+        first = last
+
+
+@njit(cache=True, error_model="numpy")
+def _join_neighbours(trace: Trace, prices: FloatArray) -> None:
+    """Make the prices of neighbouring cells meet at their node, unless they may jump there."""
+    node = trace.node_m
+    for piece in range(1, trace.cell.shape[0]):
+        i = trace.cell[piece]
+        if trace.cell[piece - 1] == i or trace.may_jump[i]:
             continue
-        piece = np.searchsorted(cell, i)
         before, after = prices[1, piece - 1], prices[0, piece]
-        if at_limit[i] and after > before:
+        if trace.at_limit[i] and after > before:
             continue
         # the longer cell takes the greater part of the difference, or the shorter one's slope would be all of it
         share = (node[i] - node[i - 1]) / (node[i + 1] - node[i - 1])
         prices[1, piece - 1] = prices[0, piece] = before + share * (after - before)
-    # next to rest, from afar
-    for i in range(n + 1):
-        if not at_rest[i]:
-            continue
-        place = np.searchsorted(position, node[i] - 1e-9)
-        for side in (1, -1):
-            reach = place
-            while 0 <= reach + side < position.shape[0] and abs(position[reach + side] - position[place]) <= NEAR_M:
-                reach += side
-                nearest = np.searchsorted(node, position[reach] - 1e-9)
-                if nearest != i and nearest <= n and abs(node[nearest] - position[reach]) < 1e-9 and at_rest[nearest]:
-                    break
-            # half of the way to another place of rest
-            y = 0.0
-            started = False
-            at = reach
-            while at != place:
-                piece = at - 1 if side == 1 else at
-                if not started:
-                    y = prices[1, piece] if side == 1 else prices[0, piece]
-                    started = True
-                k = cell[piece]
-                if side == 1:
-                    prices[1, piece] = y
-                else:
-                    prices[0, piece] = y
-                y = _traced(course, rows, speed2, node, k, position, piece, -float(side), y, held[k], price_of_time)
-                if side == 1:
-                    prices[0, piece] = y
-                else:
-                    prices[1, piece] = y
-                at -= side
 
 
 @njit(cache=True, error_model="numpy")
-def _traced(
-    course: CourseData,
-    rows: DriveRows,
-    speed2: FloatArray,
-    node: FloatArray,
-    i: int,
-    position: FloatArray,
-    piece: int,
-    direction: float,
-    price: float,
-    held: float,
-    price_of_time: float,
-) -> float:
-    """Return the price at the other end of a piece in cell i, by the midpoint rule."""
-    length = position[piece + 1] - position[piece]
-    width = node[i + 1] - node[i]
-    share1, share2 = (position[piece] - node[i]) / width, (position[piece + 1] - node[i]) / width
-    w1 = max(speed2[i] + (speed2[i + 1] - speed2[i]) * share1, 0.0)
-    w2 = max(speed2[i] + (speed2[i + 1] - speed2[i]) * share2, 0.0)
+def _fill_next_to_rest(trace: Trace, node: int, side: int, prices: FloatArray) -> None:
+    """Fill the prices on one side of a place of rest, 1 behind it and -1 before it, from afar towards it."""
+    position = trace.position_m
+    rest = int(np.searchsorted(position, trace.node_m[node] - SAME_PLACE_M))
+    # half of the way to the next place of rest at most
+    other = node + side
+    while 0 <= other < trace.node_m.shape[0] - 1 and not trace.at_rest[other]:
+        other += side
+    reach_m = NEAR_M
+    if 0 <= other < trace.node_m.shape[0]:
+        reach_m = min(reach_m, 0.5 * abs(trace.node_m[other] - trace.node_m[node]))
+    far = rest
+    while 0 <= far + side < position.shape[0] and abs(position[far + side] - position[rest]) <= reach_m:
+        far += side
+    outer, inner = (1, 0) if side == 1 else (0, 1)
+    place = far
+    price = 0.0
+    while place != rest:
+        piece = place - 1 if side == 1 else place
+        price = prices[outer, piece] if place == far else price
+        prices[outer, piece] = price
+        price = _traced(trace, piece, -float(side), price)
+        prices[inner, piece] = price
+        place -= side
+
+
+@njit(cache=True, error_model="numpy")
+def _traced(trace: Trace, piece: int, direction: float, price: float) -> float:
+    """Return the price at the other end of a piece, by the midpoint rule."""
+    i = trace.cell[piece]
+    start, end = trace.position_m[piece], trace.position_m[piece + 1]
+    width, rise = trace.node_m[i + 1] - trace.node_m[i], trace.speed2[i + 1] - trace.speed2[i]
+    w1 = trace.speed2[i] + rise * (start - trace.node_m[i]) / width
+    w2 = trace.speed2[i] + rise * (end - trace.node_m[i]) / width
     if w1 <= 0.0 or w2 <= 0.0:
         # the last piece at rest: its end has no finite price
         return price
-    v = np.sqrt(np.sqrt(w1 * w2))
-    slope = _slope(course, rows, i, price - held, v, price_of_time)
-    half = price + 0.5 * direction * length * slope
-    end: float = price + direction * length * _slope(course, rows, i, half - held, v, price_of_time)
-    return end
+    speed, step = np.sqrt(np.sqrt(w1 * w2)), direction * (end - start)
+    half = price + 0.5 * step * _slope(trace, i, price, speed)
+    after: float = price + step * _slope(trace, i, half, speed)
+    return after
 
 
 @njit(cache=True, error_model="numpy")
-def _slope(course: CourseData, rows: DriveRows, i: int, price: float, speed: float, price_of_time: float) -> float:
+def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     """Return the slope of the price of K w' in a cell at a speed [1/m]."""
-    j = min(max(np.searchsorted(rows.speed_ms, speed) - 1, 0), rows.speed_ms.shape[0] - 2)
-    g = min(max(np.searchsorted(rows.price, price) - 1, 0), rows.price.shape[0] - 2)
-    share = min(max((price - rows.price[g]) / (rows.price[g + 1] - rows.price[g]), 0.0), 1.0)
+    rows, course = trace.rows, trace.course
+    price = motion_price - trace.held[i]
+    j = min(max(int(np.searchsorted(rows.speed_ms, speed)) - 1, 0), rows.speed_ms.shape[0] - 2)
+    g, share = bracket(rows, price)
     low = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
     high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
     resisted = price * (course.resistance_linear + 2.0 * course.resistance_quadratic[i] * speed)
-    slope: float = (by_speed + resisted - price_of_time / (speed * speed)) / (2.0 * speed * course.half_inertia_kg)
+    changed = by_speed + resisted - trace.price_of_time / (speed * speed)
+    slope: float = changed / (2.0 * speed * course.half_inertia_kg)
     return slope
