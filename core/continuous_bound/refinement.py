@@ -144,7 +144,7 @@ def possible_optimum(task: Task, solution: Solution) -> Solution:
         return solution
     speed2 = slow_to_possible(data, optimum.speed2)
     late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
-    if late_s > LATE_SHARE * task.running_time_s:
+    if late_s > 0.0:
         shorter = replace(task, running_time_s=task.running_time_s - late_s)
         if not shorter.has_slack:
             return solution
