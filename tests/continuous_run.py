@@ -34,12 +34,14 @@ MOST_STEPS = 3_000_000
 LINE_STEP_M, SPEED_STEPS = 0.1, 5000
 AHEAD_M = 0.2
 """A node that is nearer is left out, but at a stop: the aim would be at less than the way of a few steps."""
-NO_EFFORT_SHARE, NEAR_SHARE = 1e-4, 0.02
+NO_EFFORT_SHARE, NEAR_SHARE = 1e-4, 0.1
 """Below this share of its largest effort a plan coasts; beyond this share of its square of speed the train steers."""
 ENDED_SPEED2, ENDED_M = 1e-3, 0.01
 """A train this slow, this close to a stop, has arrived."""
-BRAKING_RESERVE_SHARE = 2e-3
+BRAKING_RESERVE_SHARE = 5e-4
 """The train begins to brake so early that the brakes suffice without this share."""
+EXIT_M = 20.0
+"""So near to an end that is passed at a given speed, the train steers towards it also where the plan coasts."""
 COAST, DRIVE, BRAKE = 0, 1, -1
 
 
@@ -110,7 +112,7 @@ class ContinuousRun:
     excess_share: float
 
 
-def drive_plan(plan: Trajectory, step_s: float = STEP_S, compiled: bool = True) -> ContinuousRun | None:
+def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None:
     """Return the run of a train that follows a plan; None if it stands before a stop."""
     scenario, route = plan.scenario, route_of(plan.scenario)
     efforts, mass = _efforts(plan), _mass(scenario)
@@ -124,11 +126,10 @@ def drive_plan(plan: Trajectory, step_s: float = STEP_S, compiled: bool = True) 
             continue
         leg = _leg(plan, first, last)
         line = _line(plan, route, leg)
-        (guard if compiled else guard.py_func)(line, efforts, mass)
+        guard(line, efforts, mass)
         most = int(1.3 * (plan.time_s[last] - plan.time_s[first]) / step_s) + 1000
         effort, speed, place, duration = (np.zeros(most) for _ in range(4))
-        drive = integrate if compiled else integrate.py_func
-        count = drive(leg, line, efforts, mass, step_s, effort, speed, place, duration)
+        count = integrate(leg, line, efforts, mass, step_s, effort, speed, place, duration)
         if count < 0:
             return None
         done = slice(count)
@@ -171,7 +172,7 @@ def integrate(
     """Fill the effort, mean speed, place and duration of each step; return their number, -1 if the train stands."""
     last = plan.position_m.shape[0] - 1
     end, end2 = plan.position_m[last], plan.speed2[last]
-    s, v, a, cell = plan.position_m[0], plan.speed2[0] ** 0.5, 0.0, 0
+    s, v, a, cell, pulls = plan.position_m[0], plan.speed2[0] ** 0.5, 0.0, 0, False
     for k in range(effort.shape[0]):
         while cell < last - 1 and plan.position_m[cell + 1] <= s:
             cell += 1
@@ -192,13 +193,14 @@ def integrate(
         f = mass.inertia_kg * (plan.speed2[aim] - v * v) / (2.0 * distance) + resisting
         share = (s - plan.position_m[cell]) / (plan.position_m[cell + 1] - plan.position_m[cell])
         planned2 = plan.speed2[cell] + share * (plan.speed2[cell + 1] - plan.speed2[cell])
-        if abs(v * v - planned2) <= NEAR_SHARE * planned2 + 1e-6:
-            if plan.action[cell] == COAST:
-                f = 0.0
-            elif plan.action[cell] == DRIVE:
-                f = max(f, 0.0)
-            else:
-                f = min(f, 0.0)
+        far = abs(v * v - planned2) > NEAR_SHARE * planned2 + 1e-6 or (end2 > 0.0 and end - s < EXIT_M)
+        if plan.action[cell] == DRIVE:
+            pulls = True
+        elif plan.action[cell] == BRAKE or v * v >= planned2:
+            pulls = False
+        # after full power the train goes on until it has reached the speed with which the plan coasts
+        if not far:
+            f = max(f, 0.0) if pulls else min(f, 0.0) if plan.action[cell] == BRAKE else 0.0
         before = line.from_m + (i + 1) * line.step_m - s
         if before > 0.0:
             f = min(f, mass.inertia_kg * (line.guarded_speed2[i + 1] - v * v) / (2.0 * before) + resisting)
