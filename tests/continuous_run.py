@@ -51,7 +51,7 @@ class Line(NamedTuple):
     Parameters
     ----------
     from_m, step_m : float
-        Where it begins, and the length of a step [m].
+        Its start, and the length of a step [m].
     force_n, quadratic, powered : array of shape (k,)
         Force of gradients and curves [N], C [N s2/m2], and 1 where there is traction power, else 0.
     guarded_speed2 : array of shape (k + 1,)
@@ -95,7 +95,7 @@ class Plan(NamedTuple):
 
 @dataclass(frozen=True)
 class ContinuousRun:
-    """What such a run needs.
+    """Energy and time of such a run.
 
     Parameters
     ----------

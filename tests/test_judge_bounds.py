@@ -7,7 +7,8 @@ import pytest
 from railjoule.core import load_scenario, solve
 from tests import judge_bounds
 from tests.continuous_run import drive_plan
-from tests.judge_bounds import judge, refuting, table
+from tests.judge_bounds import judge
+from tests.judged_tables import refuting, table
 
 SEEDS = ("7", "33", "42", "liashenko-ii", "tram-950m")
 """Short lines: copper loss, efficiency map, constant efficiency, induction."""
