@@ -86,11 +86,12 @@ class Mass(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """Nodes between two stops [m], squares of speed there [m2/s2], and what the plan does in each cell."""
+    """Nodes between two stops [m], squares of speed there [m2/s2], and action and effort [N] of each cell."""
 
     position_m: FloatArray
     speed2: FloatArray
     action: FloatArray
+    effort_n: FloatArray
 
 
 @dataclass(frozen=True)
@@ -172,7 +173,7 @@ def integrate(
     """Fill the effort, mean speed, place and duration of each step; return their number, -1 if the train stands."""
     last = plan.position_m.shape[0] - 1
     end, end2 = plan.position_m[last], plan.speed2[last]
-    s, v, a, cell, pulls = plan.position_m[0], plan.speed2[0] ** 0.5, 0.0, 0, False
+    s, v, a, cell, kept = plan.position_m[0], plan.speed2[0] ** 0.5, 0.0, 0, 0.0
     for k in range(effort.shape[0]):
         while cell < last - 1 and plan.position_m[cell + 1] <= s:
             cell += 1
@@ -187,7 +188,7 @@ def integrate(
         top = min(top, mass.inertia_kg * mass.acceleration_ms2 + resisting)
         low = max(-low - efforts.friction_n, min(resisting - mass.inertia_kg * mass.deceleration_ms2, 0.0))
         aim = cell + 1
-        while aim < last and plan.position_m[aim] - s < AHEAD_M:
+        while aim < last and plan.position_m[aim] - s < AHEAD_M and plan.action[aim] == plan.action[cell]:
             aim += 1
         distance = max(plan.position_m[aim] - s, 1e-9)
         f = mass.inertia_kg * (plan.speed2[aim] - v * v) / (2.0 * distance) + resisting
@@ -195,12 +196,13 @@ def integrate(
         planned2 = plan.speed2[cell] + share * (plan.speed2[cell + 1] - plan.speed2[cell])
         far = abs(v * v - planned2) > NEAR_SHARE * planned2 + 1e-6 or (end2 > 0.0 and end - s < EXIT_M)
         if plan.action[cell] == DRIVE:
-            pulls = True
-        elif plan.action[cell] == BRAKE or v * v >= planned2:
-            pulls = False
-        # after full power the train goes on until it has reached the speed with which the plan coasts
-        if not far:
-            f = max(f, 0.0) if pulls else min(f, 0.0) if plan.action[cell] == BRAKE else 0.0
+            kept, f = plan.effort_n[cell], f if far else max(f, 0.0)
+        elif plan.action[cell] == BRAKE:
+            kept, f = 0.0, f if far else min(f, 0.0)
+        else:
+            # after power, the train keeps the effort until it has the speed with which the plan coasts
+            kept = kept if v * v < planned2 else 0.0
+            f = f if far else kept
         before = line.from_m + (i + 1) * line.step_m - s
         if before > 0.0:
             f = min(f, mass.inertia_kg * (line.guarded_speed2[i + 1] - v * v) / (2.0 * before) + resisting)
@@ -225,7 +227,7 @@ def _leg(plan: Trajectory, first: int, last: int) -> Plan:
     nodes, cells = slice(first, last + 1), slice(first, last)
     effort = plan.effort_n[cells]
     action = np.where(np.abs(effort) <= NO_EFFORT_SHARE * np.max(np.abs(plan.effort_n)), COAST, np.sign(effort))
-    return Plan(plan.position_m[nodes].copy(), plan.speed_ms[nodes] ** 2, action.astype(float))
+    return Plan(plan.position_m[nodes].copy(), plan.speed_ms[nodes] ** 2, action.astype(float), effort.copy())
 
 
 def _mass(scenario: Scenario) -> Mass:
