@@ -40,6 +40,8 @@ ENDED_SPEED2, ENDED_M = 1e-3, 0.01
 """A train this slow, this close to a stop, has arrived."""
 BRAKING_RESERVE_SHARE = 5e-4
 """The train begins to brake so early that the brakes suffice without this share."""
+PASSING_SHARE = 1e-3
+"""A prescribed speed at a passing point is kept within this share."""
 EXIT_M = 20.0
 """So near to an end that is passed at a given speed, the train steers towards it also where the plan coasts."""
 COAST, DRIVE, BRAKE = 0, 1, -1
@@ -147,14 +149,15 @@ def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None
 def guard(line: Line, efforts: Efforts, mass: Mass) -> None:
     """Lower the guarded speeds, backwards, to those from which a little less than all brakes suffices."""
     for i in range(line.force_n.shape[0] - 1, -1, -1):
-        w = line.guarded_speed2[i + 1]
-        v = w**0.5
-        x = v / efforts.step_ms
-        j = min(int(x), efforts.electric_n.shape[0] - 2)
-        electric = efforts.electric_n[j] + (x - j) * (efforts.electric_n[j + 1] - efforts.electric_n[j])
-        braking = (1.0 - BRAKING_RESERVE_SHARE) * (line.powered[i] * electric + efforts.friction_n)
-        resisting = mass.constant_n + mass.linear * v + line.quadratic[i] * w + line.force_n[i]
-        slowing = min((braking + resisting) / mass.inertia_kg, mass.deceleration_ms2)
+        w, slowing = line.guarded_speed2[i + 1], 0.0
+        # brakes of limited power do least at the speed at which the step begins, resistance at that of its end
+        for _ in range(2):
+            x = (w + 2.0 * slowing * line.step_m) ** 0.5 / efforts.step_ms
+            j = min(int(x), efforts.electric_n.shape[0] - 2)
+            electric = efforts.electric_n[j] + (x - j) * (efforts.electric_n[j + 1] - efforts.electric_n[j])
+            braking = (1.0 - BRAKING_RESERVE_SHARE) * (line.powered[i] * electric + efforts.friction_n)
+            resisting = mass.constant_n + mass.linear * w**0.5 + line.quadratic[i] * w + line.force_n[i]
+            slowing = max(min((braking + resisting) / mass.inertia_kg, mass.deceleration_ms2), 0.0)
         line.guarded_speed2[i] = min(line.guarded_speed2[i], w + 2.0 * slowing * line.step_m)
 
 
@@ -296,11 +299,14 @@ def _excess(plan: Trajectory, route: Route, speed: FloatArray, place: FloatArray
     """Return by how much the run exceeds its limits, as a share of the limit."""
     limit = np.minimum(route.speed_limit_ms(place), plan.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
     excess = float(np.max(speed / limit)) - 1
-    permitted = plan.permitted_speed_ms
-    if permitted is not None:
-        allowed = np.sqrt(np.interp(place, plan.position_m, permitted**2))
+    if plan.permitted_speed_ms is not None:
+        # a braking curve is kept within a step of the line
+        nearby = [np.interp(place - step, plan.position_m, plan.permitted_speed_ms**2) for step in (0.0, LINE_STEP_M)]
+        allowed = np.sqrt(np.max(nearby, axis=0))
         excess = max(excess, float(np.max((speed - allowed) / np.maximum(allowed, 1.0))))
     for position_m, passing_ms in route.passes:
         if place[0] < position_m < place[-1]:
-            excess = max(excess, abs(float(np.interp(position_m, place, speed)) / passing_ms - 1))
+            missed = abs(float(np.interp(position_m, place, speed)) / passing_ms - 1)
+            # the speeds are those of the middles of steps
+            excess = max(excess, missed if missed > PASSING_SHARE else 0.0)
     return max(excess, 0.0)
