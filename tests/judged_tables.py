@@ -91,9 +91,12 @@ def _rival_lines(rows: list[Row]) -> Iterator[str]:
     yield f"of the others below the bound: {len(below)}, in {len({row['seed'] for row, _ in below})} scenarios"
     finest = {row["seed"]: min(rival["mesh_m"] for rival in row["rivals"]) for row, _ in judged}
     left = [(row, rival) for row, rival in below if rival["mesh_m"] == finest[row["seed"]]]
-    yield f"of them over the finest mesh of their scenario: {len(left)}"
+    yield (
+        f"of them over the finest mesh of their scenario: {len(left)}, "
+        f"and of these not possible in time for a driven train: {sum(rival['driven'] is None for _, rival in left)}"
+    )
     for row, rival in sorted(below, key=lambda pair: -pair[1]["below"])[:MOST_LINES]:
-        driven = "not in time" if rival["driven"] is None else f"{100 * rival['driven']['below']:+.4f} %"
+        driven = "not possible in time" if rival["driven"] is None else f"{100 * rival['driven']['below']:+.4f} %"
         yield (
             f"  {row['seed']} {row['model']}: {rival['strategy']} at {rival['mesh_m']:.3g} m by "
             f"{100 * rival['below']:.4f} %, driven {driven}, gap {100 * row['gap']:.4f} %"
