@@ -149,12 +149,13 @@ def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None
 def guard(line: Line, efforts: Efforts, mass: Mass) -> None:
     """Lower the guarded speeds, backwards, to those from which a little less than all brakes suffices."""
     for i in range(line.force_n.shape[0] - 1, -1, -1):
-        w, slowing = line.guarded_speed2[i + 1], 0.0
-        # brakes of limited power do least at the speed at which the step begins, resistance at that of its end
+        w, slowing, electric = line.guarded_speed2[i + 1], 0.0, np.inf
+        # the brakes' least effort at either end of the step, and the resistance at the lower of both speeds
         for _ in range(2):
             x = (w + 2.0 * slowing * line.step_m) ** 0.5 / efforts.step_ms
             j = min(int(x), efforts.electric_n.shape[0] - 2)
-            electric = efforts.electric_n[j] + (x - j) * (efforts.electric_n[j + 1] - efforts.electric_n[j])
+            here = efforts.electric_n[j] + (x - j) * (efforts.electric_n[j + 1] - efforts.electric_n[j])
+            electric = min(electric, here)
             braking = (1.0 - BRAKING_RESERVE_SHARE) * (line.powered[i] * electric + efforts.friction_n)
             resisting = mass.constant_n + mass.linear * w**0.5 + line.quadratic[i] * w + line.force_n[i]
             slowing = max(min((braking + resisting) / mass.inertia_kg, mass.deceleration_ms2), 0.0)

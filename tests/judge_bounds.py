@@ -38,7 +38,7 @@ MESHES_M = (5.0, 2.0, 1.0, 0.5)
 MOST_CELLS: dict[str, int] = {"bellman": 150, "speed_limits": 300}
 """Greatest meshes of strategies that take long."""
 MOST_CELLS_SMOOTH, MOST_CELLS_IDLE, MOST_CELLS_IPOPT = 4000, 1500, 3000
-"""Those of the others, for drives without and with idle losses, and of IPOPT."""
+"""Greatest meshes of the others, for drives without and with idle losses, and of IPOPT."""
 LATE_S, EXCESS_SHARE = 1e-5, 1e-5
 """A run over cells may be late by what solvers leave [s]. A driven train is never late, and exceeds a limit by less
 than this share."""
