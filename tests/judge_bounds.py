@@ -81,7 +81,7 @@ def judge(
         "bound_kwh": run.lower_bound_kwh,
         "gap": run.gap,
         "proven": run.is_proven,
-        "every_run": getattr(run.bound, "covers_every_run", False),
+        "every_run": run.bound.covers_every_run,
         "cells": len(run.nodes_m) - 1,
         "seconds": min(seconds for _, seconds in runs),
     }
