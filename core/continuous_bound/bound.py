@@ -121,7 +121,8 @@ def _replace_at_rest(
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
             resisted = data.resistance_constant_n + line[0, piece]
             fastest2 = 2.0 * length * most
-            effort = driving - resisted if side > 0.0 else braking + rows.friction_n + resisted
+            powered = 1.0 if line[3, piece] >= 1.0 else 0.0
+            effort = powered * driving - resisted if side > 0.0 else powered * braking + rows.friction_n + resisted
             if side < 0.0:
                 # resistance at the greatest speed that the piece may begin with helps, too
                 fastest2 = min(fastest2, line[2, piece] ** 2, length * (effort + 1.0) / inertia)

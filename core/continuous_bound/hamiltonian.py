@@ -59,7 +59,8 @@ def least_hamiltonian(
     count = min(max(np.searchsorted(speed, limit), 1), speed.shape[0] - 1)
     level = price * constant
     beyond = price - min(max(price, rows.price[0]), rows.price[-1])
-    worth, first = _slowest_row(rows, share, g, count, (price, beyond, by_speed2, level, linear, price_of_time))
+    terms = price, beyond, by_speed2, level, linear, price_of_time
+    worth, first = _slowest_row(rows, share, g, count, powered, terms)
     v = speed[first:count]
     h = (1.0 - share) * rows.least[g, first : count + 1] + share * rows.least[g + 1, first : count + 1]
     if beyond != 0.0:
@@ -92,7 +93,12 @@ def least_hamiltonian(
 
 @njit(cache=True, error_model="numpy")
 def _slowest_row(
-    rows: DriveRows, share: float, g: int, count: int, terms: tuple[float, float, float, float, float, float]
+    rows: DriveRows,
+    share: float,
+    g: int,
+    count: int,
+    powered: bool,
+    terms: tuple[float, float, float, float, float, float],
 ) -> tuple[float, int]:
     """Return what any effort is worth at most near rest, negative [J/m], and the first row that has to be asked.
 
@@ -100,14 +106,15 @@ def _slowest_row(
     """
     price, beyond, by_speed2, level, linear, price_of_time = terms
     driving, braking, taken, returned = rows.at_rest
-    worth = min(0.0, (taken - price) * driving, (price - returned) * braking) + rows.friction_n * min(price, 0.0)
+    braked = rows.friction_n * min(price, 0.0)
+    worth = braked + (min(0.0, (taken - price) * driving, (price - returned) * braking) if powered else 0.0)
     if beyond != 0.0:
         return worth, 0
     known = np.inf
     for tenth in (3, 6, 9):
         j = count * tenth // 10
         v = rows.speed_ms[j]
-        h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
+        h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j] if powered else braked
         if j < count:
             known = min(known, h + level + price * linear * v + price_of_time / v + by_speed2 * v * v)
     # what does not vary with speed; downhill in q the fastest row of those left out counts, which the loop below checks

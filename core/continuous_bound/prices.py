@@ -135,7 +135,18 @@ def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_tim
     prices, curve = np.empty((2, len(cell))), np.zeros((2, len(cell)))
     fill_prices(trace, motion, prices)
     fill_curves(trace, prices, ceilings2(course, position, cell), curve)
-    return Pieces(position, cell, prices, np.where(np.isnan(force[cell]), prices, force[cell]), curve)
+    return Pieces(position, cell, prices, _force_prices(data, prices, force[cell]), curve)
+
+
+def _force_prices(course: CourseData, motion: FloatArray, force: FloatArray) -> FloatArray:
+    """Return the prices of force at both ends of pieces: those of K w' but where a limit of acceleration holds them."""
+    prices = np.where(np.isnan(force), motion, force)
+    # a limit of acceleration that there is not holds nothing
+    if np.isinf(course.max_deceleration_ms2):
+        prices = np.minimum(prices, motion)
+    if np.isinf(course.max_acceleration_ms2):
+        prices = np.maximum(prices, motion)
+    return prices
 
 
 def cells_with_curve(course: Course) -> BoolArray:
