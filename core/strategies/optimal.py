@@ -14,8 +14,7 @@ from railjoule.core.strategies.arrival_windows import arrival_windows, binding_w
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
-from railjoule.core.strategies.spacing import seldom_switched
-from railjoule.core.strategies.switching import unswitched
+from railjoule.core.strategies.switching import best_switched
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
 from railjoule.core.units import J_PER_KWH
@@ -89,8 +88,7 @@ def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
     speed2, price, iterations = optimum.speed2, optimum.price_of_time_w, solution.iterations
     notes: tuple[str, ...] = ()
     if task.course.drive.jumps_at_no_effort:
-        run = seldom_switched(task, optimum) if task.least_switching_s > 0 else None
-        run = run or unswitched(task, optimum)
+        run = best_switched(task, optimum)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
         notes = (switching_note(task, solution, run),)
     best = make_trajectory(
