@@ -13,25 +13,20 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
-from railjoule.core.dynamic_programming.backward import Steps, band_of_speeds, cost_between, tabulate_steps
-from railjoule.core.dynamic_programming.memory import Memory, on_off_memory
-from railjoule.core.dynamic_programming.power_table import PowerTable, tabulate_powers
-from railjoule.core.dynamic_programming.search import TINY, log_price_range, meeting_prices, price_scale_w
 from railjoule.core.drive.kernels import has_standstill_brake
+from railjoule.core.dynamic_programming.backward import Steps, band_of_speeds, tabulate_steps
+from railjoule.core.dynamic_programming.memory import Memory, on_off_memory
+from railjoule.core.dynamic_programming.power_table import tabulate_powers
+from railjoule.core.dynamic_programming.search import TINY, log_price_range, meeting_prices, price_scale_w
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
 from railjoule.core.physics.stretches import BRAKES, DRIVES, NEUTRAL_SECTION, actions_of_run, least_cells
 
-# A swing between stretches is some km/h wide, and has to lie within the band
-BAND_SHARE = 0.15
-"""Half width of the band of speeds that is searched, over the top speed."""
-COARSE_POINTS, FINE_POINTS = 25, 61
-"""Numbers of speeds at each node: of the grid that finds the price of time, and of the one that finds decisions."""
 # A kernel's table grows with them. More than so many come where cells are short, next to stops, where a train that
 # starts or brakes stays as it is anyway
 MOST_BOUND_CELLS = 32
 """For how many cells a stretch is held to last, at most."""
 # The decision's own solution meets the time: only what it does where has to be about right
-TIME_TOLERANCE = 1e-3
+TIME_TOLERANCE = 3e-3
 """How close to the running time a decision's run must come to end the search for its price, as a share of it."""
 MOST_LATE = 2.0
 """A run that ends early counts as taking this many running times, so that the bracket stays finite."""
@@ -61,6 +56,7 @@ def sweep_back_labels(steps: Steps, grid: FloatArray, price: float, memory: Memo
     least, best = np.empty(labels), np.empty(labels, dtype=np.int64)
     for i in range(nodes - 2, -1, -1):
         first, end, moves = memory.first[i], memory.end[i], memory.moves[i]
+        first_before, end_before = memory.first[max(i - 1, 0)], memory.end[max(i - 1, 0)]
         for k in range(points):
             if k > 0 and grid[i, 0] == grid[i, points - 1]:
                 # only the first of the equal points of a fixed speed has steps
@@ -77,11 +73,13 @@ def sweep_back_labels(steps: Steps, grid: FloatArray, price: float, memory: Memo
                     if total < least[label]:
                         least[label], best[label] = total, step
             here[k] = np.inf
-            for label in range(labels):
-                for action in range(actions):
-                    after = moves[label, action]
-                    if after >= 0 and least[after] < here[k, label]:
-                        here[k, label], policy[i, k, label] = least[after], best[after]
+            for before in range(actions):
+                # the cell before leads to no other labels
+                for label in range(first_before[before], end_before[before]):
+                    for action in range(actions):
+                        after = moves[label, action]
+                        if after >= 0 and least[after] < here[k, label]:
+                            here[k, label], policy[i, k, label] = least[after], best[after]
         onward, here = here, onward
     return policy
 
@@ -111,7 +109,7 @@ def _nearest(row: FloatArray, speed2: float, policy: IntArray) -> int:
 def follow(
     steps: Steps, grid: FloatArray, policy: IntArray, memory: Memory, has_standstill_brake: bool
 ) -> tuple[FloatArray, float]:
-    """Return the decision of a policy, an array of shape (nodes - 1,), and about its time [s], infinite if it ends."""
+    """Return the decision of a policy, an array of shape (n,), and about its time [s], infinite if it ends early."""
     nodes = grid.shape[0]
     decision, time = np.full(nodes - 1, OFF), 0.0
     speed2, label = grid[0, 0], 0
@@ -132,40 +130,8 @@ def follow(
     return decision, time
 
 
-class _Band:
-    """The steps in a band of speeds, and the decisions at prices of time by their logarithms."""
-
-    def __init__(self, course: CourseData, grid: FloatArray, table: PowerTable, memory: Memory, time_s: float) -> None:
-        self.grid, self.memory, self.time_s = grid, memory, time_s
-        self.steps = tabulate_steps(course, grid, table)
-        self.has_standstill_brake = bool(has_standstill_brake(course.drive_kind, course.drive_parameters))
-        self.found: dict[float, tuple[FloatArray, float]] = {}
-
-    def lateness_s(self, log_price: float) -> float:
-        """Return by how much a decision's run is late at a price [s], less than once the running time."""
-        if log_price not in self.found:
-            policy = sweep_back_labels(self.steps, self.grid, math.exp(log_price), self.memory)
-            given = self.steps, self.grid, policy, self.memory, self.has_standstill_brake
-            self.found[log_price] = follow(*given)
-        return min(self.found[log_price][1], MOST_LATE * self.time_s) - self.time_s
-
-    def has_run(self, log_price: float) -> bool:
-        """Return whether a run reaches the end at a price."""
-        return self.lateness_s(log_price) < (MOST_LATE - 1.0) * self.time_s
-
-
-def on_off_decisions(
-    course: CourseData,
-    greatest_speed2: FloatArray,
-    time_s: float,
-    centre_speed2: FloatArray,
-    price_w: float,
-    least_on_off_s: float,
-) -> tuple[list[FloatArray], int]:
-    """Return what the drive does in runs near another one that keep a minimum on/off time, and the number of sweeps.
-
-    There are two, of the prices between which the runs meet the timetable, the one closer to it first, or one, or none
-    where the band holds no such run; each an array of shape (n,) of DRIVING, BRAKING or OFF of `course_data`.
+class OnOffBand:
+    """A band of speeds around a run, and the decisions in it that keep a minimum on/off time.
 
     Parameters
     ----------
@@ -175,27 +141,64 @@ def on_off_decisions(
         Greatest feasible squares of speed, and those in the middle of the band [m2/s2].
     time_s, least_on_off_s : float
         Running time allowed, and for how long the drive stays as it is at least [s].
-    price_w : float
-        About what a second costs, auxiliaries included [J/s].
+    half_width_share, points : float and int
+        Half of the width of the band over the top speed, and how many speeds each node has.
     """
-    done = actions_of_run(course, centre_speed2)
-    lasting = np.minimum(least_cells(done.duration_s, least_on_off_s), MOST_BOUND_CELLS)
-    lasting[done.interrupted_by == NEUTRAL_SECTION] = 1
-    memory, table = on_off_memory(lasting, done.interrupted_by), tabulate_powers(course)
-    half_width_ms = BAND_SHARE * math.sqrt(greatest_speed2.max())
 
-    def band(points: int) -> _Band:
-        grid = band_of_speeds(course, greatest_speed2, centre_speed2, half_width_ms, points)
-        return _Band(course, grid, table, memory, time_s)
+    def __init__(
+        self,
+        course: CourseData,
+        greatest_speed2: FloatArray,
+        time_s: float,
+        centre_speed2: FloatArray,
+        least_on_off_s: float,
+        half_width_share: float,
+        points: int,
+    ) -> None:
+        self.course, self.time_s = course, time_s
+        done = actions_of_run(course, centre_speed2)
+        lasting = np.minimum(least_cells(done.duration_s, least_on_off_s), MOST_BOUND_CELLS)
+        lasting[done.interrupted_by == NEUTRAL_SECTION] = 1
+        self.memory = on_off_memory(lasting, done.interrupted_by)
+        half_width_ms = half_width_share * math.sqrt(greatest_speed2.max())
+        self.grid = band_of_speeds(course, greatest_speed2, centre_speed2, half_width_ms, points)
+        self.steps = tabulate_steps(course, self.grid, tabulate_powers(course))
+        self.has_standstill_brake = bool(has_standstill_brake(course.drive_kind, course.drive_parameters))
+        self.found: dict[float, tuple[FloatArray, float]] = {}
 
-    # the price hardly depends on the grid: a coarse one finds it
-    coarse, first = band(COARSE_POINTS), math.log(max(price_w, TINY))
-    prices = log_price_range(course, price_scale_w(course, time_s))
-    # a band that no run passes at one price holds none at another
-    if not coarse.has_run(first):
-        return [], 1
-    pair = meeting_prices(coarse.lateness_s, first, PRICE_FACTOR, prices, TIME_TOLERANCE * time_s)
-    fine = band(FINE_POINTS)
-    closest = sorted(dict.fromkeys(pair), key=lambda price: abs(fine.lateness_s(price)))
-    decisions = [fine.found[price][0] for price in closest if fine.has_run(price)]
-    return decisions, len(coarse.found) + len(fine.found)
+    def prices(self, price_w: float) -> tuple[float, ...]:
+        """Return the logarithms of the prices of a second between which runs meet the timetable; none without a run.
+
+        The search begins at a price, auxiliaries included [J/s].
+        """
+        first = math.log(max(price_w, TINY))
+        # a band that no run passes at one price holds none at another
+        if not self._has_run(first):
+            return ()
+        prices = log_price_range(self.course, price_scale_w(self.course, self.time_s))
+        return meeting_prices(self._lateness_s, first, PRICE_FACTOR, prices, TIME_TOLERANCE * self.time_s)
+
+    def decisions(self, log_prices: tuple[float, ...]) -> list[FloatArray]:
+        """Return what the drive does in the runs at prices, the most punctual first.
+
+        Arrays of shape (n,) of DRIVING, BRAKING or OFF of `course_data`.
+        """
+        closest = sorted(dict.fromkeys(log_prices), key=lambda price: abs(self._lateness_s(price)))
+        return [self.found[price][0] for price in closest if self._has_run(price)]
+
+    @property
+    def sweeps(self) -> int:
+        """How many backward inductions it took so far."""
+        return len(self.found)
+
+    def _lateness_s(self, log_price: float) -> float:
+        """Return by how much a decision's run is late at a price [s], less than once the running time."""
+        if log_price not in self.found:
+            policy = sweep_back_labels(self.steps, self.grid, math.exp(log_price), self.memory)
+            given = self.steps, self.grid, policy, self.memory, self.has_standstill_brake
+            self.found[log_price] = follow(*given)
+        return min(self.found[log_price][1], MOST_LATE * self.time_s) - self.time_s
+
+    def _has_run(self, log_price: float) -> bool:
+        """Return whether a run reaches the end at a price."""
+        return self._lateness_s(log_price) < (MOST_LATE - 1.0) * self.time_s

@@ -48,9 +48,7 @@ class PowerTable(NamedTuple):
     action: IntArray
 
 
-NO_POWERS = PowerTable(
-    1.0, 0.0, np.zeros((2, 0)), np.zeros((2, 0, 0)), np.zeros((2, 0, 0), dtype=np.int64)
-)
+NO_POWERS = PowerTable(1.0, 0.0, np.zeros((2, 0)), np.zeros((2, 0, 0)), np.zeros((2, 0, 0), dtype=np.int64))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

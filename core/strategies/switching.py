@@ -14,7 +14,7 @@ lies near it, Bellman's recursion over all speeds and the runs near its own are 
 from contextlib import suppress
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.dynamic_programming.on_off import on_off_decisions
+from railjoule.core.dynamic_programming.on_off import OnOffBand
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.duty import Duty, duty
 from railjoule.core.interior_point.solver import Optimum
@@ -24,10 +24,14 @@ from railjoule.core.strategies.decisions import FAR, DecidedRun, Decisions, is_m
 from railjoule.core.strategies.rounding import round_shares
 from railjoule.core.task import Task
 
-# The solution of a decision moves its switchings in time by some percent; a cell is the step in which they are placed
-SPARE = 1.05
-"""How much longer than asked the stretches of a decision last."""
+# A swing between stretches is some km/h wide and has to lie within the first band; the second, around the best run of
+# the first, corrects its coarse grid. Of 12 metros and trams no run needs 0.05 % more than with further roundings and
+# the bands around Bellman's run, which took five times as long. One band of 61 speeds takes longer than these two
+BANDS = ((0.15, 25), (0.06, 31))
+"""Half widths of the bands of speed that are searched, over the top speed, and their numbers of speeds."""
+# The minimum on/off time alone costs a metro that averages 20 km/h 0.3 % of its energy
 TOO_FAR = 5e-3
+"""How far above free switching a run lies, as a share of the energy, before Bellman's recursion is tried as well."""
 
 
 def best_switched(task: Task, relaxed: Optimum) -> DecidedRun:
@@ -78,17 +82,22 @@ def duty_of_run(course: CourseData, speed2: FloatArray) -> Duty:
 
 def _decide_near(search: Decisions, centre: DecidedRun, shares: Duty) -> None:
     """Try the decisions that lie near a run, which may switch as often as it likes, and its shares of each cell."""
-    task, data, least_s = search.task, search.task.course.data, SPARE * search.least_switching_s
+    task, data, least_s = search.task, search.task.course.data, search.least_switching_s
     done = actions_of_run(data, centre.speed2)
     search.decide(round_shares(*shares, done.duration_s, done.interrupted_by, least_s))
     if search.is_within(FAR, centre.energy_j):
         return
-    price_w = centre.price_of_time_w + data.auxiliary_power_w
-    given = task.greatest_speed2, task.running_time_s, centre.speed2, price_w, least_s
-    decisions, sweeps = on_off_decisions(data, *given)
-    search.iterations += sweeps
-    for modes in decisions:
-        search.decide(modes)
+    speed2, log_prices = centre.speed2, tuple[float, ...]()
+    for width, points in BANDS:
+        band = OnOffBand(data, task.greatest_speed2, task.running_time_s, speed2, least_s, width, points)
+        # the price of time hardly depends on the grid
+        log_prices = log_prices or band.prices(centre.price_of_time_w + data.auxiliary_power_w)
+        for modes in band.decisions(log_prices):
+            search.decide(modes)
+        search.iterations += band.sweeps
+        if search.best is None or search.is_within(FAR, centre.energy_j):
+            return
+        speed2 = search.best.speed2
 
 
 def _decide_elsewhere(search: Decisions) -> None:
