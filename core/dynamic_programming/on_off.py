@@ -30,8 +30,6 @@ TIME_TOLERANCE = 3e-3
 """How close to the running time a decision's run must come to end the search for its price, as a share of it."""
 MOST_LATE = 2.0
 """A run that ends early counts as taking this many running times, so that the bracket stays finite."""
-PRICE_FACTOR = 1.2
-"""By how much the bracket of the price first widens."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -86,12 +84,13 @@ def sweep_back_labels(steps: Steps, grid: FloatArray, price: float, memory: Memo
 
 @njit(cache=True, error_model="numpy")
 def _between(rows: FloatArray, lower: int, weight: float, label: int) -> float:
+    below: float = rows[lower, label]
+    above: float = rows[lower + 1, label]
     # 0 x infinity is no number: a point itself does not depend on its neighbour
     if weight <= 0.0:
-        return rows[lower, label]
+        return below
     if weight >= 1.0:
-        return rows[lower + 1, label]
-    below, above = rows[lower, label], rows[lower + 1, label]
+        return above
     return below + weight * (above - below) if max(below, above) < np.inf else np.inf
 
 
@@ -166,25 +165,26 @@ class OnOffBand:
         self.has_standstill_brake = bool(has_standstill_brake(course.drive_kind, course.drive_parameters))
         self.found: dict[float, tuple[FloatArray, float]] = {}
 
-    def prices(self, price_w: float) -> tuple[float, ...]:
-        """Return the logarithms of the prices of a second between which runs meet the timetable; none without a run.
+    def decisions(self, price_w: float, factor: float) -> tuple[list[FloatArray], float]:
+        """Return what the drive does in the runs that bracket the timetable, and the price of the more punctual one.
 
-        The search begins at a price, auxiliaries included [J/s].
+        There are two decisions, the more punctual one first, or one, or none where the band holds no such run: arrays
+        of shape (n,) of DRIVING, BRAKING or OFF of `course_data`.
+
+        Parameters
+        ----------
+        price_w, factor : float
+            Where the search for the price of a second begins, auxiliaries included [J/s], and by which factor its
+            bracket widens.
         """
         first = math.log(max(price_w, TINY))
         # a band that no run passes at one price holds none at another
         if not self._has_run(first):
-            return ()
+            return [], price_w
         prices = log_price_range(self.course, price_scale_w(self.course, self.time_s))
-        return meeting_prices(self._lateness_s, first, PRICE_FACTOR, prices, TIME_TOLERANCE * self.time_s)
-
-    def decisions(self, log_prices: tuple[float, ...]) -> list[FloatArray]:
-        """Return what the drive does in the runs at prices, the most punctual first.
-
-        Arrays of shape (n,) of DRIVING, BRAKING or OFF of `course_data`.
-        """
-        closest = sorted(dict.fromkeys(log_prices), key=lambda price: abs(self._lateness_s(price)))
-        return [self.found[price][0] for price in closest if self._has_run(price)]
+        pair = meeting_prices(self._lateness_s, first, factor, prices, TIME_TOLERANCE * self.time_s)
+        closest = sorted(dict.fromkeys(pair), key=lambda price: abs(self._lateness_s(price)))
+        return [self.found[price][0] for price in closest if self._has_run(price)], math.exp(closest[0])
 
     @property
     def sweeps(self) -> int:

@@ -22,13 +22,12 @@ from railjoule.core.strategies.plain_line import broken_accelerations, broken_ef
 from railjoule.core.strategies.rounding import given_up, lengthened
 from railjoule.core.task import Task
 
-# Free switching is a lower bound, so that no decision can save more than what a run lies above it
 GOOD_ENOUGH = 1e-4
-"""A run this close to free switching, relatively, is good enough."""
-# What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. With
-# 5e-4 Bellman's recursion found a run better by a ten-thousandth in 3 of 240 ordinary scenarios. It is tried itself
-# wherever a run is not good enough: only so does no run of it beat the optimum by more
+"""A relaxed optimum this far above a run, relatively, is not the best one of its problem."""
+# Free switching is a lower bound, so that no decision can save more than what a run lies above it. A band of speeds
+# takes as long as five solutions
 FAR = 3e-4
+"""What a run lies above free switching, relatively, before a band of speeds is searched."""
 FORBIDDEN_SHARE = 1e-4
 """What a decided optimum may spend on forbidden efforts, of the energy: more than a barrier leaves of none."""
 # Each mending allows more cells; where three do not suffice, the decision leaves no run worth having

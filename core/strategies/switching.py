@@ -27,8 +27,9 @@ from railjoule.core.task import Task
 # A swing between stretches is some km/h wide and has to lie within the first band; the second, around the best run of
 # the first, corrects its coarse grid. Of 12 metros and trams no run needs 0.05 % more than with further roundings and
 # the bands around Bellman's run, which took five times as long. One band of 61 speeds takes longer than these two
-BANDS = ((0.15, 25), (0.06, 31))
-"""Half widths of the bands of speed that are searched, over the top speed, and their numbers of speeds."""
+BANDS = ((0.2, 31, 1.1), (0.06, 31, 1.02))
+"""Half widths of the bands of speed that are searched, over the top speed, their numbers of speeds, and the factor by
+which the bracket of the price of time first widens: the price hardly depends on the grid."""
 # The minimum on/off time alone costs a metro that averages 20 km/h 0.3 % of its energy
 TOO_FAR = 5e-3
 """How far above free switching a run lies, as a share of the energy, before Bellman's recursion is tried as well."""
@@ -87,14 +88,13 @@ def _decide_near(search: Decisions, centre: DecidedRun, shares: Duty) -> None:
     search.decide(round_shares(*shares, done.duration_s, done.interrupted_by, least_s))
     if search.is_within(FAR, centre.energy_j):
         return
-    speed2, log_prices = centre.speed2, tuple[float, ...]()
-    for width, points in BANDS:
+    speed2, price_w = centre.speed2, centre.price_of_time_w + data.auxiliary_power_w
+    for width, points, factor in BANDS:
         band = OnOffBand(data, task.greatest_speed2, task.running_time_s, speed2, least_s, width, points)
-        # the price of time hardly depends on the grid
-        log_prices = log_prices or band.prices(centre.price_of_time_w + data.auxiliary_power_w)
-        for modes in band.decisions(log_prices):
-            search.decide(modes)
+        decisions, price_w = band.decisions(price_w, factor)
         search.iterations += band.sweeps
+        for modes in decisions:
+            search.decide(modes)
         if search.best is None or search.is_within(FAR, centre.energy_j):
             return
         speed2 = search.best.speed2
