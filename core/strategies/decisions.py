@@ -17,9 +17,8 @@ from railjoule.core.interior_point.solver import CONVERGED, Optimum
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import run_energy
 from railjoule.core.physics.reference import reference_energy
-from railjoule.core.physics.stretches import actions_of_run, lasting_of_cells, shortest_stretch_s
+from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.plain_line import broken_accelerations, broken_efforts
-from railjoule.core.strategies.rounding import given_up, lengthened
 from railjoule.core.task import Task
 
 GOOD_ENOUGH = 1e-4
@@ -100,38 +99,22 @@ class Decisions:
         return min(SPARED_SHARE, SPARED_COST * self.reference_j / waited_j) if waited_j > 0 else SPARED_SHARE
 
     def decide(self, modes: FloatArray) -> None:
-        """Try a decision; where its run is on or off for too short a time, without that, then with more of it."""
-        run = self._solve(modes)
-        data, least = self.task.course.data, self.least_switching_s
-        # giving up a stretch may leave another one too short
-        for gives_up in (True, True, False):
-            if run is None or run.energy_j < np.inf or least == 0.0:
-                return
-            action, machines, durations, interrupted_by = actions_of_run(data, run.speed2)
-            short = lasting_of_cells(action, durations, interrupted_by) < least
-            repaired = given_up(machines, short) if gives_up else lengthened(machines, short, durations, least)
-            run = self._solve(repaired) or run
-
-    def _solve(self, modes: FloatArray) -> DecidedRun | None:
-        """Return the run of a decision; where it needs an effort that is left out, that is allowed, too.
-
-        None where the decision has been tried before, or no run keeps to it.
-        """
+        """Try a decision; where no run can do without an effort that it leaves out, that is allowed, too."""
         data = self.task.course.data
         for _ in range(1 + MOST_MENDED):
             if modes.tobytes() in self.tried:
-                return None
+                return
             self.tried.add(modes.tobytes())
             found = minimise_decided(self.task, modes, self.spared_time_share)
             # an optimum that buys what is forbidden is no run of its decision, nor the best one of any other
             if forbidden_energy_j(data, modes, found) <= FORBIDDEN_SHARE * self.reference_j:
-                return self.add(found)
+                self.add(found)
+                return
             self.iterations += found.iterations
             modes = mended_modes(data, modes, found)
-        return None
 
-    def add(self, optimum: Optimum) -> DecidedRun:
-        """Take up the run of an optimum, coasting exactly where it all but coasts, and return it.
+    def add(self, optimum: Optimum) -> None:
+        """Take up the run of an optimum, coasting exactly where it all but coasts.
 
         A point that has not converged is a run as well, if it keeps all limits.
         """
@@ -139,7 +122,7 @@ class Decisions:
         # the exact one first: what a barrier leaves of an effort makes a drive that is on take its power without effort
         exactly = coasting_exactly(self.task.course.data, optimum)
         speed2 = exactly if keeps_limits(self.task, exactly) else optimum.speed2
-        return self.take(speed2, optimum.price_of_time_w)
+        self.take(speed2, optimum.price_of_time_w)
 
     def counts(self, speed2: FloatArray) -> bool:
         """Whether a run [m2/s2] keeps all limits and switches seldom enough."""
@@ -148,11 +131,10 @@ class Decisions:
             least == 0.0 or shortest_stretch_s(self.task.course.data, speed2) >= least
         )
 
-    def take(self, speed2: FloatArray, price_of_time_w: float) -> DecidedRun:
+    def take(self, speed2: FloatArray, price_of_time_w: float) -> None:
         """Take up a run [m2/s2]; its energy is infinite if it does not keep all limits, or switches too often."""
         energy = line_energy_j(self.task, speed2) if self.counts(speed2) else np.inf
         self.runs.append(DecidedRun(speed2, energy, max(price_of_time_w, 0.0), 0))
-        return self.runs[-1]
 
 
 def is_measured(task: Task, relaxed: Optimum, energy_j: float) -> bool:

@@ -1,4 +1,4 @@
-"""Rounding of shares of cells to decisions that last, and repair of stretches that a decision leaves too short.
+"""Rounding of shares of cells to decisions that keep a minimum on/off time.
 
 Sum-up rounding in time keeps the time for which the drive is on close to its share: within half of the most that one
 stretch on and one off make up at that share. With no minimum on/off time, that is half a cell.
@@ -10,34 +10,11 @@ Program. 188, 653-694.
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point.duty import COASTED, DRIVEN
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
 from railjoule.core.physics.stretches import NOTHING
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def given_up(decision: FloatArray, short: BoolArray) -> FloatArray:
-    """Return a decision in which what is too short goes on with what is before it; arrays of shape (n,)."""
-    mended = decision.copy()
-    for i in range(1, decision.shape[0]):
-        if short[i]:
-            mended[i] = mended[i - 1]
-    return mended
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def lengthened(decision: FloatArray, short: BoolArray, durations_s: FloatArray, least_s: float) -> FloatArray:
-    """Return a decision in which what is too short takes cells from what follows; arrays of shape (n,), a time [s]."""
-    mended, lasts = decision.copy(), np.inf
-    for i in range(decision.shape[0]):
-        if short[i] and (i == 0 or not short[i - 1] or decision[i] != decision[i - 1]):
-            lasts = 0.0
-        elif i > 0 and not short[i] and lasts + 0.5 * durations_s[i] < least_s:
-            mended[i] = mended[i - 1]
-        lasts += durations_s[i]
-    return mended
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

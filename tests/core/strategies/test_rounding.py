@@ -1,4 +1,4 @@
-"""Runs that switch seldom enough: rounding in time by hand, mending, and `drive.least_switching_s` in whole runs."""
+"""Runs that switch seldom enough: rounding in time by hand, and `drive.least_switching_s` in whole runs."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.rounding import given_up, lengthened, round_shares
+from railjoule.core.strategies.rounding import round_shares
 from railjoule.core.strategies.switching import best_switched
 
 CELLS = 400
@@ -74,14 +74,6 @@ def test_every_stretch_lasts_to_the_nearest_cell(driving, least):
     decision = decision_of(np.array(driving), least=least)
     # what the run begins with was there before it, and what it ends with goes on
     assert all(0.5 * length + 0.25 >= least - 1e-9 for length in lengths(decision)[1:-1])
-
-
-def test_what_is_too_short_is_given_up_or_lengthened():
-    decision = np.array([DRIVING, DRIVING, OFF, DRIVING, DRIVING, OFF, OFF, OFF])
-    short = np.array([False, False, True, False, False, False, False, False])
-    assert given_up(decision, short).tolist() == [DRIVING] * 5 + [OFF] * 3
-    longer = [DRIVING, DRIVING, OFF, OFF, DRIVING, OFF, OFF, OFF]
-    assert lengthened(decision, short, np.full(8, 1.0), 2.0).tolist() == longer
 
 
 @pytest.mark.parametrize("strategy", ["optimal", "bellman"])
