@@ -28,7 +28,7 @@ ATTEMPTS = (
 )
 # Of a power that jumps, cost is bilinear in effort and speed where the drive is switched: its positive part alone makes
 # steps so short that the point lags behind the barrier. Exact second derivatives are tried in each attempt: of 347
-# problems the first alone solves all but nine, of which the second solves eight. Attempts with a barrier that waits for
+# problems the first solves all but nine, of which the second solves eight. Attempts with a barrier that waits for
 # the point, before, left ten open, and took five times as long for metros that average 20 km/h
 RELAXED_ATTEMPTS = (
     (SECOND_ITERATIONS, FREE_CENTRING, False, True),

@@ -259,11 +259,11 @@ def tabulate_steps(course: CourseData, grid: FloatArray, table: PowerTable) -> S
     Parameters
     ----------
     course : CourseData
-        What the run obeys.
+        The line and the train.
     grid : array of shape (nodes, points)
         Squares of speed, rising at each node [m2/s2].
     table : PowerTable
-        What prices the steps and gives their actions; where it is empty, each has an account of its own.
+        Table that prices the steps and gives their actions; if it is empty, each step has an account of its own.
     """
     nodes, points = grid.shape
     limits = limits_of(course)

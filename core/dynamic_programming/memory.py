@@ -1,4 +1,4 @@
-"""What a state of backward induction remembers beside its speed: one of a few labels, and where each action leads."""
+"""The memory of a state of backward induction beside its speed: one of a few labels, and where each action leads."""
 
 from typing import NamedTuple
 
@@ -39,7 +39,7 @@ def on_off_memory(lasting: IntArray, interrupted_by: IntArray) -> Memory:
     lasting : array of shape (n,)
         How many cells a stretch lasts at least that begins with a cell.
     interrupted_by : array of shape (n,)
-        What interrupts the drive before each cell.
+        Interruption of the drive before each cell.
     """
     n = lasting.shape[0]
     # no label is held for longer than the longest stretch that began before still lasts

@@ -45,7 +45,7 @@ def sweep_back_labels(steps: Steps, grid: FloatArray, price: float, memory: Memo
     price : float
         Cost of a second, auxiliaries included [J/s].
     memory : Memory
-        What the states remember.
+        Labels of the states.
     """
     nodes, points = grid.shape
     _, labels, actions = memory.moves.shape
@@ -135,7 +135,7 @@ class OnOffBand:
     Parameters
     ----------
     course : CourseData
-        What the run obeys.
+        The line and the train.
     greatest_speed2, centre_speed2 : array of shape (nodes,)
         Greatest feasible squares of speed, and those in the middle of the band [m2/s2].
     time_s, least_on_off_s : float
@@ -166,7 +166,7 @@ class OnOffBand:
         self.found: dict[float, tuple[FloatArray, float]] = {}
 
     def decisions(self, price_w: float, factor: float) -> tuple[list[FloatArray], float]:
-        """Return what the drive does in the runs that bracket the timetable, and the price of the more punctual one.
+        """Return the decisions of the runs that bracket the timetable, and the price of the more punctual one [J/s].
 
         There are two decisions, the more punctual one first, or one, or none where the band holds no such run: arrays
         of shape (n,) of DRIVING, BRAKING or OFF of `course_data`.
@@ -174,8 +174,7 @@ class OnOffBand:
         Parameters
         ----------
         price_w, factor : float
-            Where the search for the price of a second begins, auxiliaries included [J/s], and by which factor its
-            bracket widens.
+            First price of a second, auxiliaries included [J/s], and the factor by which its bracket widens.
         """
         first = math.log(max(price_w, TINY))
         # a band that no run passes at one price holds none at another

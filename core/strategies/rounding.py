@@ -28,7 +28,7 @@ def round_shares(
     driving, braking, durations_s : arrays of shape (n,)
         Shares of the cells on which the drive is on, and times of the cells [s].
     interrupted_by : array of shape (n,)
-        What interrupts the drive before each cell.
+        Interruption of the drive before each cell.
     least_s : float
         For how long a stretch lasts at least [s].
     """

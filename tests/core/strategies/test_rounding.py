@@ -1,4 +1,4 @@
-"""Runs that switch seldom enough: rounding in time by hand, and `drive.least_switching_s` in whole runs."""
+"""Minimum on/off times: rounding in time by hand, and `drive.least_switching_s` in whole runs."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def shares(value):
     return np.full(CELLS, value)
 
 
-def decision_of(driving, braking=None, least=2.0, duration=0.5, stands=()):
+def round_by_hand(driving, braking=None, least=2.0, duration=0.5, stands=()):
     n = len(driving)
     given = driving, np.zeros(n) if braking is None else braking, np.full(n, duration)
     interrupted_by = np.where(np.isin(np.arange(n), list(stands)), STOP, NOTHING)
@@ -40,38 +40,38 @@ def lengths(decision):
 def test_a_share_is_kept_by_the_shortest_stretches_that_last(share, on, off):
     """2 s are four cells of half a second; d of on and 1 - d of off makes the longer one d / (1 - d) times as long."""
     # the first ones settle
-    inner = lengths(decision_of(shares(share)))[2:-1]
+    inner = lengths(round_by_hand(shares(share)))[2:-1]
     assert set(inner) == {on, off}
-    assert np.mean(decision_of(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
+    assert np.mean(round_by_hand(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
 
 
 def test_what_is_on_or_off_throughout_stays_so():
     driving = np.repeat([1.0, 0.0, 1.0], [40, 60, 50])
-    assert np.array_equal(decision_of(driving) == DRIVING, driving == 1)
+    assert np.array_equal(round_by_hand(driving) == DRIVING, driving == 1)
 
 
 def test_without_a_minimum_time_the_way_driven_stays_within_half_a_cell_of_the_shares():
     """Sager, Bock, Diehl 2012: the bound of sum-up rounding."""
     driving = np.random.default_rng(3).uniform(0.03, 0.97, CELLS)
-    apart = np.cumsum(driving) - np.cumsum(decision_of(driving, least=0.0) == DRIVING)
-    assert np.abs(apart).max() <= 0.5 + 1e-9
+    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVING)
+    assert np.abs(difference).max() <= 0.5 + 1e-9
 
 
-def test_driving_goes_over_to_braking_at_once():
+def test_driving_goes_over_to_braking_immediately():
     driving, braking = np.repeat([1.0, 0.0], [20, 20]), np.repeat([0.0, 1.0], [20, 20])
-    assert np.array_equal(decision_of(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
+    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
 
 
 def test_a_stop_frees_the_drive():
-    """One cell before the stop the drive went off; behind it the drive is on at once."""
+    """One cell before the stop the drive went off; behind it the drive is on immediately."""
     driving = np.repeat([1.0, 0.0, 1.0], [20, 1, 19])
-    assert decision_of(driving)[21] == OFF
-    assert decision_of(driving, stands=[21])[21] == DRIVING
+    assert round_by_hand(driving)[21] == OFF
+    assert round_by_hand(driving, stands=[21])[21] == DRIVING
 
 
 @given(st.lists(st.floats(0, 1), min_size=2, max_size=60), st.floats(0.4, 5.0))
 def test_every_stretch_lasts_to_the_nearest_cell(driving, least):
-    decision = decision_of(np.array(driving), least=least)
+    decision = round_by_hand(np.array(driving), least=least)
     # what the run begins with was there before it, and what it ends with goes on
     assert all(0.5 * length + 0.25 >= least - 1e-9 for length in lengths(decision)[1:-1])
 
@@ -126,7 +126,7 @@ def test_no_fastest_run_that_keeps_the_rule_is_cheaper(auxiliary_kw):
     assert check_run(best.scenario, best).ok
 
 
-def test_a_run_that_no_switching_suits_says_so():
+def test_a_run_that_no_switching_suits_has_a_note():
     """A minute on or off at least: no start over 300 m is that long."""
     changes = {"timetable.travel_time_s": 45.0, "line.sections": [{"length_m": 300.0}], "drive.least_switching_s": 60.0}
     for strategy in ("optimal", "bellman"):
