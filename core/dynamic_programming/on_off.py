@@ -26,7 +26,7 @@ from railjoule.core.physics.stretches import BRAKES, DRIVES, NEUTRAL_SECTION, ac
 MOST_BOUND_CELLS = 32
 """For how many cells a stretch is held to last, at most."""
 # The decision's own solution meets the time: only what it does where has to be about right
-TIME_TOLERANCE = 3e-3
+TIME_TOLERANCE = 1e-2
 """How close to the running time a decision's run must come to end the search for its price, as a share of it."""
 MOST_LATE = 2.0
 """A run that ends early counts as taking this many running times, so that the bracket stays finite."""
