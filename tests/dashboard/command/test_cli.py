@@ -64,14 +64,14 @@ def test_solve_proves_for_as_long_as_it_is_told(capsys):
     )
     assert first["energy_kwh"] == usual["energy_kwh"]
     assert first["gap"] > usual["gap"]
-    assert "even if it switches freely" in first["bound_statement"]
-    assert "with one effort in each" in usual["bound_statement"]
+    assert (first["bound_covers"], usual["bound_covers"]) == ("every run", "runs over this mesh")
+    assert first["lower_bound_kwh"] == usual["every_run_lower_bound_kwh"] < usual["lower_bound_kwh"]
 
 
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
-    assert "2.224 kWh from the supply, proven optimal" in text
+    assert "2.223 kWh from the supply, proven optimal, 0.01 % above the bound" in text
     assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
     assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text

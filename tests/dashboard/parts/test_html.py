@@ -68,7 +68,7 @@ def test_pieces_of_html_stay_html_and_are_sent_as_they_are() -> None:
 def test_figures_of_the_optimum(runs: Runs) -> None:
     text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
     assert "Energy from the supply 4.181 kWh for 300.0 s" in text
-    assert "Above the optimum 0.00 % \u2713 proven" in text
+    assert "Above the bound +0.03 % \u2713 proven" in text
 
 
 def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
