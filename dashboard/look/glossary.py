@@ -78,8 +78,8 @@ ENERGY = (
     ),
     Term(
         "Proven",
-        "The run lies above its lower bound by at most the tolerance of the scenario, 0.05 % unless set otherwise. "
-        "Such a run counts as the optimum. The sentence below the numbers on Drive states the bound.",
+        "The run lies above its lower bound by at most the tolerance of the scenario, 0.05 % unless set otherwise, and "
+        "counts as the optimum. Drive states the bound below its numbers.",
     ),
     Term(
         "Proof",

@@ -22,7 +22,6 @@ ROW_CSS = """
 FURTHER, STOP = "Prove further", "Stop"
 SHOW_PRICES, HIDE_PRICES = "Show price of force", "Hide price of force"
 BOXES = 1e6
-COMPLETE = "As close as the proof aims."
 EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
 
 
@@ -61,7 +60,7 @@ class ProofRow:
         if own and stage:
             end = progress(self.model.step)
         elif own and known is not None and known.is_complete:
-            end = COMPLETE if known.step.reached else EXHAUSTED
+            end = EXHAUSTED
         else:
             end = self._failure if own else ""
         self.text.object = proof_text(bound, end)
