@@ -216,14 +216,13 @@ def trade_off(findings: Findings, figures: Figures) -> Markup:
         for k, run in ((int(k), optima[k]) for k in chosen)
     ]
     head = ("Travel time, s", "kWh", "per extra second, Wh/s", "top, km/h", "above the bound, %")
-    # at a stop a node stands twice, for arrival and departure: no cell lies between
-    cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
+    cells = [len(run.nodes_m) - 1 for run in optima]
     return section(
         "trade-off",
         SECTION_TITLES["trade-off"],
         plots(figures, "frontier"),
         parts.table("Optima", head, rows),
-        note(f"{len(optima)} optima over a mesh of {words.number(cells, 0)} cells."),
+        note(f"{len(optima)} optima over {words.number(min(cells), 0)} to {words.number(max(cells), 0)} cells."),
         surface_element(figures, "enoc"),
     )
 

@@ -83,9 +83,9 @@ def test_a_better_run_than_the_unproven_optimum_is_the_best_known() -> None:
     found = compute_runs(RunsRequest(load_scenario("kharkiv-like-40kmh"), ("bellman",))).runs
     cheap = needing(found["bellman"], 0.999 * found["optimal"].energy.net_j)
     optimal, bellman = (plain(parts.proof_figure(run)) for run in with_best_known([found["optimal"], cheap]))
-    # 1 / 0.999; the proof by chains, which alone bounds a table of losses, has yet to run
-    assert "Above best known +0.10 % best known 8.24 kWh" in optimal
-    assert bellman == "Above the bound \u2013 no bound is known yet"
+    # 1 / 0.999, and the bound for every driving
+    assert "Above best known +0.10 % bound 7.86 kWh" in optimal
+    assert bellman == "Above the bound +4.9 % \u25d0 bound 7.86 kWh"
 
 
 def test_a_run_without_bound_says_so(runs: Runs) -> None:
