@@ -15,7 +15,7 @@ class PriceChart(SceneChart):
     unit, digits = "J/J", 2
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        words = "Price of force, joules from the supply per joule at the wheels: proves the bound"
+        words = "Price of force, J from the supply per J at the wheels"
         super().__init__("price", words, height, axis, palette)
 
     @staticmethod

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core import Trajectory
@@ -15,9 +14,9 @@ from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.state.workbench import Workbench
 
 ROW_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) auto auto; column-gap: 12px; align-items: start;
-  padding: 6px 20px 0; box-sizing: border-box; }
-@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 6px 14px 0; } }
+:host { display: grid; grid-template-columns: minmax(0, 1fr); grid-auto-flow: column; column-gap: 16px;
+  align-items: start; padding: 6px 20px 0; box-sizing: border-box; }
+@media (max-width: 899px) { :host { grid-auto-flow: row; padding: 6px 14px 0; } }
 """
 FURTHER, STOP = "Prove further", "Stop"
 SHOW_PRICES, HIDE_PRICES = "Show price of force", "Hide price of force"
@@ -32,10 +31,9 @@ class ProofRow:
         self.state, self.model = state, state.proof
         self.text = html_pane()
         # one button, so that the keyboard's focus stays where it is
-        self.button = _text_button(FURTHER, 110, self._press)
-        self.prices = _text_button(SHOW_PRICES, 160, self._turn_prices)
-        pieces = (self.text, self.button, self.prices)
-        row = pn.Column(*pieces, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS])
+        self.button = _text_button(FURTHER, self._press)
+        self.prices = _text_button(SHOW_PRICES, self._turn_prices)
+        row = stack(self.text, self.button, self.prices, css=ROW_CSS)
         # around it, as the row's own display would show what is hidden
         self.view = stack(row, visible=False)
 
@@ -75,17 +73,15 @@ class ProofRow:
         return "" if failure is None else f"The proof has ended: {failure}"
 
 
-def _text_button(label: str, width_px: int, press: Callable[[object], None]) -> pmui.Button:
+def _text_button(label: str, press: Callable[[object], None]) -> pmui.Button:
     """Return a button at the right of the sentence, or below it on a narrow screen."""
-    narrow = {"justifyContent": "flex-start", "pl": 0}
     return pmui.Button(
         label=label,
         variant="text",
         size="small",
         margin=0,
         height=28,
-        width=width_px,
-        sx={"justifyContent": "flex-end", "@media (max-width: 899px)": narrow},
+        sx={"px": 0},
         on_click=press,
     )
 

@@ -248,9 +248,8 @@ class DriveView(PageView):
         state = self.state
         vehicle = run.scenario.vehicle
         subtitle = words.subtitle(run.distance_m, vehicle.name, vehicle.load_factor)
-        solved = (
-            f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
-        )
+        cells = len(run.nodes_m) - 1
+        solved = f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {cells} cells"
         self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
         self.causes.visible = actual is not None
         if actual is not None:
