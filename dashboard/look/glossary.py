@@ -69,12 +69,13 @@ ENERGY = (
         "Bound",
         "A lower bound: no way of driving this train over this line in this time uses less energy. It is computed "
         "separately from the run. The least energy lies between both.",
-        ("Above the bound", "bound"),
+        ("bound",),
     ),
     Term(
         "Gap",
         "The distance between a run and the lower bound. With a gap of 1 %, no other run needs less by more than 1 % "
         "of the bound.",
+        ("Above the bound",),
     ),
     Term(
         "Proven",

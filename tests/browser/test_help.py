@@ -33,7 +33,7 @@ def test_a_press_opens_an_explanation_in_the_flow(user: User) -> None:
     chart = user.page.locator(".rj-chart-speed:visible")
     before = chart.bounding_box()
     sign(user, "Above the bound").click()
-    expect(told).to_contain_text(re.compile(r"Above the bound, now \+0\.0\d %"))
+    expect(told).to_contain_text(re.compile(r"Gap, now \+0\.0\d %"))
     user.settled()
     box, after = told.bounding_box(), chart.bounding_box()
     assert box is not None
