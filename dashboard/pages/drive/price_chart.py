@@ -43,5 +43,5 @@ class PriceChart(SceneChart):
             return
         costate = bound.costate
         self.put("price", **xy(scene.x_of_place(costate.position_m), costate.force_price))
-        self.told["sources"] = [["", self.sources["price"], "x", "y"]]
+        self.follow_line("price")
         draw_borders(self, scene)
