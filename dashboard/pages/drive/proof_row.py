@@ -58,7 +58,8 @@ class ProofRow:
         if own and stage:
             end = progress(self.model.step)
         elif own and known is not None and known.is_complete:
-            end = EXHAUSTED
+            # a smooth drive has no further proof
+            end = EXHAUSTED if known.step.boxes else ""
         else:
             end = self._failure if own else ""
         self.text.object = proof_text(bound, end)
