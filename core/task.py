@@ -37,6 +37,8 @@ class Task:
         Greatest feasible squares of speed at the nodes [m2/s2]: the fastest run.
     shortest_time_s, running_time_s : float
         Time of that run, and time allowed, without dwells [s].
+    can_be_remeshed : bool
+        Whether its scenario over other nodes is the same problem: not of a part of a line, nor under further limits.
     """
 
     scenario: Scenario
@@ -44,6 +46,7 @@ class Task:
     greatest_speed2: FloatArray
     shortest_time_s: float
     running_time_s: float
+    can_be_remeshed: bool = True
 
     @cached_property
     def dwell_s(self) -> float:

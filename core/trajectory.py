@@ -74,7 +74,7 @@ class Bound:
     windows : tuple of Window
         Windows of arrival that a run that it covers keeps.
     costate : Costate or None
-        What proves it, where that is one price of force along the whole line.
+        The price of force that proves `every_run_j`, where there is one along the whole line.
     """
 
     energy_j: float

@@ -161,6 +161,7 @@ def with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArra
         task.course.position_m,
         slowest_ms,
         premise(task.course.data.drive_kind),
+        costate=bound.costate,
     )
 
 

@@ -114,7 +114,8 @@ def plannable_task(scenario: Scenario) -> Task:
         end_ms = scenario.timetable.end_speeds_ms[1] if stop >= course.position_m[-1] else 0.0
         curve = 2 * options.target_deceleration_ms2 * before + end_ms**2
         largest = np.where(inside, np.minimum(largest, curve), largest)
-    return task_over(scenario, replace(course, data=course.data._replace(largest_speed2=largest)))
+    task = task_over(scenario, replace(course, data=course.data._replace(largest_speed2=largest)))
+    return replace(task, can_be_remeshed=False)
 
 
 def stops_of(scenario: Scenario) -> list[float]:

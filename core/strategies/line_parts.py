@@ -124,7 +124,8 @@ def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
         Time allowed, without the dwells between them [s].
     """
     part, speed2 = task.course.between(first, last), task.greatest_speed2[first : last + 1]
-    return Task(task.scenario, part, speed2, running_time(part.data.cell_length_m, speed2), running_time_s)
+    shortest_s = running_time(part.data.cell_length_m, speed2)
+    return Task(task.scenario, part, speed2, shortest_s, running_time_s, can_be_remeshed=False)
 
 
 def with_auxiliaries(task: Task, power_w: float) -> Task:

@@ -11,7 +11,13 @@ from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.physics.reference import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
-from railjoule.core.strategies.arrival_windows import arrival_windows, binding_windows, bound_within, optimum_within
+from railjoule.core.strategies.arrival_windows import (
+    arrival_windows,
+    binding_windows,
+    bound_within,
+    missed_windows,
+    optimum_within,
+)
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
@@ -52,37 +58,37 @@ def optimal(task: Task) -> Trajectory:
     task.require_timetable()
     windows = arrival_windows(task)
     if not windows:
-        return _optimum_of(task, is_refined=True)
+        return unwindowed_optimum(task)
     line = optimum_within(task, windows, unwindowed_optimum)
-    best = joined(task, line, bound_within(task, line, windows))
-    return _as_reference(task, best, binding_windows(task, line, windows))
+    binding = binding_windows(task, line, windows)
+    if not binding:
+        refined = unwindowed_optimum(task)
+        if not missed_windows(task, refined):
+            return refined
+    return _as_reference(task, joined(task, line, bound_within(task, line, windows)), binding)
 
 
 def unwindowed_optimum(task: Task) -> Trajectory:
-    """Return the optimum over a task's own mesh, whatever its windows of arrival; other errors as `optimal`."""
-    return _optimum_of(task, is_refined=False)
+    """Return the optimum of a task whatever its windows of arrival; other errors as `optimal`."""
+    try:
+        return _by_interior_point(task)
+    except SolverError as failure:
+        return _by_recursion(task, failure)
 
 
 def known_optimum(task: Task) -> Trajectory | None:
     """Return the optimum of a task, to measure other runs against; None where it is not found."""
     try:
-        return _by_interior_point(task, is_refined=True)
+        return _by_interior_point(task)
     except RailjouleError:
         # another run stands without it
         return None
 
 
-def _optimum_of(task: Task, is_refined: bool) -> Trajectory:
-    try:
-        return _by_interior_point(task, is_refined)
-    except SolverError as failure:
-        return _by_recursion(task, failure)
-
-
-def _by_interior_point(task: Task, is_refined: bool) -> Trajectory:
+def _by_interior_point(task: Task) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
     if not task.course.drive.jumps_at_no_effort:
-        return _smooth_optimum(task, is_refined)
+        return _smooth_optimum(task)
     # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
     run = best_switched(task, solution.optimum)
@@ -99,9 +105,9 @@ def _by_interior_point(task: Task, is_refined: bool) -> Trajectory:
     return _as_reference(task, best)
 
 
-def _smooth_optimum(task: Task, is_refined: bool) -> Trajectory:
-    """Return the optimum of a drive without idle losses, over a mesh that is refined where it is asked for."""
-    if is_refined:
+def _smooth_optimum(task: Task) -> Trajectory:
+    """Return the optimum of a drive without idle losses, over a mesh that is refined where the task allows it."""
+    if task.can_be_remeshed:
         found = refined_optimum(task)
         task, solution, proven = found.task, found.solution, found.bound
     else:
