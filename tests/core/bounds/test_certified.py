@@ -100,8 +100,8 @@ def test_chains_prove_more_than_one_price_a_place_can(metro):
     every_j = run.bound.energy_j
     assert run.bound.covers_every_run
     assert work_floor_j(metro) < every_j == bound.every_run_j < bound.energy_j
-    # what a proof by chains aims at, within the tolerance
-    assert certified.CHAIN_SHARE * 5e-4 * 0.99 < run.with_bound(bound).gap <= 5e-4
+    # what a proof by chains aims at
+    assert run.with_bound(bound).gap == pytest.approx(metro.scenario.solver.tolerance, rel=1e-4)
     assert run.with_bound(bound).is_proven
     assert bound.energy_j < run_strategy(metro, "bellman").energy.net_j
     # it says nothing of other meshes
