@@ -22,7 +22,7 @@ import time
 import traceback
 import warnings
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -188,11 +188,11 @@ def work() -> None:
 class Worker:
     """A process that solves one scenario after another, and is started again when a call takes too long."""
 
-    def __init__(self, limit_s: float) -> None:
-        self.limit_s = limit_s
+    def __init__(self, limit_s: float, arguments: Sequence[str]) -> None:
+        self.limit_s, self.arguments = limit_s, arguments
         self.process: subprocess.Popen[str] | None = None
 
-    def rows(self, seed: int) -> list[Row]:
+    def rows(self, seed: int | str) -> list[Row]:
         """Return the rows of a scenario; the last one is `stopped` where a call took too long or the process died."""
         if self.process is None:
             self._start()
@@ -209,7 +209,7 @@ class Worker:
         return rows
 
     def _start(self) -> None:
-        command = [sys.executable, "-m", "tests.check_many", "--worker"]
+        command = [sys.executable, "-m", *self.arguments]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.lines: queue.Queue[str | None] = queue.Queue()
         threading.Thread(target=self._read, args=(self.process, self.lines), daemon=True).start()
@@ -241,7 +241,7 @@ class Worker:
             self.process = None
 
 
-def kept_rows(file: Path, seeds: range) -> list[Row]:
+def kept_rows(file: Path, seeds: Collection[int | str]) -> list[Row]:
     """Return the rows of a file for some seeds, from the same sources; an incomplete last line does not count."""
     rows = []
     for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
@@ -254,16 +254,36 @@ def kept_rows(file: Path, seeds: range) -> list[Row]:
     return rows
 
 
-def drive_all(file: Path, seeds: range, processes: int, limit_s: float, until_s: float = math.inf) -> list[Row]:
-    """Solve all scenarios that are not in the file yet, and return all rows; none is begun after `until_s` [s]."""
+def drive_all(
+    file: Path,
+    seeds: Collection[int | str],
+    processes: int,
+    limit_s: float,
+    until_s: float = math.inf,
+    arguments: Sequence[str] = ("tests.check_many", "--worker"),
+) -> list[Row]:
+    """Solve all scenarios that are not in the file yet, and return all rows.
+
+    Parameters
+    ----------
+    file : Path
+        Lines of JSON, one for each row.
+    seeds : collection of int or str
+        Names of the scenarios.
+    processes : int
+    limit_s, until_s : float
+        Time that a call may take, and the time after which no scenario is begun [s].
+    arguments : sequence of str
+        Module, and its arguments, that solves the scenarios named on its standard input.
+    """
     rows = kept_rows(file, seeds)
-    waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
+    waiting: queue.SimpleQueue[int | str] = queue.SimpleQueue()
     for seed in sorted(set(seeds) - {row["seed"] for row in rows}):
         waiting.put(seed)
     lock = threading.Lock()
 
     def keep_working() -> None:
-        worker = Worker(limit_s)
+        worker = Worker(limit_s, arguments)
         try:
             while time.monotonic() < until_s:
                 found = worker.rows(waiting.get_nowait())

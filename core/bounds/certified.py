@@ -31,8 +31,8 @@ from railjoule.core.units import J_PER_KWH
 
 LITTLE = 0.05
 """Where the multipliers of free switching leave this share of its energy open, others are tried."""
-CHAIN_SHARE = 0.9
-"""How far below the best known run a proof by chains aims, as a share of the tolerance: no proof finds more."""
+ROUNDED_GAP = 1e-6
+"""A proof by chains aims at the tolerance less this share of it: no proof finds more than it aims at."""
 SAID_M, SAID_S, ROUNDED = 0.1, 0.1, 1e-6
 """To which a sentence rounds the length of a cell [m] and a time [s], and the share of that which is rounding alone."""
 SAID_KWH = 1e-4
@@ -135,7 +135,9 @@ def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: floa
 def chain_target_j(task: Task, energy_j: float) -> float:
     """Return what a proof by chains aims at, below what a known run needs [J], dwells included in both."""
     moving = energy_j - task.dwell_energy_j
-    open_share = CHAIN_SHARE * task.scenario.solver.tolerance
+    # a gap is relative to the bound, this share to the run
+    gap = task.scenario.solver.tolerance * (1.0 - ROUNDED_GAP)
+    open_share = gap / (1.0 + gap)
     return energy_j - open_share * reference_energy(task.course.data, moving, task.running_time_s)
 
 

@@ -11,14 +11,10 @@ Each interval's price is the multiplier clipped to this window at its speed. Whe
 the optimum's own price rightly lies outside of the window at its own speed: the window is widened by that factor.
 """
 
-import math
-
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_speed
-from railjoule.core.continuous_bound.drive_rows import drive_rows
-from railjoule.core.continuous_bound.prices import price_pieces
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.physics.course_data import CourseData
 
@@ -26,22 +22,12 @@ from railjoule.core.physics.course_data import CourseData
 def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
     """Return the slopes of the cost to go by the square of speed at each node [J s2/m2]; shape (n + 1,).
 
-    They are -K times the price of force of `railjoule.core.continuous_bound.prices`; next to rest, where that has no
-    end, that of the middle of the cell.
+    They are -K times the price of force, which a multiplier tells at the middle of its cell.
     """
-    price_of_time = max(optimum.price_of_time_w, 0.0) + course.auxiliary_power_w
-    rows = drive_rows(course, math.sqrt(float(course.largest_speed2.max())))
-    pieces = price_pieces(course, optimum, rows, price_of_time)
-    count = len(course.cell_length_m)
-    first = np.searchsorted(pieces.cell, np.arange(count))
-    last = np.searchsorted(pieces.cell, np.arange(count), side="right") - 1
-    before, after = np.append(np.nan, pieces.motion[1, last]), np.append(pieces.motion[0, first], np.nan)
-    price = np.nanmean([before, after], axis=0)
-    middle = optimum.force_price / course.cell_length_m
-    at_rest = course.fixed_speed2 == 0.0
-    price[at_rest] = np.append(middle, middle[-1])[at_rest]
-    slopes: FloatArray = -course.half_inertia_kg * price
-    return slopes
+    length = course.cell_length_m
+    middle = optimum.force_price / length
+    between = (middle[:-1] * length[1:] + middle[1:] * length[:-1]) / (length[1:] + length[:-1])
+    return -course.half_inertia_kg * np.concatenate([middle[:1], between, middle[-1:]])
 
 
 def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -44,8 +44,12 @@ from railjoule.core.drive.loss_map.table import PATCH
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
-SPEEDS = 160
-"""Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed."""
+SPEEDS, GREATEST_RATIO = 240, 1.055
+"""Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed; next to rest rows stand in the ratio."""
+LOSSLESS_SPEEDS, LOSSLESS_RATIO = 160, 1.08
+"""The same for a drive of constant efficiency, whose energy per metre does not sag between rows."""
+SLOWEST_MS = 1e-4
+"""The first row [m/s]."""
 EFFORT_SHARES = (np.arange(193) / 192) ** 1.5
 """Shares of the largest effort of the table: a train that holds its speed needs little."""
 ALL_OR_NOTHING = np.array([0.0, 1.0])
@@ -120,7 +124,9 @@ def drive_rows(course: CourseData, fastest_ms: float) -> DriveRows:
 
 
 def _make_rows(course: CourseData, fastest_ms: float) -> DriveRows:
-    speed = _row_speeds(fastest_ms)
+    lossless = course.drive_kind == CONSTANT_EFFICIENCY
+    density = (LOSSLESS_SPEEDS, LOSSLESS_RATIO) if lossless else (SPEEDS, GREATEST_RATIO)
+    speed = _row_speeds(fastest_ms, *density)
     for limit in (course.traction, course.braking):
         speed = _halve_loose_strips(limit, speed)
     most = np.array([_upper_efforts(limit, speed) for limit in (course.traction, course.braking)])
@@ -136,10 +142,11 @@ def _make_rows(course: CourseData, fastest_ms: float) -> DriveRows:
     )
 
 
-def _row_speeds(fastest_ms: float) -> FloatArray:
+def _row_speeds(fastest_ms: float, count: int, ratio: float) -> FloatArray:
     """Return rows of speed before corners are added [m/s]; shape (m,)."""
-    fast = fastest_ms * (np.arange(math.ceil(1.0 / (GREATEST_RATIO ** (1.0 / 3.0) - 1.0)), SPEEDS + 1) / SPEEDS) ** 3
-    steps = math.ceil(math.log(fast[0] / SLOWEST_MS) / math.log(GREATEST_RATIO))
+    first = math.ceil(1.0 / (ratio ** (1.0 / 3.0) - 1.0))
+    fast = fastest_ms * (np.arange(first, count + 1) / count) ** 3
+    steps = math.ceil(math.log(fast[0] / SLOWEST_MS) / math.log(ratio))
     slow: FloatArray = np.geomspace(SLOWEST_MS, fast[0], steps, endpoint=False)
     return np.append(slow, fast)
 
