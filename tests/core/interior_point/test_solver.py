@@ -69,6 +69,9 @@ def outcome(seed):
         exact.total_j + data.auxiliary_power_w * exact.duration_s.sum() + solution.optimum.price_of_time_w * late_s
     )
     size = reference_energy(data, solution.energy_j, task.running_time_s)
+    if not exact.is_possible:
+        # a train cannot drive what exceeds its limits between the nodes
+        return solution.iterations, np.nan
     return solution.iterations, (priced_j - certify(task, solution.optimum).energy_j) / size
 
 
@@ -76,9 +79,10 @@ def test_300_random_scenarios_converge_and_no_run_lies_below_its_bound():
     """By its own account, with the mean speed of each cell, a run over a coarse mesh may, by up to 1.6e-3."""
     iterations, gap = np.array([outcome(seed) for seed in range(300)]).T
     assert iterations.max() <= MOST_ITERATIONS
-    assert gap.min() > 0
-    # measured: 2e-3, with 9 % beyond 5 %, where a line binds at many places or nothing is needed downhill
-    assert np.median(gap) < 3e-3
+    assert np.nanmin(gap) > 0
+    # measured: 2e-3, with 9 % beyond 5 %, where limits bind at many places or nothing is needed downhill
+    assert np.nanmedian(gap) < 3e-3
+    assert np.isnan(gap).mean() < 0.5
 
 
 @pytest.fixture
