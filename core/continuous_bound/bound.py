@@ -19,7 +19,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
 from railjoule.core.continuous_bound.hamiltonian import fill_pieces, strip_bends
-from railjoule.core.continuous_bound.prices import Pieces, price_pieces
+from railjoule.core.continuous_bound.prices import Pieces, ceilings2, price_pieces
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.course import Course
 from railjoule.core.physics.course_data import CourseData
@@ -51,7 +51,7 @@ def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) ->
     data = course.data
     rows = rows_of(course)
     price_of_time = max(optimum.price_of_time_w, 0.0)
-    pieces = price_pieces(data, optimum, rows, price_of_time + data.auxiliary_power_w)
+    pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
     shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
     energy = float(shares.sum() + sum_of_ends(data, pieces)) - price_of_time * running_time_s
     return ContinuousBound(energy, pieces, shares, price_of_time)
@@ -66,7 +66,11 @@ def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time:
     """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
     data, cell = course.data, pieces.cell
     length = np.diff(pieces.position_m)
-    line = np.array([data.line_force_n[cell], data.resistance_quadratic[cell], piece_limits(course, pieces)])
+    ceiling2 = ceilings2(course, pieces.position_m, cell)
+    # where the price of a curve cuts speeds off, none is left out beside
+    has_price = pieces.curve.max(axis=0) > 0.0
+    limit = np.where(has_price, course.cell_limit_ms[cell], np.sqrt(ceiling2.max(axis=0)))
+    line = np.array([data.line_force_n[cell], data.resistance_quadratic[cell], limit, data.powered[cell]])
     train = np.array(
         [
             data.half_inertia_kg,
@@ -80,14 +84,23 @@ def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time:
     values, speeds = np.empty((2, 2, len(cell)))
     prices = np.concatenate([pieces.motion, pieces.force])
     bend = strip_bends(rows.speed_ms)
-    fill_pieces(rows, bend, length, prices, line, train, values, speeds)
+    fill_pieces(rows, bend, length, prices, line, pieces.curve, train, values, speeds)
     shares: FloatArray = 0.5 * length * (values[0] + values[1])
-    _replace_at_rest(data, rows, pieces, line, price_of_time, shares)
+    # the integral of price times ceiling, both linear
+    (c0, c1), (w0, w1) = pieces.curve, ceiling2
+    shares -= length / 6.0 * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1))
+    _replace_at_rest(data, rows, pieces, line, ceiling2, price_of_time, shares)
     return shares
 
 
 def _replace_at_rest(
-    data: CourseData, rows: DriveRows, pieces: Pieces, line: FloatArray, price_of_time: float, shares: FloatArray
+    data: CourseData,
+    rows: DriveRows,
+    pieces: Pieces,
+    line: FloatArray,
+    ceiling2: FloatArray,
+    price_of_time: float,
+    shares: FloatArray,
 ) -> None:
     """Replace the shares of the pieces that end at rest, in place, by what holds for any motion there.
 
@@ -108,12 +121,16 @@ def _replace_at_rest(
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
             resisted = data.resistance_constant_n + line[0, piece]
             fastest2 = 2.0 * length * most
-            effort = driving - resisted if side > 0.0 else braking + rows.friction_n + resisted
+            powered = 1.0 if line[3, piece] >= 1.0 else 0.0
+            effort = powered * driving - resisted if side > 0.0 else powered * braking + rows.friction_n + resisted
             if side < 0.0:
                 # resistance at the greatest speed that the piece may begin with helps, too
                 fastest2 = min(fastest2, line[2, piece] ** 2, length * (effort + 1.0) / inertia)
                 effort += data.resistance_linear * fastest2**0.5 + line[1, piece] * fastest2
             acceleration = min(effort / (2.0 * inertia), most)
+            if side < 0.0 and ceiling2[1, piece] == 0.0:
+                # a braking curve ends here
+                acceleration = min(acceleration, 0.5 * ceiling2[0, piece] / length)
             if acceleration <= 0.0:
                 continue
             fastest2 = 2.0 * length * acceleration
@@ -126,15 +143,6 @@ def _replace_at_rest(
                 np.maximum(taken * work, returned * data.recuperation_factor * work) - side * price * inertia * squares
             )
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
-
-
-def piece_limits(course: Course, pieces: Pieces) -> FloatArray:
-    """Return the greatest speed in each piece [m/s]."""
-    limits: FloatArray = course.cell_limit_ms[pieces.cell]
-    if np.isfinite(course.permitted_deceleration_ms2):
-        limit2 = course.data.largest_speed2
-        limits = np.minimum(limits, np.sqrt(np.maximum(limit2[pieces.cell], limit2[pieces.cell + 1])))
-    return limits
 
 
 def sum_of_ends(data: CourseData, pieces: Pieces) -> float:

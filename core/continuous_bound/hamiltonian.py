@@ -29,6 +29,7 @@ def least_hamiltonian(
     linear: float,
     limit: float,
     price_of_time: float,
+    powered: bool,
 ) -> tuple[float, float]:
     """Return at most the least Hamiltonian [J/m], and a speed near which it is least [m/s].
 
@@ -50,17 +51,22 @@ def least_hamiltonian(
         Greatest speed [m/s].
     price_of_time : float
         lambda, auxiliary power included [W].
+    powered : bool
+        Whether the drive has power; else there are friction brakes alone.
     """
     speed = rows.speed_ms
     g, share = bracket(rows, price)
     count = min(max(np.searchsorted(speed, limit), 1), speed.shape[0] - 1)
     level = price * constant
     beyond = price - min(max(price, rows.price[0]), rows.price[-1])
-    worth, first = _slowest_row(rows, share, g, count, (price, beyond, by_speed2, level, linear, price_of_time))
+    terms = price, beyond, by_speed2, level, linear, price_of_time
+    worth, first = _slowest_row(rows, share, g, count, powered, terms)
     v = speed[first:count]
     h = (1.0 - share) * rows.least[g, first : count + 1] + share * rows.least[g + 1, first : count + 1]
     if beyond != 0.0:
         h = h - abs(beyond) * (rows.driving_n if beyond > 0.0 else rows.braking_n)[first : count + 1]
+    if not powered:
+        h = 0.0 * h + rows.friction_n * min(price, 0.0)
     total = h[:-1] + (level + price * linear * v) + price_of_time * bend[0, first:count] + by_speed2 * v * v
     place = np.argmin(total)
     upper, at = total[place], v[place]
@@ -87,7 +93,12 @@ def least_hamiltonian(
 
 @njit(cache=True, error_model="numpy")
 def _slowest_row(
-    rows: DriveRows, share: float, g: int, count: int, terms: tuple[float, float, float, float, float, float]
+    rows: DriveRows,
+    share: float,
+    g: int,
+    count: int,
+    powered: bool,
+    terms: tuple[float, float, float, float, float, float],
 ) -> tuple[float, int]:
     """Return what any effort is worth at most near rest, negative [J/m], and the first row that has to be asked.
 
@@ -95,14 +106,15 @@ def _slowest_row(
     """
     price, beyond, by_speed2, level, linear, price_of_time = terms
     driving, braking, taken, returned = rows.at_rest
-    worth = min(0.0, (taken - price) * driving, (price - returned) * braking) + rows.friction_n * min(price, 0.0)
+    braked = rows.friction_n * min(price, 0.0)
+    worth = braked + (min(0.0, (taken - price) * driving, (price - returned) * braking) if powered else 0.0)
     if beyond != 0.0:
         return worth, 0
     known = np.inf
     for tenth in (3, 6, 9):
         j = count * tenth // 10
         v = rows.speed_ms[j]
-        h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
+        h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j] if powered else braked
         if j < count:
             known = min(known, h + level + price * linear * v + price_of_time / v + by_speed2 * v * v)
     # what does not vary with speed; downhill in q the fastest row of those left out counts, which the loop below checks
@@ -168,6 +180,7 @@ def fill_pieces(
     length: FloatArray,
     prices: FloatArray,
     line: FloatArray,
+    curve: FloatArray,
     train: FloatArray,
     values: FloatArray,
     speeds: FloatArray,
@@ -182,8 +195,10 @@ def fill_pieces(
         Lengths of the pieces [m].
     prices : array of shape (4, k)
         Price of K w' at the start and at the end, and price of force at the start and at the end.
-    line : array of shape (3, k)
-        Line force [N], quadratic resistance [N s2/m2] and limit of speed [m/s].
+    line : array of shape (4, k)
+        Line force [N], quadratic resistance [N s2/m2], limit of speed [m/s] and share of the supply.
+    curve : array of shape (2, k)
+        As in `prices.Pieces`.
     train : array of shape (6,)
         Half the inertia [kg], constant [N] and linear [N s/m] resistance, price of time [W], limits of acceleration and
         deceleration [m/s2].
@@ -199,11 +214,12 @@ def fill_pieces(
                 rows,
                 bend,
                 force,
-                force * line[1, i] + slope,
+                force * line[1, i] + slope + curve[side, i],
                 constant + line[0, i],
                 linear,
                 line[2, i],
                 price_of_time,
+                line[3, i] >= 1.0,
             )
             # beyond the price of force, K w' is held by its limits alone
             more = motion - force

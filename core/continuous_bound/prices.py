@@ -9,7 +9,8 @@ h from `drive_rows`. Where both neighbours meet, a mean is taken; where a limit 
 there at once. Where a limit is held over a cell, y is constant. Next to rest it diverges like 1 / v: there it is
 traced along the run, over pieces whose lengths grow geometrically. Any prices prove a bound, these a tight one.
 
-What a limit of acceleration is worth is part of the price of K w', not of that of force.
+What a limit of acceleration is worth is part of the price of K w', not of that of force. Where a run keeps a braking
+curve, the price of what the curve cuts off makes the speed of the curve the one at which H is least.
 """
 
 from typing import NamedTuple
@@ -22,6 +23,7 @@ from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.motion.course import Course
 from railjoule.core.physics.course_data import CourseData
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
@@ -34,6 +36,8 @@ AT_LIMIT = 1e-5
 """Within this share of a limit a train keeps it."""
 MARGINAL = 2e-2
 """A price this close to what a partial effort costs is that cost."""
+LEAST_HELD = 1e-6
+"""Multipliers of limits of acceleration below this count as none."""
 PARTIAL = 1e-4
 """An effort is partial where it is this share away from none and from the largest."""
 
@@ -51,12 +55,15 @@ class Pieces(NamedTuple):
         Price of K w' at the start and at the end of each.
     force : array of shape (2, k)
         Price of force there.
+    curve : array of shape (2, k)
+        What the square of speed costs there that a braking curve cuts off [J s2/m3]; 0 where none is kept.
     """
 
     position_m: FloatArray
     cell: IntArray
     motion: FloatArray
     force: FloatArray
+    curve: FloatArray
 
 
 class Trace(NamedTuple):
@@ -72,8 +79,10 @@ class Trace(NamedTuple):
         Squares of speed of the run [m2/s2], and the nodes [m].
     position_m, cell
         As in `Pieces`.
-    held : array of shape (n,)
-        Which part of the price limits of acceleration hold in each cell.
+    force_price : array of shape (n,)
+        Price of force in each cell where a limit of acceleration holds the rest of the price, else NaN.
+    keeps_limit, keeps_curve : array of shape (n,)
+        Whether the run keeps a limit of speed over all of a cell, and whether that is a braking curve.
     at_rest, at_limit, may_jump : array of shape (n + 1,)
         Whether the train stands at a node, keeps a limit of speed there, or has a given speed.
     price_of_time : float
@@ -86,19 +95,21 @@ class Trace(NamedTuple):
     node_m: FloatArray
     position_m: FloatArray
     cell: IntArray
-    held: FloatArray
+    force_price: FloatArray
+    keeps_limit: BoolArray
+    keeps_curve: BoolArray
     at_rest: BoolArray
     at_limit: BoolArray
     may_jump: BoolArray
     price_of_time: float
 
 
-def price_pieces(course: CourseData, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
+def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
     """Return the pieces of a course with the prices that the multipliers of an optimum give.
 
     Parameters
     ----------
-    course : CourseData
+    course : Course
         Over the optimum's mesh.
     optimum : Optimum
         Its point and multipliers.
@@ -107,18 +118,59 @@ def price_pieces(course: CourseData, optimum: Optimum, rows: DriveRows, price_of
     price_of_time : float
         Price of a second, auxiliary power included [W].
     """
-    length = course.cell_length_m
+    data, speed2 = course.data, optimum.speed2
+    length = data.cell_length_m
     node = np.append(0.0, np.cumsum(length))
     middle = 0.5 * (node[1:] + node[:-1])
-    at_rest, fixed = course.fixed_speed2 == 0.0, course.fixed_speed2 >= 0.0
-    at_limit = optimum.speed2 >= course.largest_speed2 * (1 - AT_LIMIT)
+    at_rest, fixed = data.fixed_speed2 == 0.0, data.fixed_speed2 >= 0.0
+    at_limit = speed2 >= data.largest_speed2 * (1 - AT_LIMIT)
+    has_curve = cells_with_curve(course)
+    at_end = at_limit[1:] | (has_curve & fixed[1:])
+    keeps_limit = at_limit[:-1] & at_end
     position = _positions(node, middle, node[at_rest])
     cell = np.clip(np.searchsorted(node, 0.5 * (position[1:] + position[:-1]), side="right") - 1, 0, len(length) - 1)
-    motion, held = _prices_of_cells(course, optimum)
-    given = position, cell, held, at_rest, at_limit, fixed, price_of_time
-    prices = np.empty((2, len(cell)))
-    fill_prices(Trace(course, rows, optimum.speed2, node, *given), motion, prices)
-    return Pieces(position, cell, prices, prices - held[cell])
+    motion, force = _prices_of_cells(course.data, optimum)
+    given = position, cell, force, keeps_limit, keeps_limit & has_curve, at_rest, at_limit, fixed, price_of_time
+    trace = Trace(data, rows, speed2, node, *given)
+    prices, curve = np.empty((2, len(cell))), np.zeros((2, len(cell)))
+    fill_prices(trace, motion, prices)
+    fill_curves(trace, prices, ceilings2(course, position, cell), curve)
+    return Pieces(position, cell, prices, _force_prices(data, prices, force[cell]), curve)
+
+
+def _force_prices(course: CourseData, motion: FloatArray, force: FloatArray) -> FloatArray:
+    """Return the prices of force at both ends of pieces: those of K w' but where a limit of acceleration holds them."""
+    prices = np.where(np.isnan(force), motion, force)
+    # a limit of acceleration that there is not holds nothing
+    if np.isinf(course.max_deceleration_ms2):
+        prices = np.minimum(prices, motion)
+    if np.isinf(course.max_acceleration_ms2):
+        prices = np.maximum(prices, motion)
+    return prices
+
+
+def cells_with_curve(course: Course) -> BoolArray:
+    """Return in which cells a braking curve lies below the limit all the way; shape (n,)."""
+    if not np.isfinite(course.permitted_deceleration_ms2):
+        return np.zeros(course.cell_count, dtype=bool)
+    lower: BoolArray = course.data.largest_speed2[:-1] < course.cell_limit_ms**2 * (1 - AT_LIMIT)
+    return lower
+
+
+def ceilings2(course: Course, position_m: FloatArray, cell: IntArray) -> FloatArray:
+    """Return the squares of the greatest speeds at both ends of pieces [m2/s2]; shape (2, k).
+
+    In a cell with a braking curve they fall evenly from node to node, in others that of the line holds throughout.
+    """
+    data, has_curve = course.data, cells_with_curve(course)
+    node = np.append(0.0, np.cumsum(data.cell_length_m))
+    start2 = np.where(has_curve, data.largest_speed2[:-1], course.cell_limit_ms**2)
+    fixed2 = np.where(data.fixed_speed2 >= 0.0, data.fixed_speed2, np.inf)
+    end2 = np.where(has_curve, np.minimum(data.largest_speed2, fixed2)[1:], start2)
+    ends = np.array([position_m[:-1], position_m[1:]])
+    share = np.clip((ends - node[cell]) / data.cell_length_m[cell], 0.0, 1.0)
+    squares: FloatArray = start2[cell] + (end2 - start2)[cell] * share
+    return squares
 
 
 def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> FloatArray:
@@ -134,9 +186,10 @@ def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> Floa
 
 
 def _prices_of_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
-    """Return the price of K w' in each cell, and which part of it limits of acceleration hold."""
+    """Return the price of K w' in each cell, and that of force where a limit of acceleration holds the rest of it."""
     held = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) / course.cell_length_m
-    return _marginal_prices(course, optimum, optimum.force_price / course.cell_length_m) + held, held
+    force = _marginal_prices(course, optimum, optimum.force_price / course.cell_length_m)
+    return force + held, np.where(np.abs(held) > LEAST_HELD, force, np.nan)
 
 
 def _marginal_prices(course: CourseData, optimum: Optimum, price: FloatArray) -> FloatArray:
@@ -183,7 +236,7 @@ def _fill_from_middles(trace: Trace, middle_price: FloatArray, prices: FloatArra
     """Fill the prices of each cell from its middle to its ends."""
     first = 0
     for i in range(middle_price.shape[0]):
-        held_limit = trace.at_limit[i] and trace.at_limit[i + 1]
+        held_limit = trace.keeps_limit[i]
         centre = 0.5 * (trace.node_m[i] + trace.node_m[i + 1]) - SAME_PLACE_M
         price, piece = middle_price[i], first
         # the pieces before the middle come after those behind it, in the other direction
@@ -234,6 +287,9 @@ def _fill_next_to_rest(trace: Trace, node: int, side: int, prices: FloatArray) -
     far = rest
     while 0 <= far + side < position.shape[0] and abs(position[far + side] - position[rest]) <= reach_m:
         far += side
+    if side == -1 and node > 0 and trace.keeps_curve[node - 1]:
+        # there the curve holds the run, not its brakes, and the price stays what it is
+        return
     outer, inner = (1, 0) if side == 1 else (0, 1)
     place = far
     price = 0.0
@@ -267,13 +323,31 @@ def _traced(trace: Trace, piece: int, direction: float, price: float) -> float:
 def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     """Return the slope of the price of K w' in a cell at a speed [1/m]."""
     rows, course = trace.rows, trace.course
-    price = motion_price - trace.held[i]
+    held = trace.force_price[i]
+    price = motion_price if np.isnan(held) else held
     j = min(max(int(np.searchsorted(rows.speed_ms, speed)) - 1, 0), rows.speed_ms.shape[0] - 2)
     g, share = bracket(rows, price)
     low = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
     high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
+    if course.powered[i] < 1.0:
+        by_speed = 0.0
     resisted = price * (course.resistance_linear + 2.0 * course.resistance_quadratic[i] * speed)
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)
     slope: float = changed / (2.0 * speed * course.half_inertia_kg)
     return slope
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def fill_curves(trace: Trace, prices: FloatArray, ceiling2: FloatArray, curve: FloatArray) -> None:
+    """Fill what braking curves cost at both ends of the pieces where the run keeps one: what makes H least there."""
+    for piece in range(trace.cell.shape[0]):
+        i = trace.cell[piece]
+        if not trace.keeps_curve[i]:
+            continue
+        length = trace.position_m[piece + 1] - trace.position_m[piece]
+        rise = (prices[1, piece] - prices[0, piece]) / length
+        for side in range(2):
+            if ceiling2[side, piece] > 0.0:
+                falls = rise - _slope(trace, i, prices[side, piece], np.sqrt(ceiling2[side, piece]))
+                curve[side, piece] = max(trace.course.half_inertia_kg * falls, 0.0)
