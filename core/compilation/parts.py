@@ -30,8 +30,6 @@ SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
 """Three small runs that use every kernel but those of maps and regulators."""
 METRO = "kharkiv-like-40kmh"
 """A run for the kernels of maps, regulators and storages."""
-METRO_TIME_S = 216.0
-"""Its time, in which both repairs of minimum on and off times are used."""
 COARSE_MESH_M = 30.0
 """Of runs that are there for their kernels alone, in half the time; coarser ones leave kernels of switching unused."""
 CLOSED_LOOP = "tram-950m"
@@ -93,7 +91,7 @@ def drive_following() -> None:
 
 def drive_metro() -> None:
     """Use the kernels of storages, and of proofs that free switching leaves something to."""
-    scenario = coarse(METRO).with_(**{"timetable.travel_time_s": METRO_TIME_S})
+    scenario = coarse(METRO)
     solve(scenario, "optimal")
     saving_over_size(solve(scenario), [1.0], 1e3)
 

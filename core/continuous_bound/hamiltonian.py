@@ -117,19 +117,14 @@ def _slowest_row(
         h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j] if powered else braked
         if j < count:
             known = min(known, h + level + price * linear * v + price_of_time / v + by_speed2 * v * v)
-    # what does not vary with speed; downhill in q the fastest row of those left out counts, which the loop below checks
     room = known - worth - level
     if not room > 0.0:
         return worth, 0
-    first = min(max(np.searchsorted(rows.speed_ms, price_of_time / room) - 1, 0), count - 1)
-    while (
-        first > 0
-        and worth
-        + level
-        + price_of_time / rows.speed_ms[first]
-        + min(by_speed2, 0.0) * (rows.speed_ms[first] * rows.speed_ms[first])
-        < known
-    ):
+    first = min(max(int(np.searchsorted(rows.speed_ms, price_of_time / room)) - 1, 0), count - 1)
+    while first > 0:
+        v = rows.speed_ms[first]
+        if worth + level + price_of_time / v + min(by_speed2, 0.0) * v * v >= known:
+            break
         first -= 1
     return worth, first
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
+from railjoule.core.dynamic_programming.power_table import PowerTable, tabulated_cost
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
@@ -69,7 +70,7 @@ class Steps(NamedTuple):
 
     Step `j` of the state `k` at node `i` is `first[i, k] + j`; it leads between the points `lower` and `lower + 1` of
     the next node, at `weight` between the one, 0, and the other, 1, in the square of speed. Steps that are not
-    allowed have infinite energy.
+    allowed have infinite energy. `action` is 0 where a table of powers does not say what the drive does.
     """
 
     first: IntArray
@@ -78,6 +79,7 @@ class Steps(NamedTuple):
     energy_j: FloatArray
     time_s: FloatArray
     leaving_speed2: FloatArray
+    action: IntArray
 
 
 @njit(cache=True, error_model="numpy")
@@ -251,8 +253,18 @@ def grid_range(row: FloatArray, low: float, top: float) -> tuple[int, int]:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
-    """Return all steps between the grid points of neighbouring nodes, and those of the controls beside them."""
+def tabulate_steps(course: CourseData, grid: FloatArray, table: PowerTable) -> Steps:
+    """Return all steps between the grid points of neighbouring nodes, and those of the controls beside them.
+
+    Parameters
+    ----------
+    course : CourseData
+        The line and the train.
+    grid : array of shape (nodes, points)
+        Squares of speed, rising at each node [m2/s2].
+    table : PowerTable
+        Table that prices the steps and gives their actions; if it is empty, each step has an account of its own.
+    """
     nodes, points = grid.shape
     limits = limits_of(course)
     # the steps of all states stand in one array: how many there are has to be counted first
@@ -273,6 +285,7 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
         first[i, points] = total
     energy, time, exits = np.full(total, np.inf), np.empty(total), np.empty(total)
     lower, weight = np.empty(total, dtype=np.int64), np.empty(total)
+    action, is_exact = np.zeros(total, dtype=np.int64), table.loss_w.shape[1] == 0
     for i in range(nodes - 1):
         cell, row = cell_of(course, i), grid[i + 1]
         for k in range(points):
@@ -288,10 +301,15 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
                     if not low <= leaving_speed2 <= top:
                         continue
                     lower[step], weight[step] = place_in_row(row, leaving_speed2)
-                joules, seconds, allowed = step_cost(limits, cell, grid[i, k], leaving_speed2)
+                if is_exact:
+                    joules, seconds, allowed = step_cost(limits, cell, grid[i, k], leaving_speed2)
+                else:
+                    # between full braking and full power no step breaks a limit, but one from rest to rest never ends
+                    joules, seconds, action[step] = tabulated_cost(table, cell, grid[i, k], leaving_speed2)
+                    allowed = seconds < np.inf
                 if allowed and lower[step] >= 0:
                     energy[step], time[step], exits[step] = joules, seconds, leaving_speed2
-    return Steps(first, lower, weight, energy, time, exits)
+    return Steps(first, lower, weight, energy, time, exits, action)
 
 
 @njit(cache=True, error_model="numpy")

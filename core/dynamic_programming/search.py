@@ -16,6 +16,7 @@ from railjoule.core.dynamic_programming.backward import (
     sweep_back,
     tabulate_steps,
 )
+from railjoule.core.dynamic_programming.power_table import NO_POWERS
 from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
@@ -158,7 +159,7 @@ class _PricedRuns:
 
     def __init__(self, course: CourseData, grid: FloatArray, time_s: float) -> None:
         self.course, self.grid, self.time_s = course, grid, time_s
-        self.steps = tabulate_steps(course, grid)
+        self.steps = tabulate_steps(course, grid, NO_POWERS)
         self.swept: dict[float, tuple[FloatArray, IntArray, float]] = {}
         self.found: dict[float, tuple[FloatArray, float]] = {}
 

@@ -16,7 +16,7 @@ from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
 from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.decisions import DecidedRun, recursion
-from railjoule.core.strategies.spacing import seldom
+from railjoule.core.strategies.switching import with_min_on_off
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -73,7 +73,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
             "The search ended before its speeds were as fine as usual: no run was found within "
             f"{found.unrefined_ms / MS_PER_KMH:.2g} km/h of the one before.",
         )
-    kept = seldom(task, free)
+    kept = with_min_on_off(task, free)
     if kept is not free:
         notes = (*notes, _spacing_note(task, free, kept))
     kept = kept or free

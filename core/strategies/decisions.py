@@ -4,7 +4,7 @@ With that decided a problem that jumps is smooth. Where the solution of a decisi
 leaves out, that is allowed, too; where it all but coasts, the run coasts exactly.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,13 +21,12 @@ from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.plain_line import broken_accelerations, broken_efforts
 from railjoule.core.task import Task
 
-# Free switching is a lower bound, so that no decision can save more than what a run lies above it
 GOOD_ENOUGH = 1e-4
-"""A run this close to free switching, relatively, is good enough."""
-# What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. With
-# 5e-4 Bellman's recursion found a run better by a ten-thousandth in 3 of 240 ordinary scenarios. It is tried itself
-# wherever a run is not good enough: only so does no run of it beat the optimum by more
+"""A relaxed optimum this far above a run, relatively, is not the best one of its problem."""
+# Free switching is a lower bound, so that no decision can save more than what a run lies above it. A band of speeds
+# takes as long as five solutions
 FAR = 3e-4
+"""What a run lies above free switching, relatively, before a band of speeds is searched."""
 FORBIDDEN_SHARE = 1e-4
 """What a decided optimum may spend on forbidden efforts, of the energy: more than a barrier leaves of none."""
 # Each mending allows more cells; where three do not suffice, the decision leaves no run worth having
@@ -83,9 +82,14 @@ class Decisions:
         self.tried: set[bytes] = set()
 
     @property
-    def best(self) -> DecidedRun:
-        """The run of the least energy; there must be one."""
-        return min(self.runs, key=lambda run: run.energy_j)
+    def best(self) -> DecidedRun | None:
+        """The run of the least energy, with the iterations of all; None as long as none counts."""
+        run = min(self.runs, key=lambda run: run.energy_j, default=None)
+        return replace(run, iterations=self.iterations) if run is not None and run.energy_j < np.inf else None
+
+    def is_within(self, share: float, energy_j: float) -> bool:
+        """Return whether the best run needs no more than an energy [J] and a share of it."""
+        return self.best is not None and self.best.energy_j - energy_j <= share * self.reference_j
 
     @property
     def spared_time_share(self) -> float:
@@ -117,7 +121,8 @@ class Decisions:
         self.iterations += optimum.iterations
         # the exact one first: what a barrier leaves of an effort makes a drive that is on take its power without effort
         exactly = coasting_exactly(self.task.course.data, optimum)
-        self.take(exactly if keeps_limits(self.task, exactly) else optimum.speed2, optimum.price_of_time_w)
+        speed2 = exactly if keeps_limits(self.task, exactly) else optimum.speed2
+        self.take(speed2, optimum.price_of_time_w)
 
     def counts(self, speed2: FloatArray) -> bool:
         """Whether a run [m2/s2] keeps all limits and switches seldom enough."""

@@ -3,35 +3,32 @@
 References: the method is in `railjoule.core.interior_point.solver`, the proof in `railjoule.core.bounds`.
 """
 
+import math
 from dataclasses import replace
 
 from railjoule.core.bounds import Solution, certify, minimise
 from railjoule.core.continuous_bound.refinement import refined_optimum
-from railjoule.core.energy import energy_decimals
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
+from railjoule.core.physics.reference import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import arrival_windows, binding_windows, bound_within, optimum_within
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
-from railjoule.core.strategies.spacing import seldom_switched
-from railjoule.core.strategies.switching import unswitched
+from railjoule.core.strategies.switching import best_switched
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
-from railjoule.core.units import J_PER_KWH
 
-# To so much of the energy a relaxation converges. One that lies above the run by more is no lower value that a note
-# could name: it has not come near its optimum, see `minimise`
-RELAXED_TOLERANCE = 1e-6
+SAID_SHARE = 1e-4
+"""To which the saving of free switching is rounded up, as a share of the energy."""
 
 
 def optimal(task: Task) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
-    Of a drive that takes power without effort it is the best run found that is switched at nodes alone, and seldom
-    enough. Its bound and the energy in its notes are those of runs with free switching. Where no run found is within a
-    ten-thousandth of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not
-    computed.
+    For drives with idle losses, this is the best run found that switches only at nodes and keeps
+    `drive.least_switching_s`. Its bound and the saving in its notes are those of runs with free switching. The runs
+    near that of `bellman` are compared only where no other lies within 0.5 % of free switching.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 
@@ -88,8 +85,7 @@ def _by_interior_point(task: Task, is_refined: bool) -> Trajectory:
         return _smooth_optimum(task, is_refined)
     # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
-    run = seldom_switched(task, solution.optimum) if task.least_switching_s > 0 else None
-    run = run or unswitched(task, solution.optimum)
+    run = best_switched(task, solution.optimum)
     best = make_trajectory(
         task.scenario,
         task.course,
@@ -139,19 +135,21 @@ def _by_recursion(task: Task, failure: SolverError) -> Trajectory:
 
 
 def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
-    """Return in one sentence what an optimal run is, and what free switching needs if that is less."""
+    """Return in one sentence what an optimal run is, and what free switching could save at most."""
     friction = (
         "friction brakes take over where electric braking would draw power"
         if task.course.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
-    energy_j = run.energy_j + task.dwell_energy_j
     parts = [f"{_kept_words(task, run)}; this is the best such run found, not proven"]
-    # a relaxed energy above the run's tells nothing that free switching could save
-    if relaxed.energy_j <= energy_j + RELAXED_TOLERANCE * abs(energy_j):
-        needed = relaxed.energy_j / J_PER_KWH
-        about = f"at least about {needed:.{energy_decimals(needed)}f} kWh"
-        parts.append(f"free switching within the cells of this mesh would need {about}")
+    energy_j, optimum = run.energy_j + task.dwell_energy_j, relaxed.optimum
+    # what free switching needs at least, as far as the relaxed optimum is the best of its problem
+    gap_j = optimum.relative_gap * reference_energy(task.course.data, optimum.energy_j, task.running_time_s)
+    saving = 1 - (relaxed.energy_j - gap_j) / energy_j if energy_j > 0 else -1.0
+    # a relaxed energy above the run's is not the best of its problem
+    if saving >= 0:
+        percent = math.ceil(saving / SAID_SHARE) * SAID_SHARE * 100
+        parts.append(f"switching freely within the cells of this mesh would save at most about {percent:.2f} %")
     return "; ".join([*parts, friction]) + "."
 
 

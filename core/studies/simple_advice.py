@@ -23,6 +23,7 @@ from railjoule.core.dynamic_programming.backward import (
     speed_grid,
     tabulate_steps,
 )
+from railjoule.core.dynamic_programming.power_table import NO_POWERS
 from railjoule.core.dynamic_programming.regimes import POWER, drive_regimes, roll_out_regimes, sweep_back_regimes
 from railjoule.core.dynamic_programming.search import log_price_range, price_scale_w
 from railjoule.core.errors import SolverError, StrategyRefusedError
@@ -145,7 +146,7 @@ class _Table:
         fastest = np.sqrt(greatest)
         grid = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
         self.grid: FloatArray = laid_along_coasting(self.data, grid, greatest)
-        self.steps: Steps = tabulate_steps(self.data, self.grid)
+        self.steps: Steps = tabulate_steps(self.data, self.grid, NO_POWERS)
         self.prices = log_price_range(self.data, price_scale_w(self.data, task.running_time_s))
 
     def run(self, changes: int) -> SimpleRun:

@@ -2,7 +2,7 @@
 
 An optimum of a smooth drive takes the same functions as `solve` does, in the same order, and none of what a table has
 no column for: phases, notes, arrays over distance. All else, another strategy, a drive that takes power without effort,
-windows of arrival, and the few optima that are not found at once, is left to `solve` itself.
+windows of arrival, and the few optima that are not found or not proven at once, is left to `solve` itself.
 """
 
 import math
@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.bounds import certify
+from railjoule.core.bounds import certify, chain_target_j
 from railjoule.core.bounds.proof_steps import OPTIMUM
 from railjoule.core.budget import Budget
 from railjoule.core.compilation import require_compiled
@@ -230,7 +230,7 @@ class Engine:
 
 
 def proven_optimum(task: Task) -> ProvenRun | None:
-    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for it.
+    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for either.
 
     Parameters
     ----------
@@ -247,7 +247,7 @@ def proven_optimum(task: Task) -> ProvenRun | None:
     net_j = net_energy(*line_energies_j(course, cells))
     time_s = float(np.cumsum(durations_s(course, cells))[-1])
     bound_j = certify(found.task, optimum, found.bound).energy_j
-    # a bound covers no run that is later
-    if time_s > task.travel_time_s * (1 + LATE_SHARE):
+    # a bound covers no run that is later, and a loose one is tightened
+    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(found.task, net_j):
         return None
     return ProvenRun(course, speed2, cells, net_j, bound_j, time_s, optimum.price_of_time_w)

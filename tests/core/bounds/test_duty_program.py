@@ -36,7 +36,7 @@ def test_ipopt_finds_our_relaxed_value(drive, changes):
     problem = Problem(task.scenario, task.course.position_m)
     found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.greatest_speed2)))
     assert found.converged
-    assert minimise(task).energy_j == pytest.approx(found.energy_j, rel=1e-6)
+    assert minimise(task).energy_j == pytest.approx(found.energy_j, rel=1e-5)
 
 
 # The brake does the last cell over 10 m, where the limits' corner costs 1e-5; none over 40 m, where a referee that let

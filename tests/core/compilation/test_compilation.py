@@ -12,7 +12,6 @@ from railjoule.core.compilation import Compilation, compilation, needs_compiler,
 from railjoule.core.compilation import background as module
 from railjoule.core.compilation.order import PARTS_IN_ORDER
 from railjoule.core.compiled import MODE
-from railjoule.core.strategies import spacing
 
 HELPER = """
 import sys
@@ -125,20 +124,6 @@ def test_the_parts_are_those_that_the_helpers_take():
 )
 def test_short_runs_of_smooth_drives_need_no_compiler(name, strategies, expected):
     assert needs_compiler(load_scenario(name), *strategies) is expected
-
-
-def test_a_coarse_metro_uses_both_repairs_of_minimum_on_and_off_times(monkeypatch):
-    used = set()
-    for kernel in (spacing.given_up, spacing.lengthened):
-
-        def call(*arguments, kernel=kernel):
-            used.add(kernel.__name__)
-            return kernel(*arguments)
-
-        monkeypatch.setattr(spacing, kernel.__name__, call)
-    parts.PARTS["metro"]()
-    parts.PARTS["regulators"]()
-    assert used == {"given_up", "lengthened"}
 
 
 def test_a_helper_ends_with_the_process_that_started_it():

@@ -1,4 +1,4 @@
-"""Runs that switch seldom enough: rounding in time by hand, mending, and `drive.least_switching_s` in whole runs."""
+"""Minimum on/off times: rounding in time by hand, and `drive.least_switching_s` in whole runs."""
 
 import numpy as np
 import pytest
@@ -14,8 +14,8 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.spacing import given_up, lengthened, rounded, seldom_switched
-from railjoule.core.strategies.switching import unswitched
+from railjoule.core.strategies.rounding import round_shares
+from railjoule.core.strategies.switching import best_switched
 
 CELLS = 400
 
@@ -24,11 +24,11 @@ def shares(value):
     return np.full(CELLS, value)
 
 
-def decision_of(driving, braking=None, least=2.0, phase=0.0, duration=0.5, stands=()):
+def round_by_hand(driving, braking=None, least=2.0, duration=0.5, stands=()):
     n = len(driving)
     given = driving, np.zeros(n) if braking is None else braking, np.full(n, duration)
     interrupted_by = np.where(np.isin(np.arange(n), list(stands)), STOP, NOTHING)
-    return rounded(*given, interrupted_by, least, phase)
+    return round_shares(*given, interrupted_by, least)
 
 
 def lengths(decision):
@@ -39,42 +39,41 @@ def lengths(decision):
 @pytest.mark.parametrize(("share", "on", "off"), [(0.5, 4, 4), (0.25, 4, 12), (0.75, 12, 4)])
 def test_a_share_is_kept_by_the_shortest_stretches_that_last(share, on, off):
     """2 s are four cells of half a second; d of on and 1 - d of off makes the longer one d / (1 - d) times as long."""
-    # the first ones settle the phase
-    inner = lengths(decision_of(shares(share)))[2:-1]
+    # the first ones settle
+    inner = lengths(round_by_hand(shares(share)))[2:-1]
     assert set(inner) == {on, off}
-    assert np.mean(decision_of(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
+    assert np.mean(round_by_hand(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
 
 
 def test_what_is_on_or_off_throughout_stays_so():
     driving = np.repeat([1.0, 0.0, 1.0], [40, 60, 50])
-    assert np.array_equal(decision_of(driving) == DRIVING, driving == 1)
+    assert np.array_equal(round_by_hand(driving) == DRIVING, driving == 1)
 
 
-def test_driving_goes_over_to_braking_at_once():
+def test_without_a_minimum_time_the_way_driven_stays_within_half_a_cell_of_the_shares():
+    """Sager, Bock, Diehl 2012: the bound of sum-up rounding."""
+    driving = np.random.default_rng(3).uniform(0.03, 0.97, CELLS)
+    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVING)
+    assert np.abs(difference).max() <= 0.5 + 1e-9
+
+
+def test_driving_goes_over_to_braking_immediately():
     driving, braking = np.repeat([1.0, 0.0], [20, 20]), np.repeat([0.0, 1.0], [20, 20])
-    assert np.array_equal(decision_of(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
+    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
 
 
 def test_a_stop_frees_the_drive():
-    """One cell before the stop the drive went off; behind it the drive is on at once."""
+    """One cell before the stop the drive went off; behind it the drive is on immediately."""
     driving = np.repeat([1.0, 0.0, 1.0], [20, 1, 19])
-    assert decision_of(driving)[21] == OFF
-    assert decision_of(driving, stands=[21])[21] == DRIVING
+    assert round_by_hand(driving)[21] == OFF
+    assert round_by_hand(driving, stands=[21])[21] == DRIVING
 
 
-@given(st.lists(st.floats(0, 1), min_size=2, max_size=60), st.floats(0.4, 5.0), st.sampled_from([-0.5, 0.0, 0.5]))
-def test_every_stretch_lasts_to_the_nearest_cell(driving, least, phase):
-    decision = decision_of(np.array(driving), least=least, phase=phase)
+@given(st.lists(st.floats(0, 1), min_size=2, max_size=60), st.floats(0.4, 5.0))
+def test_every_stretch_lasts_to_the_nearest_cell(driving, least):
+    decision = round_by_hand(np.array(driving), least=least)
     # what the run begins with was there before it, and what it ends with goes on
     assert all(0.5 * length + 0.25 >= least - 1e-9 for length in lengths(decision)[1:-1])
-
-
-def test_what_is_too_short_is_given_up_or_lengthened():
-    decision = np.array([DRIVING, DRIVING, OFF, DRIVING, DRIVING, OFF, OFF, OFF])
-    short = np.array([False, False, True, False, False, False, False, False])
-    assert given_up(decision, short).tolist() == [DRIVING] * 5 + [OFF] * 3
-    longer = [DRIVING, DRIVING, OFF, OFF, DRIVING, OFF, OFF, OFF]
-    assert lengthened(decision, short, np.full(8, 1.0), 2.0).tolist() == longer
 
 
 @pytest.mark.parametrize("strategy", ["optimal", "bellman"])
@@ -96,10 +95,13 @@ def test_runs_stay_on_or_off_long_enough(drive, strategy):
 @pytest.mark.parametrize("mesh_m", [10.0, 5.0, 2.0])
 def test_how_often_is_no_matter_of_the_mesh(mesh_m):
     """Switching in any cell follows the mesh; 2 s are 2 s on each."""
-    changes = {"solver.mesh_m": mesh_m, "drive.least_switching_s": 2.0}
-    task = prepare_task(load_scenario("kharkiv-like-40kmh", changes))
+    changes = {"solver.mesh_m": mesh_m}
+    task, at_will = (
+        prepare_task(load_scenario("kharkiv-like-40kmh", changes | {"drive.least_switching_s": least}))
+        for least in (2.0, 0.0)
+    )
     relaxed = minimise(task).optimum
-    run, free = seldom_switched(task, relaxed), unswitched(task, relaxed)
+    run, free = best_switched(task, relaxed), best_switched(at_will, relaxed)
     assert shortest_stretch_s(task.course.data, run.speed2) >= 2.0
     assert shortest_stretch_s(task.course.data, free.speed2) < 2.0
     assert free.energy_j * (1 - 1e-4) <= run.energy_j < free.energy_j * (1 + 2e-3)
@@ -124,7 +126,7 @@ def test_no_fastest_run_that_keeps_the_rule_is_cheaper(auxiliary_kw):
     assert check_run(best.scenario, best).ok
 
 
-def test_a_run_that_no_switching_suits_says_so():
+def test_a_run_that_no_switching_suits_has_a_note():
     """A minute on or off at least: no start over 300 m is that long."""
     changes = {"timetable.travel_time_s": 45.0, "line.sections": [{"length_m": 300.0}], "drive.least_switching_s": 60.0}
     for strategy in ("optimal", "bellman"):
