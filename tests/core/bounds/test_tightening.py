@@ -9,12 +9,12 @@ from railjoule.core.bounds import can_tighten, run_to_prove, tightened, tighteni
 from railjoule.core.strategies import prepare_task, run_strategy
 
 SOON_REACHED, HARD = "tram-950m-recuperating", "kharkiv-like-20kmh"
-"""A tram whose proof takes 0.8 million boxes, and a slow metro for which six millions are not enough."""
+"""A tram whose proof over 20 m takes 0.8 million boxes, and a slow metro for which six millions are not enough."""
 
 
 @pytest.fixture(scope="module")
 def tram():
-    task = prepare_task(load_scenario(SOON_REACHED))
+    task = prepare_task(load_scenario(SOON_REACHED, {"solver.mesh_m": 20.0}))
     return task, run_strategy(task, "optimal")
 
 
