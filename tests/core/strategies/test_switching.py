@@ -73,8 +73,8 @@ def test_statement_and_note_say_what_is_bounded():
     best = optimal(task)
     assert best.bound.statement == (
         "No way of driving this train over this line within 95.0 s uses less than "
-        f"{np.floor(best.lower_bound_kwh * 1e4) / 1e4:.4f} kWh; this assumes that between the points of a table of its "
-        "power, the machines' power curves at most 1.5 times as much as at these points."
+        f"{math.floor(best.lower_bound_kwh * 1e4) / 1e4:.4f} kWh; this assumes that between the points of a table of "
+        "its power, the machines' power curves at most 1.5 times as much as at these points."
     )
     # rounded up, so that it is not less than what the relaxed optimum leaves
     saved_percent = math.ceil(1e4 * (1 - relaxed_kwh(task) / best.energy_kwh)) / 100
