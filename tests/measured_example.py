@@ -56,7 +56,13 @@ def driven(driver: Driver) -> Trajectory:
     scenario = load_scenario(SCENARIO)
     own = [limit.model_dump() for limit in scenario.line.speed_limits]
     kept = [{"from_m": start, "to_m": end, "limit_kmh": limit} for start, end, limit in driver.limits]
-    changes = {**TRAIN, "timetable.travel_time_s": driver.travel_time_s, "line.speed_limits": [*own, *kept]}
+    # a driver's run is not refined: over the mesh of the scenario it is good enough
+    changes = {
+        **TRAIN,
+        "solver.tolerance": 0.1,
+        "timetable.travel_time_s": driver.travel_time_s,
+        "line.speed_limits": [*own, *kept],
+    }
     return solve(scenario.with_(**changes))
 
 

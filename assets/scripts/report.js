@@ -97,11 +97,10 @@
     // these belong to a section that a report may lack
     if (at("account")) { at("account").innerHTML = run.account; }
     if (at("phases")) { at("phases").innerHTML = run.table; }
-    const {largest, ...lines} = run.lines;
-    const columns = {position: data.optima.position, ...lines};
+    const {largest, ...columns} = run.lines;
     // at its own place of the slider a run has no lines of its own here: the figures show theirs again
     const draw = (id, moved) => { const start = keep(id); model(id).data = moved ? {...start, ...moved} : start; };
-    draw(data.optimum, run.lines.speed && columns);
+    draw(data.optimum, columns.speed && columns);
     for (const [name, chart] of charts) {
       if (chart.sources.largest) { draw(chart.sources.largest, largest && {x: columns.position, y: largest}); }
       if (chart.sources.borders && name !== "line") {

@@ -112,7 +112,7 @@ export function render({model}) {
     const outcome = make("h2", {class: "outcome", tabindex: "-1"},
       `You need ${figures_of(verdict.kwh, 2)} kWh; no sharing needs less than ${figures_of(verdict.bound_kwh, 2)}.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 3)} kWh more than needed (${with_sign((100 * more) / verdict.bound_kwh, 2)} %). In the best sharing one more ` +
+      ` \u00b7 ${figures_of(more, 3)} kWh above the bound (${with_sign((100 * more) / verdict.bound_kwh, 2)} %). In the best sharing one more ` +
       `second saves ${figures_of(verdict.price_wh_s, 0)} Wh on every leg: nothing is won by moving it.`);
     const best = make("p", {}, `Best, as the dashed borders: ${verdict.best_s.map((one) => `${figures_of(one, 1)} s`).join(", ")}. `, make("b", {}, verdict.worth));
     let before = 0;

@@ -27,13 +27,13 @@ MOST_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
 MOST_PARTS, SHORTEST_M = 4, 0.02
 """Into how many parts a cell is cut at once, and the length below which it is not [m]."""
-ALLOTTED = 0.4
-"""Which share of the tolerance the cells together may keep."""
-STEEPEST = 4.0
+ALLOTTED = (0.4, 1.6, 6.4, 25.6)
+"""Which multiple of the tolerance the cells together may keep; the first that makes no more cells than allowed."""
+STEEPEST, ROUNDING = 4.0, 1e-6
 """How many times as long as its neighbour a cell may be."""
 LARGEST_EXCESS = 5e-4
 """Cells in which a run exceeds a limit by more than this share are cut."""
-MOST_GROWTH, FEWEST_CELLS = 4, 1000
+MOST_GROWTH, FEWEST_CELLS = 4, 2000
 """A mesh grows at most to so many times its cells, or to so many."""
 
 
@@ -80,8 +80,8 @@ def refined_optimum(task: Task) -> RefinedOptimum:
     found = _bounded_optimum(task, 1)
     best = found
     while best.rounds < MOST_ROUNDS:
-        cuts = _cuts(found, tolerance)
-        if cuts.max() == 1 or cuts.sum() > most_cells:
+        cuts = _cuts(found, tolerance, most_cells)
+        if cuts.max() == 1:
             break
         try:
             found = _bounded_optimum(_finer_task(found.task, cuts), found.rounds + 1)
@@ -157,29 +157,38 @@ def possible_optimum(task: Task, solution: Solution) -> Solution:
     return Solution(moved, solution.iterations + optimum.iterations, net_j)
 
 
-def _cuts(found: RefinedOptimum, tolerance: float) -> IntArray:
-    """Return into how many parts each cell is cut; shape (n,)."""
+def _cuts(found: RefinedOptimum, tolerance: float, most_cells: int) -> IntArray:
+    """Return into how many parts each cell is cut, 1 in all where no more cells would help; shape (n,)."""
     data, optimum = found.task.course.data, found.solution.optimum
-    length = data.cell_length_m
-    cuts = np.ones(len(length), dtype=int)
+    whole = np.ones(len(data.cell_length_m), dtype=int)
     if abs(found.gap) <= tolerance:
-        return cuts
-    scale = reference_energy(data, optimum.energy_j, found.task.running_time_s)
-    allotted = ALLOTTED * tolerance * scale / len(length)
-    cuts = np.clip(np.ceil(np.sqrt(np.abs(cell_gaps_j(found)) / allotted)), 1, MOST_PARTS).astype(int)
+        return whole
+    scale_j = reference_energy(data, optimum.energy_j, found.task.running_time_s)
+    open_share = np.abs(cell_gaps_j(found)) * len(whole) / (tolerance * scale_j)
     excess = follow_between_nodes(data, optimum.speed2).excess_share
-    cuts[excess > LARGEST_EXCESS] = MOST_PARTS
-    cuts[length < SHORTEST_M] = 1
+    # with too many cells those that matter most are cut first
+    for allotted in ALLOTTED:
+        cuts = np.clip(np.ceil(np.sqrt(open_share / allotted)), 1, MOST_PARTS).astype(int)
+        cuts[excess > LARGEST_EXCESS] = MOST_PARTS
+        cuts[data.cell_length_m < SHORTEST_M] = 1
+        cuts = _graded(data.cell_length_m, cuts)
+        if cuts.sum() <= most_cells:
+            return cuts
+    return whole
+
+
+def _graded(length_m: FloatArray, cuts: IntArray) -> IntArray:
+    """Return cuts that leave no cell more than `STEEPEST` times as long as its neighbour."""
     if cuts.max() == 1:
         return cuts
     while True:
-        part = length / cuts
-        steep = np.zeros(len(length), dtype=bool)
-        steep[1:] |= part[1:] > STEEPEST * (1.0 + 1e-6) * part[:-1]
-        steep[:-1] |= part[:-1] > STEEPEST * (1.0 + 1e-6) * part[1:]
+        part = length_m / cuts
+        steep = np.zeros(len(length_m), dtype=bool)
+        steep[1:] |= part[1:] > STEEPEST * (1.0 + ROUNDING) * part[:-1]
+        steep[:-1] |= part[:-1] > STEEPEST * (1.0 + ROUNDING) * part[1:]
         if not steep.any():
             return cuts
-        cuts[steep] *= 2
+        cuts = np.where(steep, 2 * cuts, cuts)
 
 
 def _finer_task(task: Task, cuts: IntArray) -> Task:

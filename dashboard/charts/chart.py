@@ -431,7 +431,7 @@ class DistanceChart(Chart):
         dress(f, self.palette, ticks, digits)
         f.xaxis.visible = with_axis
         if zoom:
-            # the width alone: all charts share this axis, and each has a y axis of its own
+            # only the width: all charts share this axis, and each has a y axis of its own
             box = BoxZoomTool(dimensions="width")
             # without the key, the wheel scrolls the page
             wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
@@ -472,6 +472,10 @@ class DistanceChart(Chart):
     def set_cursor_sources(self, *names: str) -> None:
         """Let the cursor read the lines of these sources."""
         self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
+
+    def follow_line(self, name: str) -> None:
+        """Write the values of one line in the caption, at the place of the mouse."""
+        self.told["sources"] = [["", self.sources[name], "x", "y"]]
 
     def rename(self, caption: str) -> None:
         """Give the chart another caption."""

@@ -246,7 +246,7 @@ class DifferenceChart(SceneChart):
         difference = ENERGY.values(scene.run) - np.interp(x, scene.x(pinned), ENERGY.values(pinned))
         self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), 0), 0.15))
         self.put("run", **xy(x, difference))
-        self.told["sources"] = [["", self.sources["run"], "x", "y"]]
+        self.follow_line("run")
         draw_borders(self, scene)
         if scene.narrow:
             self.clear("ends")

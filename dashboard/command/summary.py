@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
-from railjoule.core.trajectory import Reference
+from railjoule.core.trajectory import Bound, Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.work.simple_advice import first_told
 
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 Summary = dict[str, Any]
 
+EVERY_RUN, MESH_RUNS = "every run", "runs over this mesh"
+"""The runs that a bound covers: every driving of the train, or runs over one mesh with one effort in each cell."""
 ALTERNATIVE_KEYS = ("quantity", "ours", "difference_percent", "difference_points", "note")
 """Keys of a further comparison of a printed number."""
 
@@ -68,7 +70,8 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "lower_bound_kwh": _finite(trajectory.lower_bound_kwh),
         "gap": _finite(trajectory.gap),
         "proven": trajectory.is_proven,
-        "bound_statement": trajectory.bound.statement if trajectory.bound and not trajectory.bound.pending else None,
+        **_bound(trajectory.bound),
+        "cells": len(trajectory.nodes_m) - 1,
         "reference": _reference(trajectory.reference),
         "above_reference": trajectory.above_share,
         "price_of_time_wh_per_s": _per_wh(trajectory.price_of_time_w),
@@ -212,6 +215,17 @@ def _rows(tables: "Sequence[Table]") -> list[Summary]:
 def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:
     """Return the times of a benchmark as plain values."""
     return {"results": [asdict(timing) for timing in timings]}
+
+
+def _bound(bound: Bound | None) -> Summary:
+    """Return which runs a bound covers, and where these are runs over one mesh, what every driving needs at least."""
+    if bound is None:
+        return {"bound_statement": None, "bound_covers": None}
+    covers = EVERY_RUN if bound.covers_every_run else MESH_RUNS
+    summary: Summary = {"bound_statement": bound.statement, "bound_covers": covers}
+    if not bound.covers_every_run:
+        summary["every_run_lower_bound_kwh"] = bound.every_run_j / J_PER_KWH
+    return summary
 
 
 def _reference(reference: Reference | None) -> Summary | None:

@@ -278,15 +278,11 @@ def verdict(summary: Summary) -> str:
 
 def bound_words(summary: Summary) -> str:
     """Return in words how far a run is from its bound."""
-    amount = comparisons.above_bound(
-        summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"], summary["proven"]
-    )
+    amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
     if amount is None:
         return "no bound known"
-    if summary["proven"]:
-        return "proven optimal"
-    # a run lies below a bound only where that does not cover it
-    return words.plain_text(f"{amount.sentence} the bound{' of another mesh' if amount.is_less else ''}")
+    proven = "proven optimal, " if summary["proven"] else ""
+    return words.plain_text(f"{proven}{amount.sentence} the bound")
 
 
 def driver_words(advice: Sequence[Summary]) -> str:
@@ -365,9 +361,9 @@ def _proof_lines(first: Summary) -> list[str]:
     if known is None:
         return []
     best = f"{energy(known['energy_kwh'])} kWh by {STRATEGY_WORDS[known['strategy']]}"
-    if known["proven"]:
-        return [f"The optimum, {best}, is proven optimal."]
     bounded = "no bound is known" if bound is None else f"the bound is {energy(bound)} kWh"
+    if known["proven"]:
+        return [f"The optimum, {best}, is proven optimal: {bounded}."]
     return [f"The best known run, {best}, is not proven: {bounded}."]
 
 
@@ -381,7 +377,7 @@ def _above_reference(result: Summary) -> str:
 def _above_bound(result: Summary) -> str:
     if comparisons.late(result["travel_time_s"], result["allowed_time_s"]):
         return words.plain_text(words.UNKNOWN)
-    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"], result["proven"])
+    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
     return words.plain_text(comparisons.cell(amount))
 
 

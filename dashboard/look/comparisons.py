@@ -13,8 +13,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.trajectory import Bound, Reference
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.trajectory import Reference
 from railjoule.dashboard.look import words
 
 # half of the tenth in which times are told
@@ -30,7 +29,7 @@ STANDS = "stands"
 WAITING = "more time saves nothing"
 # the least that a percentage of two decimals can tell
 LEAST_GAP_TOLD = 1e-4
-"""A gap that proves nothing reads as this at least, never as none."""
+"""A gap reads as this at least, never as none."""
 
 
 class Amount(NamedTuple):
@@ -174,20 +173,18 @@ def beside(run: Trajectory, other: Trajectory) -> str:
     return late_of(run) if later else cell(above(run.energy_kwh, other.energy_kwh))
 
 
-def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None, proven: bool) -> Amount | None:
-    """Return by how much an energy lies above its bound, nothing if that proves it; None where no bound is known.
+def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -> Amount | None:
+    """Return by how much an energy lies above its bound; None where no bound is known.
 
     Parameters
     ----------
     energy_kwh, bound_kwh : float
         Energy and bound [kWh].
-    gap, proven
-        As `Trajectory.gap` and `Trajectory.is_proven` have them.
+    gap
+        As `Trajectory.gap` has it.
     """
     if bound_kwh is None or gap is None:
         return None
-    if proven:
-        return NOTHING
     if 0 < gap < LEAST_GAP_TOLD:
         return Amount(words.share_difference(LEAST_GAP_TOLD), "%")
     return above(energy_kwh, bound_kwh)
@@ -195,32 +192,7 @@ def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None, p
 
 def above_own_bound(run: Trajectory) -> Amount | None:
     """Return by how much a run lies above its bound."""
-    return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap, run.is_proven)
-
-
-def proof_sentence(bound: Bound) -> str:
-    """Return in words what a bound proves: of which runs, over which mesh.
-
-    What else holds for the runs, their limits, time and least speed, stands in the bound's own statement.
-    """
-    if bound.pending:
-        return "No bound is known yet."
-    energy, switched_j = words.energy(bound.energy_j / J_PER_KWH), bound.switched_j
-    # upwards, as no cell is longer; less a millionth, so that 10 m with an error of rounding do not become 10.1 m
-    longest = words.number(math.ceil(10 * float(np.diff(bound.position_m).max()) - 1e-6) / 10)
-    cells, assumed = (
-        f"up to {longest.removesuffix('.0')} m",
-        f", provided that {bound.premise}" if bound.premise else "",
-    )
-    kept = " that keeps the windows of arrival" if bound.windows else ""
-    if switched_j is None:
-        told = f"No run{kept} with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
-        return f"{told}; one over a finer mesh may need less."
-    if switched_j >= bound.energy_j:
-        told = f"No run{kept} over cells of {cells} needs less than {energy} kWh, even one that switches within them"
-        return f"{told}{assumed}; one over a finer mesh may need less."
-    told = f"No run{kept} with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
-    return f"{told}; one that switches within cells, or one over a finer mesh, may need less."
+    return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap)
 
 
 def cell(amount: Amount | None) -> str:

@@ -61,31 +61,38 @@ ENERGY = (
     ),
     Term(
         "Above the optimum",
-        "By how much this run's energy exceeds the optimum in the time of the timetable. Zero with a tick means: "
-        "proven to be the optimum. A late run shows its delay instead.",
+        "By how much this run's energy exceeds the optimum in the time of the timetable, or the best known run where "
+        "no optimum is proven. A late run shows its delay instead.",
         ("above optimum", "Above best known", "above"),
     ),
     Term(
         "Bound",
-        "A lower bound: an energy below which no run over the same mesh can stay, computed separately from the run. "
-        "The optimum lies between the bound and the best run known.",
-        ("Above the bound", "bound"),
+        "A lower bound: no way of driving this train over this line in this time uses less energy. It is computed "
+        "separately from the run. The least energy lies between both.",
+        ("bound",),
     ),
     Term(
         "Gap",
-        "The distance between the best run known and the lower bound. No gap means that the run is proven "
-        "optimal; with a gap of 1 %, the same mesh allows at most 1 % less.",
+        "The distance between a run and the lower bound. With a gap of 1 %, no other run needs less by more than 1 % "
+        "of the bound.",
+        ("Above the bound",),
     ),
     Term(
         "Proven",
-        "The lower bound meets the run's energy within rounding, so no run within the same model, mesh, time and "
-        "limits uses less. The sentence below the charts says what the proof covers.",
+        "The run lies above its lower bound by at most the tolerance of the scenario, 0.05 % unless set otherwise, and "
+        "counts as the optimum. Drive states the bound below its numbers.",
     ),
     Term(
         "Proof",
-        "All possible speeds are divided into boxes. Boxes through which no run can need much less than the best one "
-        "known are dropped, the others halved: so the bound rises.",
+        "Prices along the line that no run can beat. For drives with idle losses, possible speeds are then divided "
+        "into boxes, and those that only more expensive runs pass are dropped.",
         ("Prove further",),
+    ),
+    Term(
+        "Price of force",
+        "What a joule of work at the wheels is worth at a place, in joules from the supply. Where it is high, driving "
+        "pays; where it is low, braking does; between, coasting.",
+        ("costate",),
     ),
     Term(
         "Simpler advice",

@@ -135,7 +135,7 @@ def change(now: float, before: float) -> Markup:
 
 
 def proof_figure(run: Trajectory) -> Markup:
-    """Return how far a run is from the best known one, or from its bound where it is that one and not proven."""
+    """Return how far a run is from the best known one, or from its bound where it is that one itself."""
     amount, reference = comparisons.above_reference(run), run.reference
     if comparisons.late_of(run):
         return late_figure(run)
@@ -143,11 +143,12 @@ def proof_figure(run: Trajectory) -> Markup:
         label = "Above the optimum" if reference.proven else "Above best known"
         told = comparisons.reference_words(reference, run.scenario.travel_time_s)
         return figure(label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {told}")
-    if run.is_proven:
-        return figure("Above the optimum", *comparisons.NOTHING, PROVEN)
     amount = comparisons.above_own_bound(run)
     if amount is None:
-        return figure("Above the bound", words.UNKNOWN, "", f"no bound is known{' yet' if run.bound else ''}")
+        return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
+    if run.is_proven:
+        whole = "Proven: no run needs less by more than the tolerance of the scenario"
+        return figure("Above the bound", *amount, PROVEN, whole=whole)
     detail = markup('<span class="open">\u25d0 bound</span> {} kWh', words.energy(run.lower_bound_kwh or 0.0))
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 

@@ -150,7 +150,7 @@ def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     optima = findings.optima
     # a single one leaves the slider nowhere to go, and the slider is the result's
     if len(optima) < 2 or not findings.contents.has("result"):
-        return {"own": 0, "position": [], "runs": []}
+        return {"own": 0, "runs": []}
     own = sections.own_index(findings)
     # at its own place of the slider the report shows what it has drawn
     moved = [findings.runs.runs["optimal"] if k == own else run for k, run in enumerate(optima)]
@@ -164,10 +164,7 @@ def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
         }
         for k, (run, optimum, names) in enumerate(zip(shown, optima, figures.names_of(moved), strict=True))
     ]
-    # the optima lie over one mesh: its nodes are written down once
-    positions = [run["lines"].pop(POSITION.name) for run in runs if run["lines"]]
-    assert all(position == positions[0] for position in positions)
-    return {"own": own, "position": positions[0], "runs": runs}
+    return {"own": own, "runs": runs}
 
 
 def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:

@@ -55,7 +55,7 @@ class TimeChart(DistanceChart):
         low, high = nice_range(min(levels), max(levels))
         self.y_range.update(start=low, end=high)
         self.put("optimal", **xy(times, energies))
-        self.told["sources"] = [["", self.sources["optimal"], "x", "y"]]
+        self.follow_line("optimal")
         colours = {name: self.palette.tokens[name] for name in others}
         places = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
         own = (shown.travel_time_s, shown.energy_kwh)

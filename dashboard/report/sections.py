@@ -26,8 +26,8 @@ from railjoule.dashboard.report.tables import scenario_tables
 PACKAGES = ("railjoule", "numpy", "scipy", "numba", "bokeh")
 FRONTIER_ROWS = 10
 NOT_PROVEN = (
-    "The bound does not say that the data of vehicle and line are right, nor how much a finer mesh would gain; it is "
-    "computed in ordinary floating-point numbers."
+    "The bound does not say that the data of vehicle and line are right; it is computed in ordinary floating-point "
+    "numbers."
 )
 OF_MEASURED = (
     "A measured run has the speeds of a train\u2019s recorder, and its efforts and powers where the recorder has them; "
@@ -216,14 +216,13 @@ def trade_off(findings: Findings, figures: Figures) -> Markup:
         for k, run in ((int(k), optima[k]) for k in chosen)
     ]
     head = ("Travel time, s", "kWh", "per extra second, Wh/s", "top, km/h", "above the bound, %")
-    # at a stop a node stands twice, for arrival and departure: no cell lies between
-    cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
+    cells = [len(run.nodes_m) - 1 for run in optima]
     return section(
         "trade-off",
         SECTION_TITLES["trade-off"],
         plots(figures, "frontier"),
         parts.table("Optima", head, rows),
-        note(f"{len(optima)} optima over a mesh of {words.number(cells, 0)} cells."),
+        note(f"{len(optima)} optima over {words.number(min(cells), 0)} to {words.number(max(cells), 0)} cells."),
         surface_element(figures, "enoc"),
     )
 
@@ -238,19 +237,17 @@ def surface_element(figures: Figures, name: str) -> Markup:
 
 
 def proof(findings: Findings, figures: Figures) -> Markup:
-    """Return the certificate in words, the notes of all strategies and who refused."""
+    """Return the bound in words, the notes of all strategies and the refusals."""
     names, runs = words.STRATEGY_WORDS, findings.runs
-    certified = joined(markup("<p>{}</p>", sentence) for sentence in certificate(findings))
+    proven = joined(markup("<p>{}</p>", sentence) for sentence in bound_sentences(findings))
     notes = listed(words.about(names[name], note) for name, run in runs.runs.items() for note in run.notes)
     refusals = listed(words.about(names[name], reason) for name, reason in runs.refused.items())
     told = markup("<h3>Notes of the strategies</h3>{}", notes) if notes else ""
     refused = markup("<h3>Strategies that refused</h3>{}", refusals) if refusals else ""
-    return section(
-        "proof", SECTION_TITLES["proof"], markup('<div class="prose">{}{}{}</div>', certified, told, refused)
-    )
+    return section("proof", SECTION_TITLES["proof"], markup('<div class="prose">{}{}{}</div>', proven, told, refused))
 
 
-def certificate(findings: Findings) -> list[str]:
+def bound_sentences(findings: Findings) -> list[str]:
     """Return in sentences what is proven of the optimum and of the run that is shown."""
     best, run = findings.runs.best_known, findings.run
     above = comparisons.above_own_bound(best)
@@ -259,15 +256,15 @@ def certificate(findings: Findings) -> list[str]:
     energy_words, bound_words = words.energy(best.energy_kwh), words.energy(best.lower_bound_kwh)
     if best.is_proven:
         first = (
-            f"The optimum needs {energy_words} kWh, and it is proven: no run that the bound covers uses less "
-            "energy, up to one part in a million."
+            f"The optimum needs {energy_words} kWh, and it is proven: it lies {above.sentence} a lower bound. Runs up "
+            f"to {words.share(best.scenario.solver.tolerance)} % above count as the optimum."
         )
     else:
         first = (
             f"The best known run needs {energy_words} kWh. A bound of {bound_words} kWh is proven, so it is at most "
             f"{above.size} {above.unit} above the least energy of the runs that the bound covers."
         )
-    sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
+    sentences = [first, best.bound.statement, NOT_PROVEN]
     more = comparisons.above_reference(run)
     if run is not best and run.reference is not None and more is not None:
         needs = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"

@@ -37,7 +37,7 @@ def test_the_bound_tightens_further_when_asked_and_stops(server: Server, chromiu
     user.turn_to("Drive")
     # the run comes at once, what is proven of it tightens by itself
     expect(user.figure_value("Above the bound")).to_be_visible()
-    expect(proof).to_contain_text("No run with one effort in each cell of up to 40 m needs less than")
+    expect(proof).to_contain_text("cells of at most 40 m, with one effort in each, uses less than")
     expect(further).to_be_enabled()
     first = share_above(user)
     # free switching alone leaves a fifth

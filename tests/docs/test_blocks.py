@@ -1,6 +1,6 @@
 """Every block of code in README and in the documentation: Python runs, commands are those of the real parser.
 
-The gallery's examples run when the pages are built, which tests/browser/test_documentation.py does.
+Examples with pictures run when the pages are built, which tests/browser/test_documentation.py does.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from railjoule.core.scenario import scenario_from_document
 from railjoule.dashboard.command.cli import build_parser
 
 PAGES = {name_of(page): page.read_text(encoding="utf-8") for page in pages()}
-BUILT = name_of(DOCS / "gallery.md")
+BUILT = {name_of(DOCS / "gallery.md"), name_of(DOCS / "explanation" / "proof.md")}
 ADDED = "# core/"
 """How a block begins that is a new file of the core: tests/docs/test_told.py adds it."""
 SHOWN = {"text", "csv", "diff", "{toctree}", "{eval-rst}", "{include}"}
@@ -52,7 +52,7 @@ def with_python() -> list[str]:
     return [name for name, text in PAGES.items() if any(block.kind == "python" for block in blocks_in(text))]
 
 
-@pytest.mark.parametrize("page", [name for name in with_python() if name != BUILT])
+@pytest.mark.parametrize("page", [name for name in with_python() if name not in BUILT])
 def test_python_runs_and_prints_what_is_shown(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {"__name__": "__example__"}

@@ -1,4 +1,4 @@
-"""The gallery: its examples run while the pages are built; what they print and draw is put below each."""
+"""Examples run while their pages are built; the lines that they print and their pictures are put below each."""
 
 import contextlib
 import io
@@ -17,8 +17,8 @@ from railjoule.dashboard.look.tokens import FONT, LIGHT
 mpl.use("svg")
 from matplotlib import pyplot as plt
 
-PAGE = "gallery"
-EXAMPLE = re.compile(r"^## (?P<title>.+?)$(?P<told>.*?)^```python\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
+PAGES = ("gallery", "explanation/proof")
+EXAMPLE = re.compile(r"^## (?P<title>[^\n]+)$(?:(?!^## ).)*?^```python\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
 STYLE: dict[str, Any] = {
     "figure.figsize": (7.2, 3.0),
     "figure.facecolor": "none",
@@ -120,7 +120,7 @@ def with_results(text: str) -> str:
 
 
 def _fill(app: Sphinx, page: str, source: list[str]) -> None:
-    if page == PAGE and app.builder.format == "html":
+    if page in PAGES and app.builder.format == "html":
         source[0] = with_results(source[0])
 
 

@@ -38,6 +38,7 @@ class ProofModel(PageModel):
     stop = param.Event(doc="The user has waited long enough.")
     stage = param.Selector(default="", objects=["", "first", "further"], doc="The stage that is under way.")
     step = result(ProofStep, "How far that stage is.")
+    has_prices_open = param.Boolean(default=False, doc="Whether the prices that prove the bound are in sight.")
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)

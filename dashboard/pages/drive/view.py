@@ -26,6 +26,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.pages.drive.actual_parts import actual_figures, belongs_to, causes_block, is_same_plan
 from railjoule.dashboard.pages.drive.law_chart import LawChart
+from railjoule.dashboard.pages.drive.price_chart import PriceChart
 from railjoule.dashboard.pages.drive.proof_row import ProofRow
 from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
@@ -39,6 +40,7 @@ from railjoule.dashboard.work.runs import Runs
 HEIGHTS = {
     "speed": (250, 310, 220),
     "phases": (26, 26, 26),
+    "price": (120, 120, 120),
     "line": (104, 104, 104),
     "energy": (140, 140, 140),
     "difference": (92, 92, 92),
@@ -101,7 +103,7 @@ class DriveView(PageView):
         rail = parts.stack(self.account, self.runs, self.phases, self.notes, css=RAIL_CSS)
         self.law = LawChart(HEIGHTS["law"][0], self.axis, self.palette)
         self.sankey = SankeyChart(HEIGHTS["sankey"][0], self.palette)
-        for name in ("difference", "current"):
+        for name in ("difference", "current", "price"):
             self.scenes[name].host.visible = False
         self.law.host.visible = False
         self.causes = parts.html_pane(visible=False)
@@ -119,7 +121,7 @@ class DriveView(PageView):
         self.shows(
             self._show_proof,
             (self.state, ["runs", "chosen", "pins", "tightened"]),
-            (self.state.proof, ["stage", "step", "failure"]),
+            (self.state.proof, ["stage", "step", "failure", "has_prices_open"]),
             (self.state.actual, ["on", "run", "failure"]),
         )
         self.shows(self.simple.show, (self.state.simple, ["open", "computing", "found", "stale", "changes", "failure"]))
@@ -142,6 +144,7 @@ class DriveView(PageView):
         charts: list[SceneChart] = [
             SpeedChart(HEIGHTS["speed"][0], *common),
             PhaseStrip(HEIGHTS["phases"][0], *common),
+            PriceChart(HEIGHTS["price"][0], *common),
             LineStrip(HEIGHTS["line"][0], *common),
             CurrentChart(HEIGHTS["current"][0], *common),
             EnergyChart(HEIGHTS["energy"][0], *common),
@@ -219,7 +222,10 @@ class DriveView(PageView):
             self.figures.object = parts.run_figures(runs, run, self.state.pinned, stale=False)
         elif not is_same_plan(actual, run):
             run = actual.planned
-        self.notes.object = parts.markup('<div class="block"><h2>What is proven</h2>{}</div>', parts.notes(run))
+        # the bound of a plan stands below its numbers, where the actual run has none
+        notes = parts.notes(run) if actual is not None else parts.note_paragraphs(run.notes)
+        self.notes.object = parts.markup('<div class="block"><h2>Notes</h2>{}</div>', notes) if notes else ""
+        self.scenes["price"].host.visible = self.state.proof.has_prices_open and PriceChart.is_known(run)
         self.proof.show(run, hidden=actual is not None)
 
     def _column_px(self, width: float) -> float:
@@ -242,9 +248,8 @@ class DriveView(PageView):
         state = self.state
         vehicle = run.scenario.vehicle
         subtitle = words.subtitle(run.distance_m, vehicle.name, vehicle.load_factor)
-        solved = (
-            f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
-        )
+        cells = len(run.nodes_m) - 1
+        solved = f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {cells} cells"
         self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
         self.causes.visible = actual is not None
         if actual is not None:

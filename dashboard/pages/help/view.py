@@ -22,36 +22,40 @@ KEYS = (
     ("Down", "open the list of a group of pages"),
 )
 """What the keys do; letters, digits and signs only while nothing is typed."""
-# what finer meshes gain is in the table of assets/docs/explanation/mesh.md
 PROOF = (
     (
         "What is proven",
-        "The solver finds a run, and separately a lower bound: an energy below which no run can stay that obeys the "
-        "same model, timetable and limits over the same mesh. Where both meet, a tick marks the run as proven.",
+        "The solver finds a run, and separately a lower bound: no way of driving this train over this line in this "
+        "time uses less energy, whatever the driver does and wherever. A tick marks a run as proven: it lies above the "
+        "bound by at most the tolerance of the scenario, 0.05 % unless set otherwise, and counts as the optimum.",
+    ),
+    (
+        "How it is proven",
+        "Each place of the line has a price of force: the energy that a joule at the wheels is worth there. With these "
+        "prices, and a price of time, each metre has a least cost, whatever the speed and effort. The sum of these "
+        "costs is the bound. On Drive, \u201cShow price of force\u201d draws the prices below the speed.",
     ),
     (
         "When there is a gap",
-        "A half circle stands for a gap. The true optimum lies between the bound and the run, so the gap is the most "
-        "that another run over the same mesh could still save. Such a run is called the best known, not the optimum.",
+        "A half circle stands for a gap above the tolerance. The least energy lies between the bound and the run, so "
+        "the gap is the most that another run could still save. Such a run is called the best known, not the optimum.",
     ),
     (
         "Where the bound tightens",
-        "A powertrain that takes power as soon as it is on has a first bound at once, and on Drive a better one half a "
-        "second later. Prove further goes on; the bound never falls. The sentence beneath the numbers says which runs "
-        "it covers: those with one effort in each cell of the mesh, or also those that switch within cells.",
+        "A drive with idle losses takes power as soon as it is on, and the first bound of a slow run is loose. On "
+        "Drive a second one follows half a second later, for runs over the cells of one mesh with one effort in each; "
+        "Prove further continues, and the bound never falls. The sentence below the numbers states both bounds.",
     ),
     (
-        "What a finer mesh changes",
-        "The line is cut into cells. A run has one effort in each, whose energy is counted at its mean speed, and the "
-        "proof is of runs over these cells. Over shorter ones a run can change its effort more often and may need "
-        "less: where it was measured, the least energy over 1 m lies up to 0.04 % below that over 5 m, 0.15 % below "
-        "that over 10 m and 0.41 % below that over 20 m. The scenario sets the longest cell, under Strategy options.",
+        "How long the cells are",
+        "The line is cut into cells, each with one effort. For drives without idle losses the cells are halved until "
+        "the run lies within the tolerance of the bound, so that finer cells save no more than that. For others the "
+        "length stays as set. Both, the longest cell and the tolerance, are under Strategy options.",
     ),
     (
         "What a proof does not cover",
-        "It holds for the model: for this vehicle, line and timetable as entered. \u201cWhat is proven\u201d on Drive "
-        "says which runs it covers, and what it assumes of the powertrain. Other strategies are compared with the "
-        "proven run.",
+        "It holds for the model: for this vehicle, line and timetable as entered. The sentence below the numbers on "
+        "Drive states what the bound assumes of the powertrain. Other strategies are compared with the proven run.",
     ),
 )
 HELP_CSS = """

@@ -135,6 +135,8 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
     best = solve(in_time_of(run))
     bound = best.bound
     assert bound is not None
+    # the optimum may have a finer mesh; within a cell the square of speed is linear
+    best_j = np.interp(run.position_m, best.position_m, best.line_energy_j)
     return {
         "points": list(speeds_kmh),
         "kwh": run.energy_kwh,
@@ -142,8 +144,8 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
         "bound_kwh": bound.energy_j / J_PER_KWH,
         "proven": best.is_proven,
         "best_kwh": best.energy_kwh,
-        "best_ms": best.node_speed_ms.tolist(),
-        "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
+        "best_ms": np.sqrt(np.interp(run.position_m, best.position_m, best.speed_ms**2)).tolist(),
+        "above_kwh": ((run.line_energy_j - best_j) / J_PER_KWH).tolist(),
         "rows": beyond(run, best),
         "stretches": stretches(run, best),
     }

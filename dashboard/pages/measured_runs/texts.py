@@ -91,7 +91,7 @@ def _energies(run: MeasuredRun, saving: Saving | None) -> list[Markup]:
     ]
     if saving is None:
         return [*cells, parts.figure("Optimal, same time", words.UNKNOWN, "", "")]
-    proven = "no modelled run uses less" if saving.optimum.is_proven else "best run known of this model"
+    proven = "proven within the tolerance" if saving.optimum.is_proven else "best run known of this model"
     return [*cells, parts.figure("Optimal, same time", words.energy(saving.optimum.energy_kwh), "kWh", proven)]
 
 

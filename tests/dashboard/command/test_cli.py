@@ -47,7 +47,8 @@ def test_advise_prints_what_few_orders_cost(capsys):
     (run,) = found["runs"]
     # power, coast, brake: the optimum of this profile has no more
     assert run["changes"] == found["changes"] == 2
-    assert run["price_kwh"] == pytest.approx(0, abs=1e-4)
+    # these runs are over the mesh of the scenario, the optimum is over a finer one
+    assert run["price_kwh"] == pytest.approx(0, abs=1e-3)
     assert [order["action"] for order in found["advice"]] == ["full_power", "coast", "brake"]
 
 
@@ -64,14 +65,14 @@ def test_solve_proves_for_as_long_as_it_is_told(capsys):
     )
     assert first["energy_kwh"] == usual["energy_kwh"]
     assert first["gap"] > usual["gap"]
-    assert "even if it switches freely" in first["bound_statement"]
-    assert "with one effort in each" in usual["bound_statement"]
+    assert (first["bound_covers"], usual["bound_covers"]) == ("every run", "runs over this mesh")
+    assert first["lower_bound_kwh"] == usual["every_run_lower_bound_kwh"] < usual["lower_bound_kwh"]
 
 
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
-    assert "2.224 kWh from the supply, proven optimal" in text
+    assert "2.223 kWh from the supply, proven optimal, 0.01 % above the bound" in text
     assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
     assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
@@ -149,7 +150,7 @@ def test_a_trajectory_becomes_csv(capsys, tmp_path):
     result = json.loads(answer(capsys, "solve", "liashenko-ii", "--json", "--trajectory", str(file)))
     header, *rows = file.read_text().splitlines()
     assert header.split(",")[:3] == ["position_m", "time_s", "speed_kmh"]
-    assert len(rows) == 267
+    assert len(rows) == result["cells"] + 1 == 300
     last = np.array(rows[-1].split(","), dtype=float)
     assert last[1] == pytest.approx(result["travel_time_s"])
 
@@ -278,10 +279,10 @@ def test_compare_prints_json(capsys):
     assert strategies == ["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
     assert values["refused"] == []
     best = values["results"][0]
-    assert best["gap"] <= 1e-6
-    own_nodes = ("enoc", "phases", "speed_limits")
-    over_the_mesh = [result for result in values["results"] if result["strategy"] not in own_nodes]
-    assert all(result["lower_bound_kwh"] == best["lower_bound_kwh"] for result in over_the_mesh)
+    assert best["proven"]
+    # whatever its mesh, each run in time has the same bound; the set speeds are late
+    in_time = [result for result in values["results"] if result["strategy"] != "speed_limits"]
+    assert all(result["lower_bound_kwh"] == best["lower_bound_kwh"] for result in in_time)
     assert all(result["gap"] >= 0 for result in values["results"])
 
 
@@ -757,4 +758,4 @@ def test_a_run_that_misses_a_window_of_arrival_ends_with_status_2(capsys):
     assert "It arrives at Mid after" in shown.err
     assert "was to arrive no earlier than 150.0 s" in shown.err
     assert main(["solve", "liashenko-0", "--strategy", "optimal", "--json", *changes]) == OK
-    assert json.loads(capsys.readouterr().out)["proven"] is True
+    assert 0 <= json.loads(capsys.readouterr().out)["gap"] < 0.02

@@ -23,7 +23,7 @@ def test_measured_prints_json(capsys, tmp_path):
     assert found["saving_doubt"].startswith("No saving can be stated")
     assert found["model_error_kwh"] == pytest.approx(abs(found["modelled_kwh"] - found["measured_kwh"]))
     assert found["saving_at_most_kwh"] >= found["possible_saving_kwh"] - 1e-6
-    assert abs(found["gap"]) < 1e-6
+    assert 0 <= found["gap"] <= 5e-4
     assert load_scenario(str(scenario)).timetable.travel_time_s == pytest.approx(found["travel_time_s"], abs=0.2)
     assert table.stat().st_size > 1000
 

@@ -9,7 +9,8 @@ from railjoule.dashboard.command.summary import summarise
 
 CONTRACT = [
     "title", "strategy", "energy_kwh", "traction_energy_kwh", "recuperated_kwh", "auxiliary_kwh", "losses_kwh",
-    "travel_time_s", "distance_m", "max_speed_kmh", "lower_bound_kwh", "gap", "solve_time_s", "phases", "notes",
+    "travel_time_s", "distance_m", "max_speed_kmh", "lower_bound_kwh", "gap", "proven", "cells", "bound_covers",
+    "solve_time_s", "phases", "notes",
 ]  # fmt: skip
 """Keys that the design promises to other programs."""
 PHASE_KEYS = ["phase", "start_m", "end_m", "start_s", "end_s", "start_kmh", "end_kmh", "energy_kwh"]
@@ -65,12 +66,21 @@ def test_the_advice_is_told_with_the_numbers_that_are_printed(run, summary):
 
 def test_what_is_not_known_is_null(run):
     plain = summarise(replace(run, bound=None, price_of_time_w=None))
-    unknown = ("lower_bound_kwh", "gap", "bound_statement", "price_of_time_wh_per_s", "shortest_time_s")
-    assert [plain[key] for key in unknown] == [None] * 5
+    unknown = "lower_bound_kwh", "gap", "bound_statement", "bound_covers", "price_of_time_wh_per_s", "shortest_time_s"
+    assert [plain[key] for key in unknown] == [None] * len(unknown)
+
+
+def test_it_names_the_runs_that_a_bound_covers(run, summary):
+    assert (summary["bound_covers"], summary["cells"]) == ("every run", len(run.nodes_m) - 1)
+    assert "every_run_lower_bound_kwh" not in summary
+    by_chains = Bound(3.6e6 * 2.2, "Chains.", run.travel_time_s, 3.6e6 * 2.1, run.nodes_m)
+    tighter = summarise(run.with_bound(by_chains))
+    assert (tighter["bound_covers"], tighter["lower_bound_kwh"]) == ("runs over this mesh", 2.2)
+    assert tighter["every_run_lower_bound_kwh"] == pytest.approx(2.1)
 
 
 def test_an_infinite_bound_is_null(run):
-    endless = summarise(run.with_bound(Bound(float("-inf"), "None.", run.nodes_m, run.travel_time_s)))
+    endless = summarise(run.with_bound(Bound(float("-inf"), "None.", run.travel_time_s, float("-inf"))))
     assert endless["lower_bound_kwh"] is None
     assert endless["gap"] is None
     json.dumps(endless, allow_nan=False)

@@ -16,7 +16,7 @@ from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import SECTIONS, report_html
 from railjoule.dashboard.report.findings import Findings, ReportRequest, compute_findings
 from railjoule.dashboard.report.section_names import SECTION_TITLES
-from railjoule.dashboard.report.sections import certificate
+from railjoule.dashboard.report.sections import bound_sentences
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
@@ -118,18 +118,18 @@ def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
     assert values["runs"][values["own"]]["lines"] == {}
 
 
-def test_the_certificate_says_what_is_proven() -> None:
-    sentences = certificate(next(compute_findings(request())))
+def test_the_bound_is_stated() -> None:
+    sentences = bound_sentences(next(compute_findings(request())))
     best = solve(load_scenario("metro-with-limit"))
     assert sentences[0].startswith(f"The optimum needs {words.energy(best.energy_kwh)} kWh, and it is proven")
     assert best.bound is not None
-    assert best.bound.statement in sentences[1]
+    assert sentences[1] == best.bound.statement
 
 
 def test_a_run_that_is_not_the_optimum_names_its_distance() -> None:
     findings = next(compute_findings(request({"strategy": "bellman"})))
     # 7.81 kWh and a share of 7e-9 more, as `railjoule compare metro-with-limit` has it
-    assert certificate(findings)[1] == "Bellman needs 7.81 kWh, 0.00 % above the optimum of 7.81 kWh."
+    assert bound_sentences(findings)[1] == "Bellman needs 7.81 kWh, 0.00 % above the optimum of 7.81 kWh."
 
 
 # ---- what is asked for

@@ -48,10 +48,9 @@ class Prover:
 
 
 def first_j(request: ProofRequest) -> float:
-    """Return the first bound of a request [J]: what is proven of runs that switch within cells stays that."""
+    """Return the first bound of a request [J]: a proof leaves the bound of every driving as it is."""
     bound = request.run.bound
-    assert bound.switched_j is not None
-    return bound.switched_j
+    return bound.every_run_j
 
 
 @cache
@@ -80,7 +79,7 @@ class Desk:
     def closed(self) -> float:
         """How much of the first gap is closed."""
         run = self.state.run
-        return (run.bound.energy_j - run.bound.switched_j) / (run.energy.net_j - run.bound.switched_j)
+        return (run.bound.energy_j - run.bound.every_run_j) / (run.energy.net_j - run.bound.every_run_j)
 
     @property
     def words(self) -> str:
@@ -105,12 +104,11 @@ def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
     assert prover.asked == [FIRST_STAGE_BOXES]
     assert desk.closed == pytest.approx(0.6)
     assert desk.state.proof.stage == ""
-    assert desk.words.startswith("No run with one effort in each cell of up to 5 m needs less than ")
+    assert desk.words.startswith("No way of driving this train over this line within 95.0 s uses less than ")
     assert desk.view.proof.button.visible
     assert desk.view.proof.button.label == "Prove further"
     # all runs that it covers have it, so that one number has one value
     assert desk.state.runs.runs["fastest"].bound is desk.state.run.bound
-    assert desk.state.run.bound.statement in desk.view.notes.object.replace("&#x27;", "'")
 
 
 def test_a_looser_bound_replaces_none(desk: Desk, prover: Prover) -> None:
@@ -126,7 +124,8 @@ def test_prove_further_ends_where_the_proof_aims(desk: Desk, prover: Prover) -> 
     prover.shares, prover.reached = [0.9], True
     desk.view.proof.button.param.trigger("clicks")
     assert desk.closed == pytest.approx(0.9)
-    assert desk.words.endswith("As close as the proof aims.")
+    # within the tolerance the run is proven, and nothing is left to prove
+    assert desk.state.run.is_proven
     assert not desk.view.proof.button.visible
 
 
@@ -169,7 +168,23 @@ def test_smooth_drives_and_other_pages_need_no_proof(prover: Prover) -> None:
     desk.state.scenario.choose("metro-with-limit")
     desk.run()
     assert prover.asked == [FIRST_STAGE_BOXES]
-    assert not desk.view.proof.view.visible
+    assert desk.view.proof.view.visible
+    assert not desk.view.proof.button.visible
+
+
+def test_the_price_of_force_is_drawn_on_request(desk: Desk) -> None:
+    chart = desk.view.scenes["price"]
+    assert not chart.host.visible
+    desk.view.proof.prices.param.trigger("clicks")
+    assert chart.host.visible
+    assert desk.view.proof.prices.label == "Hide price of force"
+    places = desk.state.run.bound.costate.position_m
+    assert len(chart.sources["price"].data["x"]) == len(places)
+    # a bound that chains of boxes tighten has no single price along the line
+    tighter = replace(desk.state.run.bound, energy_j=desk.state.run.bound.energy_j + 1.0, costate=None)
+    desk.state.take_bound(desk.state.runs.scenario, tighter)
+    assert not chart.host.visible
+    assert not desk.view.proof.prices.visible
 
 
 @pytest.mark.parametrize("how", ["stop", "end"])

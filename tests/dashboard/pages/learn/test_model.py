@@ -43,7 +43,7 @@ def test_the_answers_say_what_comes_out() -> None:
     assert f"{saved('recuperation', 100):.1f} %" in answers["recuperation"]
     assert f"saves {saved('gradient', 20):.0f} %" in answers["gradient"]
     assert f"per mille {saved('gradient', 30):.0f} %" in answers["gradient"]
-    assert saved("gradient", 23) < 50 < saved("gradient", 24)
+    assert saved("gradient", 22) < 50 < saved("gradient", 23)
     for load, text in ((0, "needs 3.3 % more"), (100, "full one 3.5 % more")):
         share = saved("load", load)
         assert f"{100 * share / (100 - share):.1f}" in text
