@@ -104,7 +104,7 @@ def test_chains_prove_more_than_one_price_a_place_can(metro):
     # it aims at the tolerance, which the first stage does not quite reach here: 1.1e-3
     assert metro.scenario.solver.tolerance * (1 - 1e-4) < run.with_bound(bound).gap < 2e-3
     assert bound.energy_j < run_strategy(metro, "bellman").energy.net_j
-    # it says nothing of other meshes
+    # it does not hold over other meshes
     assert np.array_equal(bound.position_m, metro.course.position_m)
     # both energies downwards
     proven, every = (np.floor(energy / J_PER_KWH * 1e4) / 1e4 for energy in (bound.energy_j, every_j))
