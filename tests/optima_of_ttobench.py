@@ -2,9 +2,9 @@
 
 No optimum of these tracks has been published but one, for which two solvers agree. Each row is a track and a train as
 their files state them (all stops, no dwells, at rest at both ends), in 1.1 times its shortest time, over the mesh that
-`MESH_M` gives; a journey has no other choices. The energy is that of the line without auxiliaries; the bound is what
-no run over the same mesh undercuts. The table lies in assets/docs/ttobench_optima.csv, and a test makes some of its
-rows anew.
+`MESH_M` gives, refined towards the tolerance of the solver; a journey has no other choices. The energy is that of the
+line without auxiliaries; the bound is what no driving of the train undercuts. The table lies in
+assets/docs/ttobench_optima.csv, and a test computes some of its rows again.
 """
 
 import csv

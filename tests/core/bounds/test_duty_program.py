@@ -41,8 +41,8 @@ def test_ipopt_finds_our_relaxed_value(drive, changes):
 
 # The brake does the last cell over 10 m, where the limits' corner costs 1e-5; none over 40 m, where a referee that let
 # machines take more than they have, while the brake takes over for the rest of the cell, would find 6e-4 less
-@pytest.mark.parametrize(("mesh_m", "agreement"), [(40.0, 1e-6), (10.0, 2e-5)])
-def test_cells_that_machines_may_share_with_a_standstill_brake_are_bounded(mesh_m, agreement):
+@pytest.mark.parametrize(("mesh_m", "agreement", "loose"), [(40.0, 1e-6, 1e-2), (10.0, 2e-5, 4e-3)])
+def test_cells_that_machines_may_share_with_a_standstill_brake_are_bounded(mesh_m, agreement, loose):
     task = prepare_task(load_scenario("tram-950m-recuperating").with_(**{"solver.mesh_m": mesh_m}))
     problem = Problem(task.scenario, task.course.position_m)
     assert problem.scenario.vehicle.drive.standstill_brake
@@ -50,4 +50,5 @@ def test_cells_that_machines_may_share_with_a_standstill_brake_are_bounded(mesh_
     assert found.converged
     ours = minimise(task)
     assert ours.energy_j == pytest.approx(found.energy_j, rel=agreement)
-    assert found.energy_j * (1 - 2e-3) < certify(task, ours.optimum).energy_j < found.energy_j
+    # of every driving, which may change its effort within a cell: the less, the shorter the cells
+    assert found.energy_j * (1 - loose) < certify(task, ours.optimum).energy_j < found.energy_j

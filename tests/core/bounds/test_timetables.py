@@ -14,7 +14,7 @@ NODES = np.array([0.0, 10.0, 20.0])
 
 
 def bound(energy_j, time_s, position_m=NODES, slowest_ms=0.1):
-    return Bound(energy_j, f"{energy_j} in {time_s}", position_m, time_s, slowest_ms)
+    return Bound(energy_j, f"{energy_j} in {time_s}", time_s, 10.0, position_m, slowest_ms)
 
 
 def test_the_greatest_of_longer_times_holds():
@@ -32,6 +32,14 @@ def test_bounds_of_other_runs_stay_apart():
     own = bound(50.0, 100.0, slowest_ms=np.array([0.0, 0.1, 0.0]))
     assert strongest_bounds([own, other_mesh, not_so_slow]) == [own, other_mesh, not_so_slow]
     assert strongest_bounds([]) == []
+
+
+def test_a_bound_of_every_driving_holds_over_each_mesh_but_not_the_reverse():
+    every, less = bound(60.0, 110.0, position_m=None), bound(40.0, 120.0, position_m=None)
+    of_mesh = bound(50.0, 100.0)
+    assert strongest_bounds([of_mesh, every, less]) == [every, every, less]
+    of_mesh = bound(70.0, 110.0)
+    assert strongest_bounds([of_mesh, every]) == [of_mesh, every]
 
 
 @pytest.mark.parametrize("drive", ["copper loss", "loss polynomial"])

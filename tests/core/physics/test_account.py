@@ -13,7 +13,7 @@ from railjoule.core.motion.cell_step import cell_cost
 from railjoule.core.physics.account import account_of_run, run_energy
 from railjoule.core.physics.course_data import cell_of, train_of
 from railjoule.core.physics.stretches import actions_of_run
-from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.strategies import prepare_task
 from railjoule.core.trajectory import make_trajectory
 
 SPEEDS_MS = {
@@ -131,13 +131,3 @@ def test_where_friction_spares_the_drive_the_line_gets_its_share_and_no_more():
     assert account.power_w[0] < 0
     energy = by_dynamic_programming(data, cell.speed2)[0]
     assert energy == pytest.approx(0.37 * account.power_w[0] * account.duration_s[0], rel=1e-12)
-
-
-@pytest.mark.parametrize("drive", ["copper loss", "loss polynomial", "synchronous"])
-def test_the_optimum_is_counted_as_it_was_minimised(drive):
-    """Of smooth drives to the gap that was asked for; others are judged by the account."""
-    task = prepare_task(train(drive, 40.0, 0.37, **{"timetable.travel_time_s": 120.0}))
-    run = run_strategy(task, "optimal")
-    assert run.energy.net_j >= run.bound.energy_j - 1e-9 * abs(run.energy.net_j)
-    if drive == "copper loss":
-        assert run.gap < 1e-6

@@ -6,11 +6,12 @@ from every_drive import DRIVES, one_cell, train
 from random_scenarios import random_speeds
 
 from railjoule.core import load_scenario
+from railjoule.core.bounds import minimise
 from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
-from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.strategies import prepare_task
 
 STEPS = 200
 """Of the integrator, in each cell."""
@@ -111,9 +112,9 @@ def test_in_a_neutral_section_there_is_friction_only():
 
 @pytest.fixture(scope="module")
 def impossible():
-    """Return an optimum that asks for more than full traction where the limit leaves its constant."""
+    """Return an optimum over 5 m that asks for more than full traction where the limit leaves its constant."""
     task = prepare_task(load_scenario("liashenko-fig-5"))
-    speed2 = run_strategy(task, "optimal").node_speed_ms ** 2
+    speed2 = minimise(task).optimum.speed2
     assert 1e-3 < follow_between_nodes(task.course.data, speed2).largest_excess.share < 1e-2
     return task, speed2
 
@@ -134,8 +135,7 @@ def test_cells_halved_by_their_excess_make_the_run_possible(impossible):
     over = follow_between_nodes(task.course.data, speed2).excess_share > 5e-4
     halves = np.sort(np.concatenate([nodes, (0.5 * (nodes[:-1] + nodes[1:]))[over]]))
     finer = prepare_task(task.scenario, position_m=halves)
-    run = run_strategy(finer, "optimal")
-    assert follow_between_nodes(finer.course.data, run.node_speed_ms**2).is_possible
+    assert follow_between_nodes(finer.course.data, minimise(finer).optimum.speed2).is_possible
 
 
 def test_the_fastest_run_slowed_down_keeps_all_limits_for_each_drive():

@@ -281,8 +281,9 @@ CASES: dict[str, Case] = {
             # below what adhesion leaves beside the electric brake
             "vehicle.braking.friction_effort_kn": 15.0,
         },
-        idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name"),
+        idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name", "solver.tolerance"),
     ),
+    "optimum over a refined mesh": Case(plan, shortened({}), ("solver.tolerance",), {"solver.tolerance": 1e-5}),
     "stations": Case(
         plan,
         change_document(PLAIN, {"line.stations": [STATION], "timetable.travel_time_s": 210.0}),

@@ -66,14 +66,12 @@ def test_the_bound_is_that_of_the_optimum():
     assert (other.energy_j, other.statement) == (bound.energy_j, bound.statement)
 
 
-@pytest.mark.parametrize("strategy", ["enoc", "phases", "speed_limits"])
-def test_a_run_over_other_nodes_has_a_bound_over_these(strategy):
-    """Over other nodes a run may need less than what is proven of the task's mesh."""
-    run, bound = solve(SUBURBAN, strategy), solve(SUBURBAN, "optimal").bound
-    assert not np.array_equal(run.nodes_m, bound.position_m)
-    assert np.array_equal(run.nodes_m, run.bound.position_m)
-    assert run.gap > 0
-    assert run.bound.energy_j == pytest.approx(bound.energy_j, rel=0.05)
+@pytest.mark.parametrize("strategy", ["enoc", "phases"])
+def test_a_run_over_other_nodes_has_the_bound_of_every_driving(strategy):
+    run, best = solve(SUBURBAN, strategy), solve(SUBURBAN, "optimal")
+    assert not np.array_equal(run.nodes_m, best.nodes_m)
+    assert run.bound.covers_every_run
+    assert run.bound.energy_j == best.bound.energy_j < run.energy.net_j
 
 
 def test_a_bound_that_does_not_come_leaves_the_run(monkeypatch):
@@ -82,22 +80,23 @@ def test_a_bound_that_does_not_come_leaves_the_run(monkeypatch):
     def fails(*_):
         raise SolverError("the optimum was not found within 100 iterations.")
 
-    for module in (certified, import_module("railjoule.core.strategies.optimal")):
+    for module in (certified, import_module("railjoule.core.continuous_bound.refinement")):
         monkeypatch.setattr(module, "minimise", fails)
     run = solve(SUBURBAN, "eoc")
     assert run.bound is None
     assert run.energy_kwh > 0
 
 
-def test_compare_gives_all_runs_over_one_mesh_one_bound():
+def test_compare_gives_all_runs_of_one_time_one_bound():
     runs, refused = compare(SUBURBAN)
     assert [run.strategy for run in runs] == list(STRATEGIES)
     assert refused == {}
-    own_nodes = ("enoc", "phases", "speed_limits")
-    assert len({id(run.bound) for run in runs if run.strategy not in own_nodes}) == 1
-    assert all(np.array_equal(run.bound.position_m, run.nodes_m) for run in runs)
+    # set speeds may be late
+    assert len({run.bound.energy_j for run in runs if run.strategy != "speed_limits"}) == 1
+    assert all(run.bound.covers_every_run for run in runs)
     gaps = {run.strategy: run.gap for run in runs}
-    assert gaps["optimal"] < 1e-6
+    # EOC is Pontryagin's own optimum of this line
+    assert [run.strategy for run in runs if run.is_proven] == ["optimal", "eoc"]
     # findings on Ftorek 2025: ENOC's best acceleration time costs 1.6 % more than the optimum
     assert gaps["enoc"] == pytest.approx(0.016, abs=1e-3)
     assert gaps["eoc"] < gaps["enoc"] < gaps["fastest"]
@@ -118,7 +117,8 @@ def test_a_timetable_that_no_train_keeps_is_an_error_for_all(call):
 def test_speeds_at_the_ends():
     run = solve(plain_scenario({"line.sections": HILLS}), initial_speed_ms=5.0, final_speed_ms=3.0)
     assert run.speed_ms[[0, -1]] == pytest.approx([5, 3])
-    assert run.gap < 1e-6
+    assert run.gap >= 0
+    assert run.is_proven
 
 
 @pytest.mark.parametrize("error", [DriveRangeError("the map ends."), ScenarioError("no."), SolverError("none.")])
@@ -146,5 +146,5 @@ def test_whatever_an_optimum_fails_with_leaves_the_run(monkeypatch):
     def fails(*_):
         raise DriveRangeError("the map ends.")
 
-    monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "minimise", fails)
+    monkeypatch.setattr(import_module("railjoule.core.continuous_bound.refinement"), "minimise", fails)
     assert solve(SUBURBAN, "fastest").energy_kwh > 0

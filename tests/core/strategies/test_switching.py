@@ -72,10 +72,9 @@ def test_statement_and_note_say_what_is_bounded():
     task = prepare_task(tram())
     best = optimal(task)
     assert best.bound.statement == (
-        f"No run over this mesh of {task.course.cell_count} cells of at most 5 m, even if it switches freely "
-        "between driving, coasting and braking within each, that keeps all limits, arrives within 95.0 s and never "
-        "goes slower than 0.36 km/h between its stops uses less energy; this assumes that the power of the powertrain "
-        "is convex in its effort and its losses do not fall with speed. A run over a finer mesh may need less."
+        "No way of driving this train over this line within 95.0 s uses less than "
+        f"{math.floor(best.lower_bound_kwh * 1e4) / 1e4:.4f} kWh; this assumes that between the points of a table of "
+        "its power, the machines' power curves at most 1.5 times as much as at these points."
     )
     # rounded up, so that it is not less than what the relaxed optimum leaves
     saved_percent = math.ceil(1e4 * (1 - relaxed_kwh(task) / best.energy_kwh)) / 100

@@ -94,13 +94,8 @@ def test_times_that_no_train_can_keep_are_named(metro):
 def test_bounds_prove_the_points(metro):
     frontier = energy_time_frontier(metro, frontier_times(metro, 5, longest_share=1.5))
     gap = frontier.energy_j / frontier.bound_j - 1
-    # the proof aims at 0.8e-6, the points themselves at 1e-6
     assert np.all(gap >= 0)
-    assert np.all(gap < 2e-6)
-
-
-def test_without_bounds_there_are_none(metro):
-    assert np.isnan(energy_time_frontier(metro, np.array([100.0])).bound_j).all()
+    assert np.all(gap <= metro.scenario.solver.tolerance)
 
 
 def test_a_fine_course_is_coarsened(suburban):

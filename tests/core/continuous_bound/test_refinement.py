@@ -1,0 +1,43 @@
+"""A mesh that is refined until its run is within the tolerance of what no driving undercuts."""
+
+import numpy as np
+import pytest
+
+from railjoule.core import load_scenario
+from railjoule.core.continuous_bound.refinement import STEEPEST, refined_optimum
+from railjoule.core.motion import running_time
+from railjoule.core.physics.between_nodes import follow_between_nodes
+from railjoule.core.strategies import prepare_task
+from railjoule.core.trajectory import LATE_SHARE
+
+SHIPPED = ("liashenko-0", "liashenko-i", "liashenko-ii", "liashenko-iii", "metro-with-limit", "ftorek-300s")
+"""Those whose drive has no idle losses."""
+FINE = 1e-4
+
+
+def steepest(length_m):
+    return np.exp(np.abs(np.diff(np.log(length_m))).max())
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_a_shipped_scenario_is_solved_within_its_tolerance(name):
+    task = prepare_task(load_scenario(name, {"solver.mesh_m": 20.0}))
+    found = refined_optimum(task)
+    data, speed2 = found.task.course.data, found.solution.optimum.speed2
+    assert 0 < found.gap <= task.scenario.solver.tolerance
+    assert np.isin(task.course.position_m, found.task.course.position_m).all()
+    assert steepest(data.cell_length_m) <= max(STEEPEST, steepest(task.course.data.cell_length_m)) * (1 + 1e-6)
+    assert follow_between_nodes(data, speed2).excess_share.max() <= 1e-3
+    assert running_time(data.cell_length_m, speed2) <= task.running_time_s * (1 + LATE_SHARE)
+
+
+def test_a_tighter_tolerance_takes_more_cells_and_leaves_a_smaller_gap():
+    usual, fine = (
+        refined_optimum(prepare_task(load_scenario("liashenko-ii", {"solver.tolerance": tolerance})))
+        for tolerance in (5e-4, FINE)
+    )
+    assert fine.gap <= FINE < usual.gap
+    assert fine.task.course.cell_count > usual.task.course.cell_count
+    assert fine.bound.energy_j > usual.bound.energy_j
+    # the same run of the same train: both energies lie between both bounds and one another's gap
+    assert abs(fine.solution.energy_j - usual.solution.energy_j) < 5e-4 * usual.solution.energy_j
