@@ -22,17 +22,14 @@ from railjoule.core.units import MS_PER_KMH
 # Sums over some 1e5 cells in another order than that of the product differ by 1e-11 of their parts. 1e-7 leaves room
 # for what a solver leaves of the balance of forces, and is a thousandth of the last digit that is printed.
 SUM_TOLERANCE = 1e-7
-# A proven optimum equals its bound but for the gap up to which it counts as proven, `trajectory.PROVEN_GAP`: the same
-# number.
-BOUND_TOLERANCE = 1e-6
-"""How far below a bound rounding may put an energy, as a share of the bound."""
+# A bound holds for every driving; the account of a run over cells takes each at its mean speed, and may be too low by
+# that: by 1.6e-3 at most in 300 random scenarios over their own meshes, in cells next to stops.
+BOUND_TOLERANCE = 2e-3
+"""How far below a bound the account over cells may put an energy, as a share of the bound."""
 # The statement of the product, written down again: what is compared with it must not come from the same line. On a
 # line downhill the net energy crosses zero, where a share of it would mean nothing.
 SMALL_ENERGY_SHARE = 0.1
 """A bound near zero counts as this share of the kinetic energy at the mean speed."""
-# again a statement of the product: its solver has a floor of the speed there, so that times stay finite
-LEAST_COVERED_MS = 0.1
-"""A bound covers runs that go nowhere slower between their stops, 0.36 km/h."""
 FLOWS = ("traction_j", "recuperated_j", "auxiliary_j")
 """What the line gives and takes; the other entries of an account are where it goes."""
 
@@ -133,19 +130,4 @@ def _bound(case: Case) -> Iterator[Finding]:
     gap = (net - record.bound_j) / max(abs(record.bound_j), SMALL_ENERGY_SHARE * kinetic)
     # above 1 relative, below absolute: the gap of a proven optimum is itself nothing but rounding
     yield largest_of("gap", "the gap, at least 1", SUM_TOLERANCE, abs(gap - record.gap) / max(abs(gap), 1.0))
-    slowest = _slowest_between_stops(record.speed_ms)
-    if slowest < LEAST_COVERED_MS:
-        yield Unchecked(
-            "bound below the energy",
-            f"the run goes as slow as {slowest / MS_PER_KMH:.2g} km/h, and bounds cover none below 0.36",
-        )
-        return
     yield largest_of("bound below the energy", "the bound", BOUND_TOLERANCE, -gap)
-
-
-def _slowest_between_stops(speed_ms: FloatArray) -> float:
-    """Return the least speed to which a run slows down without stopping [m/s], infinite where it never does."""
-    before, here, after = speed_ms[:-2], speed_ms[1:-1], speed_ms[2:]
-    # beside a stop the speed only rises or only falls, so no node there is at most as fast as both of its neighbours
-    dips = here[(here > 0) & (here <= before) & (here <= after)]
-    return float(np.min(dips, initial=np.inf))

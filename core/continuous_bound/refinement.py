@@ -101,8 +101,11 @@ def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
 
 
 def _gap(task: Task, solution: Solution, bound: ContinuousBound) -> float:
-    energy = solution.optimum.energy_j
-    return (energy - bound.energy_j) / reference_energy(task.course.data, energy, task.running_time_s)
+    """Return the energy of a run, followed between its nodes, less the bound, over the reference energy."""
+    data = task.course.data
+    followed = follow_between_nodes(data, solution.optimum.speed2)
+    energy_j = followed.total_j + data.auxiliary_power_w * followed.total_s
+    return (energy_j - bound.energy_j) / reference_energy(data, energy_j, task.running_time_s)
 
 
 def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> RefinedOptimum:
@@ -116,14 +119,15 @@ def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> 
 def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     """Return what the run costs in each cell above what the bound says of it [J]; shape (n,)."""
     data, optimum, pieces = found.task.course.data, found.solution.optimum, found.bound.pieces
-    cells = account_of_run(data, optimum.speed2)
-    priced = cells.line_power_w + data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
+    followed = follow_between_nodes(data, optimum.speed2)
+    price_of_time_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
     last = np.searchsorted(pieces.cell, numbers, side="right") - 1
     start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
-    gaps: FloatArray = priced * cells.duration_s - data.half_inertia_kg * (end - start)
+    gaps: FloatArray = followed.line_energy_j + price_of_time_w * followed.duration_s
+    gaps -= data.half_inertia_kg * (end - start)
     return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
 
 
