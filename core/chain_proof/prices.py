@@ -22,7 +22,7 @@ from railjoule.core.physics.course_data import CourseData
 def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
     """Return the slopes of the cost to go by the square of speed at each node [J s2/m2]; shape (n + 1,).
 
-    They are -K times the price of force, which a multiplier tells at the middle of its cell.
+    They are -K times the price of force, which is a multiplier at the middle of its cell.
     """
     length = course.cell_length_m
     middle = optimum.force_price / length

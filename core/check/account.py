@@ -14,10 +14,8 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
-from railjoule.core.units import MS_PER_KMH
 
 # Sums over some 1e5 cells in another order than that of the product differ by 1e-11 of their parts. 1e-7 leaves room
 # for what a solver leaves of the balance of forces, and is a thousandth of the last digit that is printed.

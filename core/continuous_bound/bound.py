@@ -26,7 +26,7 @@ from railjoule.core.physics.course_data import CourseData
 
 
 class ContinuousBound(NamedTuple):
-    """What prices along a line prove.
+    """A bound that prices along a line prove.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class ContinuousBound(NamedTuple):
     pieces : Pieces
         The prices.
     shares_j : array of shape (k,)
-        What each piece adds to energy and priced time [J].
+        Share of each piece in energy and priced time [J].
     price_of_time_w : float
         The price of a second, without auxiliaries [J/s]: by so much the bound falls with each second more.
     """
@@ -49,7 +49,7 @@ class ContinuousBound(NamedTuple):
 def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) -> ContinuousBound:
     """Return the bound that the multipliers of an optimum prove for every driving within a time."""
     data = course.data
-    rows = rows_of(course)
+    rows = tabulate_drive(course)
     price_of_time = max(optimum.price_of_time_w, 0.0)
     pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
     shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
@@ -57,7 +57,7 @@ def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) ->
     return ContinuousBound(energy, pieces, shares, price_of_time)
 
 
-def rows_of(course: Course) -> DriveRows:
+def tabulate_drive(course: Course) -> DriveRows:
     """Return the table of a course's drive up to the greatest speed of the course."""
     return drive_rows(course.data, float(course.cell_limit_ms.max()))
 

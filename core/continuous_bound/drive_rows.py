@@ -1,4 +1,4 @@
-"""What a drive takes per metre less what its effort is worth, over rows of speed and a grid of prices of force.
+"""Energy of a drive per metre less the worth of its effort, over rows of speed and a grid of prices of force.
 
 For a price of force y [J/N m, without unit] a train at speed v chooses among driving, coasting and braking the least of
 
@@ -53,7 +53,7 @@ SLOWEST_MS = 1e-4
 EFFORT_SHARES = (np.arange(193) / 192) ** 1.5
 """Shares of the largest effort of the table: a train that holds its speed needs little."""
 ALL_OR_NOTHING = np.array([0.0, 1.0])
-"""Those of a drive whose energy is linear in effort."""
+"""The shares for a drive whose energy is linear in effort."""
 SLOWEST_MS, GREATEST_RATIO = 1e-4, 1.08
 """Below the speed where these rows stand in the ratio, they fall by it down to the first [m/s]."""
 LIMIT_EXCESS = 2e-5
@@ -285,7 +285,7 @@ def _along(point: FloatArray, turn: float) -> tuple[float, float, float]:
 
 @njit(cache=True, error_model="numpy")
 def _cut_off(points: FloatArray, j: int, k: int) -> float:
-    """Return what a map's loss may sag where it is cut off at zero at a corner: at most the highest corner's loss."""
+    """Return the greatest sag of a map's loss that is cut off at zero at a corner: the highest corner's loss."""
     lowest, highest = math.inf, 0.0
     for q in range(2):
         for r in range(2):

@@ -5,8 +5,8 @@ At a place with line force G and limit of speed v_m, with the price of force y o
     H(v) = h(y, v) + y (A + G + B v) + lambda / v + q v^2,      q = y C + p',
 
 with h of `drive_rows`. Between two rows h lies above its linear interpolant, and what is added is a function of v
-alone: its second derivative is 2 lambda / v^3 + 2 q. Where that is positive, a strip's least lies between its ends: the
-tangent at a point close to it is a bound. Elsewhere the ends decide. Near rest the price of time outweighs all.
+only: its second derivative is 2 lambda / v^3 + 2 q. If that is positive, a strip's least lies between its ends: the
+tangent at a point close to it is a bound. Otherwise the ends decide. Near rest the price of time outweighs all.
 """
 
 import numpy as np
@@ -52,7 +52,7 @@ def least_hamiltonian(
     price_of_time : float
         lambda, auxiliary power included [W].
     powered : bool
-        Whether the drive has power; else there are friction brakes alone.
+        Whether the drive has power; else there are only friction brakes.
     """
     speed = rows.speed_ms
     g, share = bracket(rows, price)
@@ -100,9 +100,9 @@ def _slowest_row(
     powered: bool,
     terms: tuple[float, float, float, float, float, float],
 ) -> tuple[float, int]:
-    """Return what any effort is worth at most near rest, negative [J/m], and the first row that has to be asked.
+    """Return the greatest worth of any effort near rest, negative [J/m], and the first row that has to be asked.
 
-    Below it the price of time alone outweighs that: H is more than at a row somewhere in the middle.
+    Below it the price of time outweighs that: H is more than at a row somewhere in the middle.
     """
     price, beyond, by_speed2, level, linear, price_of_time = terms
     driving, braking, taken, returned = rows.at_rest
@@ -216,7 +216,7 @@ def fill_pieces(
                 price_of_time,
                 line[3, i] >= 1.0,
             )
-            # beyond the price of force, K w' is held by its limits alone
+            # beyond the price of force, K w' is held only by its limits
             more = motion - force
             if more != 0.0:
                 value -= 2.0 * half_inertia * abs(more) * (acceleration if more > 0.0 else deceleration)

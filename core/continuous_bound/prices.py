@@ -5,12 +5,13 @@ the continuous problem. A multiplier is its value at the middle of a cell; to th
 
     K y' = dH/dw = 1 / (2 v) (dh/dv + y (B + 2 C v) - lambda / v^2),
 
-h from `drive_rows`. Where both neighbours meet, a mean is taken; where a limit of speed binds at a node, y may rise
-there at once. Where a limit is held over a cell, y is constant. Next to rest it diverges like 1 / v: there it is
-traced along the run, over pieces whose lengths grow geometrically. Any prices prove a bound, these a tight one.
+h from `drive_rows`. The prices of two neighbours meet at their node in a mean, unless a limit of speed binds there:
+then y may rise in a step. It is constant over a cell in which the run keeps a limit. Next to rest it diverges like
+1 / v, so that it is traced along the run, over pieces whose lengths grow geometrically. Any prices prove a bound, these
+a tight one.
 
-What a limit of acceleration is worth is part of the price of K w', not of that of force. Where a run keeps a braking
-curve, the price of what the curve cuts off makes the speed of the curve the one at which H is least.
+The worth of a limit of acceleration is part of the price of K w', not of that of force. The price of a braking curve
+makes the speed of the curve the one at which H is least.
 """
 
 from typing import NamedTuple
@@ -56,7 +57,7 @@ class Pieces(NamedTuple):
     force : array of shape (2, k)
         Price of force there.
     curve : array of shape (2, k)
-        What the square of speed costs there that a braking curve cuts off [J s2/m3]; 0 where none is kept.
+        Price there of the square of speed above a braking curve [J s2/m3]; 0 where the run keeps none.
     """
 
     position_m: FloatArray
@@ -174,15 +175,15 @@ def ceilings2(course: Course, position_m: FloatArray, cell: IntArray) -> FloatAr
 
 
 def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> FloatArray:
-    """Return where pieces end: nodes, middles, and near each place of rest a geometric row [m]."""
+    """Return the ends of the pieces: nodes, middles, and near each place of rest a geometric row [m]."""
     away = [NEAR_M]
     while away[-1] > NEAREST_M:
         away.append(max(away[-1] / (1.0 + min(MOST_GROWTH, GROWTH * (NEAR_M / away[-1]) ** 0.25)), NEAREST_M))
     near = np.add.outer(rest_m, np.concatenate([away, -np.asarray(away)])).ravel()
     places = np.unique(np.concatenate([node, middle, near[(near > 0.0) & (near < node[-1])]]))
     # a place that all but falls on a node gives way to it
-    apart = np.append(True, np.diff(places) > 10.0 * SAME_PLACE_M)
-    return places[apart | np.isin(places, node)]
+    is_distinct = np.append(True, np.diff(places) > 10.0 * SAME_PLACE_M)
+    return places[is_distinct | np.isin(places, node)]
 
 
 def _prices_of_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:

@@ -1,7 +1,7 @@
 """The optimum of a task over a mesh that is refined until its run is close to what no driving undercuts.
 
-Solve, bound, compare cell by cell what the run costs with what the bound says of the cell, cut the cells where they
-differ, and again. What a cell of the length h misses falls with h^2 or faster, so that a cell whose gap is k^2 times
+Solve, bound, compare the cost of the run with the share of the bound cell by cell, cut the cells in which they differ,
+and repeat. The gap of a cell of the length h falls with h^2 or faster, so that a cell whose gap is k^2 times
 its share of the tolerance is cut into k. Cells are also cut where the run would exceed its limits between the nodes,
 and none stays more than four times as long as its neighbour.
 """
@@ -26,7 +26,7 @@ from railjoule.core.trajectory import LATE_SHARE, line_energies_j
 MOST_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
 MOST_PARTS, SHORTEST_M = 4, 0.02
-"""Into how many parts a cell is cut at once, and the length below which it is not [m]."""
+"""Into how many parts a cell is cut in one round, and the length below which it is not [m]."""
 ALLOTTED = (0.4, 1.6, 6.4, 25.6)
 """Which multiple of the tolerance the cells together may keep; the first that makes no more cells than allowed."""
 STEEPEST, ROUNDING = 4.0, 1e-6
@@ -44,7 +44,7 @@ class RefinedOptimum:
     Parameters
     ----------
     task : Task
-        What is asked for, over the refined mesh.
+        The task over the refined mesh.
     solution : Solution
         The optimum over that mesh.
     bound : ContinuousBound
@@ -117,7 +117,7 @@ def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> 
 
 
 def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
-    """Return what the run costs in each cell above what the bound says of it [J]; shape (n,)."""
+    """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
     data, optimum, pieces = found.task.course.data, found.solution.optimum, found.bound.pieces
     followed = follow_between_nodes(data, optimum.speed2)
     price_of_time_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
@@ -134,8 +134,8 @@ def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
 def possible_optimum(task: Task, solution: Solution) -> Solution:
     """Return an optimum whose run keeps its limits between the nodes, too.
 
-    Where it exceeds them by more than a thousandth it is slowed down, and where it is then late, that of a time which
-    is shorter by as much. Where the train cannot be faster, the run stays as it is.
+    A run that exceeds them by more than a thousandth is slowed down. If it is then late, the optimum of a time that is
+    shorter by as much takes its place. If the train cannot be faster, the run stays as it is.
 
     Parameters
     ----------

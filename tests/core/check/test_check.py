@@ -214,7 +214,7 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("account: closes", lambda run: with_loss(run, "copper", 1.0001)),
     ("account: no negative loss", lambda run: with_loss(run, "copper", -1.0)),
     ("account: net energy", lambda run: with_energy(run, auxiliary_j=0.0)),
-    ("bound below the energy", lambda run: bounded_by(run, 1.00001 * run.energy.net_j)),
+    ("bound below the energy", lambda run: bounded_by(run, 1.003 * run.energy.net_j)),
 ]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
-from railjoule.core.continuous_bound.bound import continuous_bound, piece_shares, rows_of, sum_of_ends
+from railjoule.core.continuous_bound.bound import continuous_bound, piece_shares, sum_of_ends, tabulate_drive
 from railjoule.core.continuous_bound.hamiltonian import least_hamiltonian, strip_bends
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.physics.effort_limit import largest_effort
@@ -46,7 +46,7 @@ def brute_force(course, place, speeds, shares):
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
     course = prepare_task(train(drive, 15.0)).course
-    rows, rng = rows_of(course), np.random.default_rng(7)
+    rows, rng = tabulate_drive(course), np.random.default_rng(7)
     bend, fastest = strip_bends(rows.speed_ms), rows.speed_ms[-1]
     speeds = np.union1d(np.geomspace(0.01, fastest, 150), np.linspace(0.1, fastest, 300))
     shares = np.linspace(0.0, 1.0, 121) ** 1.5
@@ -85,7 +85,7 @@ def test_any_prices_prove_and_the_worse_they_are_the_less(refined):
     """Prices off by a share that is random at both ends of each cell, and a price of time off by as much."""
     _, found = refined
     course, pieces = found.task.course, found.bound.pieces
-    rows, node = rows_of(course), np.append(0.0, np.cumsum(course.data.cell_length_m))
+    rows, node = tabulate_drive(course), np.append(0.0, np.cumsum(course.data.cell_length_m))
     way = (np.array([pieces.position_m[:-1], pieces.position_m[1:]]) - node[pieces.cell]) / np.diff(node)[pieces.cell]
     for seed in range(2):
         ends = np.random.default_rng(seed).normal(size=(2, course.cell_count))
