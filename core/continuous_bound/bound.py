@@ -53,7 +53,7 @@ def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) ->
     price_of_time = max(optimum.price_of_time_w, 0.0)
     pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
     shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
-    energy = float(shares.sum() + sum_of_ends(data, pieces)) - price_of_time * running_time_s
+    energy = float(shares.sum() + sum_of_ends(course, pieces)) - price_of_time * running_time_s
     return ContinuousBound(energy, pieces, shares, price_of_time)
 
 
@@ -145,14 +145,16 @@ def _replace_at_rest(
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
 
 
-def sum_of_ends(data: CourseData, pieces: Pieces) -> float:
+def sum_of_ends(course: Course, pieces: Pieces) -> float:
     """Return at most what the prices at the ends of the line and their jumps add [J]."""
-    node = np.append(0.0, np.cumsum(data.cell_length_m))
+    data = course.data
     price = -data.half_inertia_kg * pieces.motion
     # the first piece that begins at each node, and the one before
-    after = np.searchsorted(pieces.cell, np.arange(1, len(node) - 1))
+    after = np.searchsorted(pieces.cell, np.arange(1, course.cell_count))
     # what depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
     slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
     fixed = data.fixed_speed2
-    worth = np.where(fixed >= 0.0, slope * np.maximum(fixed, 0.0), np.minimum(0.0, slope * data.largest_speed2))
+    start2, end2 = ceilings2(course, pieces.position_m, pieces.cell)
+    most2 = np.concatenate([start2[:1], np.minimum(end2[after - 1], start2[after]), end2[-1:]])
+    worth = np.where(fixed >= 0.0, slope * np.maximum(fixed, 0.0), np.minimum(0.0, slope * most2))
     return float(worth.sum())

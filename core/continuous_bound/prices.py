@@ -25,6 +25,7 @@ from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.course import Course
+from railjoule.core.motion.permitted_speed import fill_curve
 from railjoule.core.physics.course_data import CourseData
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
@@ -152,26 +153,39 @@ def _force_prices(course: CourseData, motion: FloatArray, force: FloatArray) -> 
 
 def cells_with_curve(course: Course) -> BoolArray:
     """Return in which cells a braking curve lies below the limit all the way; shape (n,)."""
-    if not np.isfinite(course.permitted_deceleration_ms2):
+    if not course.curve_steps.shape[1]:
         return np.zeros(course.cell_count, dtype=bool)
     lower: BoolArray = course.data.largest_speed2[:-1] < course.cell_limit_ms**2 * (1 - AT_LIMIT)
     return lower
 
 
 def ceilings2(course: Course, position_m: FloatArray, cell: IntArray) -> FloatArray:
-    """Return the squares of the greatest speeds at both ends of pieces [m2/s2]; shape (2, k).
+    """Return squares of speed at both ends of pieces that no run exceeds on the line between them; shape (2, k).
 
-    In a cell with a braking curve they fall evenly from node to node, in others that of the line holds throughout.
+    Within a piece a braking curve may have corners. It is nowhere higher above its chord than a quarter of the length
+    times the difference of its steepest and its flattest slope.
     """
-    data, has_curve = course.data, cells_with_curve(course)
+    data, limit2 = course.data, course.cell_limit_ms**2
+    if not course.curve_steps.shape[1]:
+        return np.array([limit2[cell], limit2[cell]])
     node = np.append(0.0, np.cumsum(data.cell_length_m))
-    start2 = np.where(has_curve, data.largest_speed2[:-1], course.cell_limit_ms**2)
-    fixed2 = np.where(data.fixed_speed2 >= 0.0, data.fixed_speed2, np.inf)
-    end2 = np.where(has_curve, np.minimum(data.largest_speed2, fixed2)[1:], start2)
-    ends = np.array([position_m[:-1], position_m[1:]])
-    share = np.clip((ends - node[cell]) / data.cell_length_m[cell], 0.0, 1.0)
-    squares: FloatArray = start2[cell] + (end2 - start2)[cell] * share
-    return squares
+    to_end = np.clip(node[cell + 1] - np.array([position_m[:-1], position_m[1:]]), 0.0, data.cell_length_m[cell])
+    squares = np.empty((2, len(cell)))
+    for side in range(2):
+        given = data.cell_length_m, limit2, data.fixed_speed2, course.curve_steps, cell, to_end[side]
+        fill_curve(*given, squares[side])
+    length = np.diff(position_m)
+    steps2, deceleration_ms2 = course.curve_steps
+    first, last = (np.clip(np.searchsorted(steps2, squares[side], side="right") - 1, 0, None) for side in (1, 0))
+    is_bent = first < last
+    spread = np.zeros(len(cell))
+    for piece in np.flatnonzero(is_bent):
+        slopes = deceleration_ms2[first[piece] : last[piece] + 1]
+        spread[piece] = 2.0 * (slopes.max() - slopes.min())
+    # the slope is zero where the limit of the line holds
+    meets_limit = (squares[0] >= limit2[cell]) & (squares[1] < limit2[cell])
+    spread[meets_limit] = 2.0 * deceleration_ms2.max()
+    return np.minimum(squares + 0.25 * length * spread, limit2[cell])
 
 
 def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> FloatArray:

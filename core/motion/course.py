@@ -1,6 +1,6 @@
 """A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
-from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2, permitted_speed2
+from railjoule.core.motion.permitted_speed import curve_steps, least_permitted_deceleration_ms2, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of, data_between
@@ -65,6 +65,8 @@ class Course:
         The same for compiled code.
     permitted_deceleration_ms2 : float
         The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none.
+    curve_steps : array of shape (2, k)
+        The steps of that curve, as `railjoule.core.motion.permitted_speed.curve_steps` returns them.
     """
 
     position_m: FloatArray
@@ -77,6 +79,7 @@ class Course:
     drive: Drive
     data: CourseData
     permitted_deceleration_ms2: float = np.inf
+    curve_steps: FloatArray = field(default_factory=lambda: np.zeros((2, 0)))
 
     def between(self, first: int, last: int) -> "Course":
         """Return the course between two nodes, over the same mesh; the train does not stand at its ends."""
@@ -261,6 +264,7 @@ def course_of(
         drive=parts.drive,
         data=_course_data(scenario, parts, gradient_force + curve_force, fixed),
         permitted_deceleration_ms2=least_permitted_deceleration_ms2(vehicle),
+        curve_steps=curve_steps(vehicle),
     )
 
 

@@ -12,7 +12,7 @@ a cell of length h, from there backwards up to where a limit is lower: an error 
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH
@@ -40,13 +40,19 @@ def permitted_speed2(
     array of shape (n + 1,)
         Squares of speed [m2/s2].
     """
-    steps = vehicle.braking.permitted_deceleration
-    if steps is None:
+    from_speed2, deceleration_ms2 = curve_steps(vehicle)
+    if not len(from_speed2):
         return largest_speed2
-    speeds_kmh, decelerations_ms2 = np.array(steps, dtype=float).T
-    return _under_curve(
-        cell_length_m, largest_speed2, fixed_speed2, (speeds_kmh * MS_PER_KMH) ** 2, 1.0 * decelerations_ms2
-    )
+    return _under_curve(cell_length_m, largest_speed2, fixed_speed2, from_speed2, deceleration_ms2)
+
+
+def curve_steps(vehicle: Vehicle) -> FloatArray:
+    """Return the squares of speed at which the steps of a braking curve begin [m2/s2], and decelerations [m/s2].
+
+    Shape (2, k), without columns for a vehicle without a braking curve.
+    """
+    steps = np.array(vehicle.braking.permitted_deceleration or np.zeros((0, 2)), dtype=float)
+    return np.array([(steps[:, 0] * MS_PER_KMH) ** 2, steps[:, 1]])
 
 
 def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
@@ -98,3 +104,63 @@ def _rise_under_curve(
         least = min(least, (speed2 - leaving_speed2) / back)
     rise: float = speed2 + 2.0 * deceleration_ms2[step] * (length_m - back) - leaving_speed2
     return min(rise, least * length_m)
+
+
+@njit(cache=True)
+def fill_curve(
+    cell_length_m: FloatArray,
+    limit2: FloatArray,
+    fixed_speed2: FloatArray,
+    steps: FloatArray,
+    cell: IntArray,
+    to_end_m: FloatArray,
+    curve2: FloatArray,
+) -> None:
+    """Fill squares of speed of the braking curve itself, with all its corners, at places in the cells [m2/s2].
+
+    Parameters
+    ----------
+    cell_length_m, limit2 : array of shape (n,)
+        Lengths of the cells [m] and squares of the limits within them [m2/s2].
+    fixed_speed2 : array of shape (n + 1,)
+        As for `permitted_speed2`.
+    steps : array of shape (2, k)
+        As `curve_steps`.
+    cell : array of shape (m,)
+        The cells of the places.
+    to_end_m, curve2 : array of shape (m,)
+        Distances of the places to the ends of their cells [m], and the squares to be filled.
+    """
+    count = cell_length_m.shape[0]
+    leaving = np.full(count, np.inf)
+    ahead = np.inf
+    for i in range(count - 1, -1, -1):
+        if i + 1 < count:
+            ahead = min(ahead, limit2[i + 1])
+        if fixed_speed2[i + 1] >= 0.0:
+            ahead = min(ahead, fixed_speed2[i + 1])
+        leaving[i] = min(ahead, limit2[i])
+        # what the next cell before may leave this one's start with
+        ahead = min(limit2[i], leaving[i] + _exact_rise(cell_length_m[i], leaving[i], steps))
+    for j in range(cell.shape[0]):
+        i = cell[j]
+        curve2[j] = min(limit2[i], leaving[i] + _exact_rise(to_end_m[j], leaving[i], steps))
+
+
+@njit(cache=True)
+def _exact_rise(length_m: float, leaving_speed2: float, steps: FloatArray) -> float:
+    """Return by how much the curve lies above a square of speed a length before it [m2/s2]."""
+    from_speed2, deceleration_ms2 = steps
+    step, last = 0, from_speed2.shape[0] - 1
+    while step < last and from_speed2[step + 1] <= leaving_speed2:
+        step += 1
+    speed2, left = leaving_speed2, length_m
+    while step < last:
+        needed = (from_speed2[step + 1] - speed2) / (2.0 * deceleration_ms2[step])
+        if needed >= left:
+            break
+        left -= needed
+        step += 1
+        speed2 = from_speed2[step]
+    rise: float = speed2 + 2.0 * deceleration_ms2[step] * left - leaving_speed2
+    return rise

@@ -96,7 +96,7 @@ def test_any_prices_prove_and_the_worse_they_are_the_less(refined):
             wrong = pieces._replace(motion=pieces.motion + change, force=pieces.force + change)
             price = found.bound.price_of_time_w * (1 + share * ends[0, 0])
             shares = piece_shares(course, rows, wrong, price + course.data.auxiliary_power_w)
-            proven.append(shares.sum() + sum_of_ends(course.data, wrong) - price * found.task.running_time_s)
+            proven.append(shares.sum() + sum_of_ends(course, wrong) - price * found.task.running_time_s)
         assert proven[0] == pytest.approx(found.bound.energy_j, rel=1e-9)
         assert proven == sorted(proven, reverse=True)
         assert proven[0] < found.solution.optimum.energy_j
