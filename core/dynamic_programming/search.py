@@ -348,15 +348,6 @@ def price_scale_w(course: CourseData, time_s: float) -> float:
     return course.half_inertia_kg * mean**2 / time_s
 
 
-def promised_energy_j(course: CourseData, speed2: FloatArray, price_w: float, time_s: float) -> float:
-    """Return about what a run would need that met a running time [J]: what it lacks of it counts at a price [J/s].
-
-    The price counts the auxiliaries, as it does everywhere in this search.
-    """
-    late_s = running_time(course.cell_length_m, speed2) - time_s
-    return _total_energy(course, speed2) + (price_w - course.auxiliary_power_w) * late_s
-
-
 def _total_energy(course: CourseData, speed2: FloatArray) -> float:
     """Return the line energy of a run with auxiliaries on its way [J]: runs may differ in their times."""
     return float(run_energy(course, speed2) + course.auxiliary_power_w * running_time(course.cell_length_m, speed2))

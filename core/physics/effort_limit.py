@@ -232,16 +232,6 @@ def effort_range(limit: EffortLimit, slow: float, fast: float) -> tuple[float, f
     return least, min(greatest, limit.constant_n)
 
 
-@njit(cache=True, error_model="numpy")
-def greatest_effort(limit: EffortLimit, slow: float, fast: float) -> float:
-    """Return at least the greatest of a limit [N] between two speeds above zero [m/s]."""
-    at_slow = largest_effort(limit, slow)
-    # most pieces of speed end here: the rest of the table is not asked
-    if limit.table.shape[0] == 0 or at_slow >= limit.constant_n:
-        return at_slow
-    return effort_range(limit, slow, fast)[1]
-
-
 @njit(cache=True, nogil=True)
 def _fill_efforts(limit: EffortLimit, speed: FloatArray, effort: FloatArray) -> None:
     for i in range(speed.shape[0]):
