@@ -1,8 +1,9 @@
 """Solve and certify the rows of a sweep: a scenario's numbers are patched, and only what they touch is made again.
 
-An optimum of a smooth drive takes the same functions as `solve` does, in the same order, and none of what a table has
-no column for: phases, notes, arrays over distance. All else, another strategy, a drive that takes power without effort,
-windows of arrival, and the few optima that are not found or not proven at once, is left to `solve` itself.
+An optimum of a smooth drive is the one over the scenario's own mesh, which `solve` would refine: for speed, at the cost
+of a few ten-thousandths of its energy, which its bound shows. It has none of what a table has no column for: phases,
+notes, arrays over distance. All else, another strategy, a drive that takes power without effort, windows of arrival,
+and the few optima that are not found in the first attempt, is left to `solve` itself.
 """
 
 import math
@@ -13,14 +14,14 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.bounds import certify, chain_target_j
+from railjoule.core.bounds import certify, minimise
 from railjoule.core.bounds.proof_steps import OPTIMUM
 from railjoule.core.budget import Budget
 from railjoule.core.compilation import require_compiled
-from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
-from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.motion.course import CourseParts, course_of, drive_of, limits_of, line_of
 from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.strategies import solve
@@ -121,37 +122,33 @@ def _engine_of(plan: Plan) -> "Engine":
 
 
 @dataclass(frozen=True, eq=False)
-class ProvenRun:
-    """The numbers of an optimum that its bound proves, named as in `Trajectory`.
+class MeshOptimum:
+    """The numbers of an optimum over the mesh of its task, named as in `Trajectory`.
 
     Parameters
     ----------
-    course : Course
-        The mesh and what holds on it.
-    speed2 : array of shape (n + 1,)
-        Squares of speed at the nodes [m2/s2].
+    task : Task
+        What is asked for.
+    optimum : Optimum
+        The point and its multipliers.
     cells : RunAccount
         The accounts of its cells.
-    net_j, bound_j : float
-        Net energy at the line, and the energy that no run undercuts [J].
+    net_j : float
+        Net energy at the line [J].
     travel_time_s : float
         Time of the whole run, dwells included [s].
-    price_of_time_w : float
-        By how much the optimum falls if the timetable is a second longer [J/s].
     """
 
-    course: Course
-    speed2: FloatArray
+    task: Task
+    optimum: Optimum
     cells: RunAccount
     net_j: float
-    bound_j: float
     travel_time_s: float
-    price_of_time_w: float
 
     @cached_property
     def energy(self) -> Energy:
         """The account of the whole run, which takes longer than its net energy alone."""
-        return energy_account(self.course, self.speed2, self.cells)
+        return energy_account(self.task.course, self.optimum.speed2, self.cells)
 
     @property
     def energy_kwh(self) -> float:
@@ -159,14 +156,19 @@ class ProvenRun:
         return self.net_j / J_PER_KWH
 
     @property
+    def price_of_time_w(self) -> float:
+        """By how much the optimum falls if the timetable is a second longer [J/s]."""
+        return self.optimum.price_of_time_w
+
+    @cached_property
     def lower_bound_kwh(self) -> float:
-        """Energy that no run undercuts [kWh]."""
-        return self.bound_j / J_PER_KWH
+        """Energy that no run undercuts [kWh], which takes longer than the optimum itself."""
+        return certify(self.task, self.optimum).energy_j / J_PER_KWH
 
     @property
     def max_speed_kmh(self) -> float:
         """Greatest speed [km/h]."""
-        return math.sqrt(float(self.speed2.max())) / MS_PER_KMH
+        return math.sqrt(float(self.optimum.speed2.max())) / MS_PER_KMH
 
 
 class Engine:
@@ -189,14 +191,14 @@ class Engine:
         self._kept: CourseParts | None = None
         self._windows: bool | None = None
 
-    def run(self, sample: Sequence[float]) -> ProvenRun | Trajectory:
+    def run(self, sample: Sequence[float]) -> MeshOptimum | Trajectory:
         """Return the run for a sample, one value a field; errors as `solve`."""
         scenario = self._scenario_at(sample)
         if self._plan.strategy == OPTIMUM:
             task = task_over(scenario, course_of(scenario, self._parts(scenario)))
             task.require_timetable()
             if not task.course.drive.jumps_at_no_effort and not self._has_windows(task):
-                run = proven_optimum(task)
+                run = mesh_optimum(task)
                 if run is not None:
                     return run
         return solve(scenario, self._plan.strategy)
@@ -229,8 +231,8 @@ class Engine:
         return self._windows
 
 
-def proven_optimum(task: Task) -> ProvenRun | None:
-    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for either.
+def mesh_optimum(task: Task) -> MeshOptimum | None:
+    """Return the optimum of a smooth drive over a task's mesh; None where `solve` would go on looking for it.
 
     Parameters
     ----------
@@ -238,16 +240,14 @@ def proven_optimum(task: Task) -> ProvenRun | None:
         Its timetable has slack, and no station a window of arrival.
     """
     try:
-        found = refined_optimum(task)
+        optimum = minimise(task).optimum
     except SolverError:
         return None
-    course, optimum = found.task.course, found.solution.optimum
-    speed2 = optimum.speed2
-    cells = account_of_run(course.data, speed2)
+    course = task.course
+    cells = account_of_run(course.data, optimum.speed2)
     net_j = net_energy(*line_energies_j(course, cells))
     time_s = float(np.cumsum(durations_s(course, cells))[-1])
-    bound_j = certify(found.task, optimum, found.bound).energy_j
-    # a bound covers no run that is later, and a loose one is tightened
-    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(found.task, net_j):
+    # a bound covers no run that is later
+    if time_s > task.travel_time_s * (1 + LATE_SHARE):
         return None
-    return ProvenRun(course, speed2, cells, net_j, bound_j, time_s, optimum.price_of_time_w)
+    return MeshOptimum(task, optimum, cells, net_j, time_s)

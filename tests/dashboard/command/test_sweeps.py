@@ -44,7 +44,8 @@ def test_a_sweep_becomes_a_table(capsys, tmp_path, suffix):
     ]  # fmt: skip
     assert table["vehicle.load_factor"].tolist() == [0.0] * 3 + [0.5] * 3 + [1.0] * 3
     run = solve(load_scenario("liashenko-ii", {"solver.mesh_m": 25, "timetable.travel_time_s": 117.5}))
-    assert table["energy_kwh"][4] == run.energy_kwh
+    # a sweep has the mesh of the scenario, which an optimum refines
+    assert run.lower_bound_kwh < table["energy_kwh"][4] == pytest.approx(run.energy_kwh, rel=1e-2)
     assert np.all(table["lower_bound_kwh"] <= table["energy_kwh"])
     # nothing is left of what was written aside
     assert [path.name for path in tmp_path.iterdir()] == [target.name]
