@@ -327,24 +327,17 @@ def fill_least(
     """Fill h at the rows for each price: the least of coasting, driving and braking; arguments as in `DriveRows`."""
     hull = np.empty(energy.shape[2], dtype=np.int64)
     for j in range(energy.shape[1]):
-        for g in range(price.shape[0]):
-            least[g, j] = 0.0
+        least[:, j] = 0.0
         for mode in range(2):
-            e, top, sign = energy[mode, j], most[mode, j], 1.0 - 2.0 * mode
-            count = _lower_hull(e, share, hull)
-            place = 0
-            for g in range(price.shape[0]):
-                # a braking effort is worth what a tractive one costs: braking walks its hull from the high prices down
-                at = g if mode == 0 else price.shape[0] - 1 - g
-                worth = sign * price[at] * top
-                while place + 1 < count:
-                    here, after = hull[place], hull[place + 1]
-                    if e[after] - worth * share[after] > e[here] - worth * share[here]:
-                        break
-                    place += 1
-                least[at, j] = min(least[at, j], e[hull[place]] - worth * share[hull[place]])
-        for g in range(price.shape[0]):
-            least[g, j] += friction * min(price[g], 0.0)
+            e = energy[mode, j]
+            columns = hull[: _lower_hull(e, share, hull)]
+            costs, efforts = e[columns], most[mode, j] * share[columns]
+            # an effort of the hull is the best one between the slopes on its two sides; braking is worth the opposite
+            worth = price if mode == 0 else -price
+            slopes = (costs[1:] - costs[:-1]) / (efforts[1:] - efforts[:-1])
+            place = np.searchsorted(slopes, worth)
+            least[:, j] = np.minimum(least[:, j], costs[place] - worth * efforts[place])
+        least[:, j] += friction * np.minimum(price, 0.0)
 
 
 @njit(cache=True, error_model="numpy")
