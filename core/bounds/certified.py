@@ -83,7 +83,8 @@ def certify(task: Task, optimum: Optimum, proven: ContinuousBound | None = None)
     """
     proven = proven or every_run_bound(task, optimum)
     # where multipliers prove little, as those that have not converged, the plain work may be the better bound
-    energy_j = max(proven.energy_j + task.dwell_energy_j, work_floor_j(task))
+    # a plain number: kernels that are not compiled return numpy's, and a comparison of these is no bool
+    energy_j = float(max(proven.energy_j + task.dwell_energy_j, work_floor_j(task)))
     assumed = premise(task.course.data.drive_kind)
     statement = every_run_statement(task, energy_j)
     return Bound(energy_j, statement, task.travel_time_s, energy_j, premise=assumed, costate=_costate(task, proven))

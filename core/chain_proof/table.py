@@ -27,7 +27,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.chain_proof.limit_lines import upper_line
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import Value, njit
 from railjoule.core.drive.copper_loss import LOSS_COEFFICIENT
 from railjoule.core.drive.geared_parameters import MOTORS, TURNS
 from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
@@ -219,18 +219,19 @@ def loss_curvatures(
 
 
 @njit(cache=True, error_model="numpy")
-def estimated_sag(start: tuple[float, float, float], end: tuple[float, float, float], step: float) -> float:
-    """Return what a function may sag below the chord of two points, from value, slope and curvature at both.
+def estimated_sag(start: tuple[Value, Value, Value], end: tuple[Value, Value, Value], step: Value) -> Value:
+    """Return the sag of a function below the chord of two points, from value, slope and curvature at both.
 
     The least of three: a quarter of what its slope changes by, an eighth of its curvature, and the chord less the
     tangent at the first point.
     """
     value, slope, curvature = start
     end_value, end_slope, end_curvature = end
-    by_bend = max(0.25 * step * (end_slope - slope), 0.125 * step * step * max(curvature, end_curvature))
-    concave = 0.5 * step * step * max(-curvature, -end_curvature, 0.0)
+    bend = 0.125 * step * step * np.maximum(curvature, end_curvature)
+    by_bend = np.maximum(0.25 * step * (end_slope - slope), bend)
+    concave = 0.5 * step * step * np.maximum(np.maximum(-curvature, -end_curvature), 0.0)
     by_start = end_value - value - slope * step + concave
-    sag: float = SAFETY * max(min(by_bend, by_start), 0.0)
+    sag: Value = SAFETY * np.maximum(np.minimum(by_bend, by_start), 0.0)
     return sag
 
 

@@ -53,8 +53,8 @@ def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) ->
     price_of_time = max(optimum.price_of_time_w, 0.0)
     pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
     shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
-    energy = float(shares.sum() + sum_of_ends(course, pieces)) - price_of_time * running_time_s
-    return ContinuousBound(energy, pieces, shares, price_of_time)
+    energy = float(shares.sum() + sum_of_ends(course, pieces) - price_of_time * running_time_s)
+    return ContinuousBound(energy, pieces, shares, float(price_of_time))
 
 
 def tabulate_drive(course: Course) -> DriveRows:

@@ -247,8 +247,9 @@ def _sags(
         width = speed[j + 1] - speed[j]
         slope = (most[j + 1] - most[j]) / width
         high = max(most[j], most[j + 1])
-        for k in range(share.shape[0] - 1):
-            if kind in CLOSED_FORMS:
+        row = np.empty(share.shape[0] - 1)
+        if kind in CLOSED_FORMS:
+            for k in range(len(row)):
                 u = share[k + 1]
                 effort = min(most[j], most[j + 1]) * share[k], high * u
                 e_xx, e_vv, e_xv = loss_curvatures(
@@ -257,30 +258,34 @@ def _sags(
                 e_xx = max(e_xx, 0.0)
                 step, turn = high * (u - share[k]), u * abs(slope)
                 bend = max(turn * turn * e_xx + 2.0 * turn * e_xv + e_vv, 0.0)
-                sag = 0.125 * (step * step * e_xx + width * width * bend)
-            else:
-                along = across = 0.0
-                for q in range(2):
-                    a, b = points[j + q, k], points[j + q, k + 1]
-                    step = most[j + q] * (share[k + 1] - share[k])
-                    along = max(along, estimated_sag((a[0], a[1], a[3]), (b[0], b[1], b[3]), step))
-                    turn = share[k + q] * slope
-                    a, b = _along(points[j, k + q], turn), _along(points[j + 1, k + q], turn)
-                    across = max(across, estimated_sag(a, b, width))
-                sag = along + across
-            if GEARED[kind]:
-                sag = max(sag, _cut_off(points, j, k))
-            for q in range(2):
-                for r in range(2):
-                    sags[j + q, k + r] = max(sags[j + q, k + r], sag)
+                row[k] = 0.125 * (step * step * e_xx + width * width * bend)
+                if GEARED[kind]:
+                    row[k] = max(row[k], _cut_off(points, j, k))
+        else:
+            row[:] = _estimated_row(points[j], points[j + 1], most[j], most[j + 1], share, width)
+        for q in range(2):
+            sags[j + q, :-1] = np.maximum(sags[j + q, :-1], row)
+            sags[j + q, 1:] = np.maximum(sags[j + q, 1:], row)
     return sags
 
 
 @njit(cache=True, error_model="numpy")
-def _along(point: FloatArray, turn: float) -> tuple[float, float, float]:
-    """Return value, slope and curvature over speed where the effort changes by `turn` with it [N s/m]."""
-    curvature = point[5] + 2.0 * turn * point[4] + turn * turn * point[3]
-    return point[0], point[2] + turn * point[1], curvature
+def _estimated_row(
+    slow: FloatArray, fast: FloatArray, slow_top: float, fast_top: float, share: FloatArray, width: float
+) -> FloatArray:
+    """Return the estimated sags of the rectangles between two rows of points [J/m]; shape (k - 1,)."""
+    rises = share[1:] - share[:-1]
+    along = np.zeros(len(rises))
+    for p, top in ((slow, slow_top), (fast, fast_top)):
+        a, b = p[:-1], p[1:]
+        found = estimated_sag((a[:, 0], a[:, 1], a[:, 3]), (b[:, 0], b[:, 1], b[:, 3]), top * rises)
+        along = np.maximum(along, found)
+    turn = share * ((fast_top - slow_top) / width)
+    # over speed the effort changes with its limit
+    start = slow[:, 0], slow[:, 2] + turn * slow[:, 1], slow[:, 5] + turn * (2.0 * slow[:, 4] + turn * slow[:, 3])
+    end = fast[:, 0], fast[:, 2] + turn * fast[:, 1], fast[:, 5] + turn * (2.0 * fast[:, 4] + turn * fast[:, 3])
+    across = estimated_sag(start, end, width + 0.0 * turn)
+    return along + np.maximum(across[:-1], across[1:])
 
 
 @njit(cache=True, error_model="numpy")
