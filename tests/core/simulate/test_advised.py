@@ -22,7 +22,7 @@ SCENARIOS = preset_names("scenarios")
 LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 3.0, 0.01, 0.05
 """The advice arrives within 3 s, takes the run's energy but for 1 %, and breaks no limit but by its own rounding."""
 FAST_KMH, LATE_WHEN_FAST_S = 10.0, 2.0
-"""Where the run is faster than this, the driver is within 2 s of it."""
+"""The driver is within 2 s of the run wherever that is faster than this."""
 CRAWL_KMH, LATE_AFTER_CRAWL_S = 5.0, 6.0
 """A train that coasts down to less than this before it brakes: half a tenth of a km/h at 34 km/h is 0.4 at 4 km/h."""
 LASTING_S, CELL_SHARE = 5.0, 0.1
@@ -61,7 +61,7 @@ def test_whoever_does_what_the_advice_says_drives_the_run(name):
     for run in runs_of(name):
         driven = drive_advice(run.scenario, run.advice)
         told = f"{run.strategy}: "
-        assert late_when_fast_s(run, driven) < LATE_WHEN_FAST_S, told
+        assert late_when_fast_s(run, driven) < LATE_WHEN_FAST_S, run.strategy
         assert abs(driven.travel_time_s - run.travel_time_s) < latest_s(run), told
         assert abs(driven.energy.net_j / run.energy.net_j - 1) < MORE_ENERGY, told
         assert excess_kmh(driven) < SPEED_ROUNDING_KMH, told
@@ -72,7 +72,7 @@ def test_whoever_does_what_the_advice_says_drives_the_run(name):
 def test_no_advice_is_longer_than_a_driver_can_follow(name):
     """Instructions last five seconds and more, but for brakes, and for power before coasting or another instruction.
 
-    Those of a drive that may be switched after less, by its minimum on/off time, last as long as that.
+    A drive that may be switched after less, by its minimum on/off time, has instructions as long as that.
     """
     for run in runs_of(name):
         stops = sum(1 for phase in run.phases if phase.end_ms < 1e-3 and phase.phase != "stand")
