@@ -1,6 +1,7 @@
 """A driver who does what the advice says: by hand, and for every strategy over every shipped scenario."""
 
 from functools import cache
+from itertools import takewhile
 
 import numpy as np
 import pytest
@@ -20,12 +21,32 @@ SCENARIOS = preset_names("scenarios")
 
 LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 3.0, 0.01, 0.05
 """The advice arrives within 3 s, takes the run's energy but for 1 %, and breaks no limit but by its own rounding."""
+FAST_KMH, LATE_WHEN_FAST_S = 10.0, 2.0
+"""The driver is within 2 s of the run wherever that is faster than this."""
+CRAWL_KMH, LATE_AFTER_CRAWL_S = 5.0, 6.0
+"""A train that coasts down to less than this before it brakes: half a tenth of a km/h at 34 km/h is 0.4 at 4 km/h."""
+LASTING_S, CELL_SHARE = 5.0, 0.1
+"""How long instructions last; by what share a drive may change before its minimum on/off time, which is cells long."""
 
 
 @cache
 def runs_of(name):
     """Return the runs of all strategies that take a scenario."""
     return compare(load_scenario(name), prove_seconds=0)[0]
+
+
+def latest_s(run):
+    """Return by how much the advice of a run may arrive early or late [s]."""
+    # the last brakes may be in several parts
+    last = list(takewhile(lambda phase: phase.phase == "brake", reversed(run.phases)))
+    crawls = bool(last) and 3.6 * last[-1].start_ms < CRAWL_KMH
+    return LATE_AFTER_CRAWL_S if crawls else LATE_S
+
+
+def late_when_fast_s(run, driven):
+    """Return by how much a driver is early or late at most where the run is fast [s]."""
+    fast = 3.6 * run.speed_ms > FAST_KMH
+    return np.max(np.abs(np.interp(run.position_m[fast], driven.position_m, driven.time_s) - run.time_s[fast]))
 
 
 def excess_kmh(run):
@@ -40,7 +61,8 @@ def test_whoever_does_what_the_advice_says_drives_the_run(name):
     for run in runs_of(name):
         driven = drive_advice(run.scenario, run.advice)
         told = f"{run.strategy}: "
-        assert abs(driven.travel_time_s - run.travel_time_s) < LATE_S, told
+        assert late_when_fast_s(run, driven) < LATE_WHEN_FAST_S, run.strategy
+        assert abs(driven.travel_time_s - run.travel_time_s) < latest_s(run), told
         assert abs(driven.energy.net_j / run.energy.net_j - 1) < MORE_ENERGY, told
         assert excess_kmh(driven) < SPEED_ROUNDING_KMH, told
         assert abs(driven.energy.imbalance) < 1e-6, told
@@ -48,14 +70,20 @@ def test_whoever_does_what_the_advice_says_drives_the_run(name):
 
 @pytest.mark.parametrize("name", SCENARIOS)
 def test_no_advice_is_longer_than_a_driver_can_follow(name):
-    """Instructions last five seconds and more, but for brakes, and for power before coasting or another instruction."""
+    """Instructions last five seconds and more, but for brakes, and for power before coasting or another instruction.
+
+    A drive that may be switched after less, by its minimum on/off time, has instructions as long as that.
+    """
     for run in runs_of(name):
         stops = sum(1 for phase in run.phases if phase.end_ms < 1e-3 and phase.phase != "stand")
         assert len(run.advice) <= 20 * stops
         followed = zip(run.phases, [phase.phase for phase in run.phases[1:]] + [""], strict=True)
         steady = [p for p, after in followed if p.phase == "coast" or (p.phase == "hold" and after != "coast")]
         lasting = [p.end_s - p.start_s for p in steady]
-        assert np.percentile(lasting, 25, method="nearest") >= 5.0
+        stays_s = run.scenario.vehicle.drive.stays_for_s
+        assert np.percentile(lasting, 25, method="nearest") >= min(stays_s or LASTING_S, LASTING_S)
+        assert np.median(lasting) >= LASTING_S
+        assert min(lasting) >= (1 - CELL_SHARE) * stays_s
 
 
 @given(st.integers(0, 10**6))
