@@ -44,7 +44,7 @@ def test_a_loose_bound_of_a_smooth_drive_is_tightened_too():
     changes = {"vehicle.traction": {"curve": curve}, "timetable.travel_time_s": 71.5}
     runs = compute_runs(RunsRequest(load_scenario("liashenko-i", changes), ()))
     assert runs.to_prove is runs.best
-    # half a per cent is open, as the optimum mixes efforts there, and chains close most of it
+    # half a per cent is open, and chains close more than half of that
     assert runs.best.gap == pytest.approx(0.005, rel=0.1)
     best = tightened_runs(runs).best
     assert 0 < best.gap < 0.4 * runs.best.gap
