@@ -61,6 +61,9 @@ def _simulation(name: str, module: str) -> Program:
 
 
 SOLVE = Program({"solve": "railjoule.core"}, "run = solve(scenario)\nprint(run.energy_kwh)\n", "solve")
+WHOLE_LINE = Program(
+    {"whole_line": "railjoule.core.studies.whole_line"}, "line = whole_line(scenario)\nprint(line.run.energy_kwh)\n", ""
+)
 ACTUAL_RUN = _simulation("actual_run", "actual_run")
 FOLLOWING = _simulation("simulate_following", "following")
 IN_CLOSED_LOOP = _simulation("simulate_field_oriented", "field_oriented")
@@ -159,7 +162,8 @@ def _motor(state: Workbench) -> PageRun:
 
 def _line(state: Workbench) -> PageRun:
     # the page divides the time by optima, whatever strategy is chosen
-    return PageRun(SOLVE, {"strategy": "optimal"})
+    untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
+    return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
 
 
 def _study(state: Workbench) -> PageRun:

@@ -73,7 +73,7 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
         expect(outcome).to_be_focused(timeout=READY_MS)
         # 60 km/h as far as the train can, by `railjoule.core` in test_drawing
         expect(outcome).to_contain_text("You use 36.40 kWh")
-        expect(outcome).to_contain_text("less than 29.41")
+        expect(outcome).to_contain_text("less than 29.40")
 
 
 @pytest.mark.nightly

@@ -205,7 +205,8 @@ def test_a_track_and_a_train_become_a_scenario(capsys, tmp_path):
     assert out == f"{target}: 5.00 km, 9 sections, 360.0 s\n"
     assert "not used: ttobench-train.json: num seats." in told
     assert main(("solve", str(target), "--json")) == OK
-    assert json.loads(capsys.readouterr().out)["gap"] < 1e-6
+    # to the bound for every driving
+    assert 0 <= json.loads(capsys.readouterr().out)["gap"] < 1e-4
 
 
 def test_without_a_time_some_slack_is_assumed_and_told(capsys, tmp_path):

@@ -130,13 +130,14 @@ CASES = (
     Case(
         "Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, choke_the_inverter, "limits tried", told=False
     ),
-    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run),
+    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run, told=False),
     Case(
         "Line",
         "metro-10-stations",
         lambda s: s.line.runs.best.run,
         prepare=fix_an_arrival,
         name="fixed arrival",
+        told=False,
     ),
     Case("Study", "liashenko-i", plan, prepare=slide),
     Case("Measured runs", "metro-with-limit", plan),

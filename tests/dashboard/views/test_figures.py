@@ -23,7 +23,15 @@ COUNTED = ("Trip", "Row, in the order of the tables", "Changes of regime between
 """What is counted has no unit."""
 CUT = {("contour", "x")} | {
     (name, "y")
-    for name in ("frontier", "scatter", "search_path", "lesson_price", "plane_multiplier", "plane_recuperation")
+    for name in (
+        "frontier",
+        "scatter",
+        "search_path",
+        "lesson_price",
+        "plane_multiplier",
+        "plane_recuperation",
+        "price",
+    )
 }
 """Axes that cut off their data on purpose: the rise beyond them would hide the rest."""
 COLOURS = ("line_color", "fill_color", "text_color", "background_fill_color")
