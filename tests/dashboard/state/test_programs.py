@@ -44,7 +44,7 @@ class Case:
     edits: dict[str, Any] = field(default_factory=dict)
     prepare: Callable[[Workbench], None] = lambda _: None
     name: str = ""
-    told: bool = True
+    has_command: bool = True
 
 
 def plan(state: Workbench) -> Any:
@@ -128,16 +128,22 @@ CASES = (
     Case("Motor", "liashenko-i", plan, name="without machine"),
     Case("Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, name="tram"),
     Case(
-        "Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, choke_the_inverter, "limits tried", told=False
+        "Motor",
+        "tram-950m",
+        lambda s: s.motor.run.actual,
+        SHORT_TRAM,
+        choke_the_inverter,
+        "limits tried",
+        has_command=False,
     ),
-    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run, told=False),
+    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run, has_command=False),
     Case(
         "Line",
         "metro-10-stations",
         lambda s: s.line.runs.best.run,
         prepare=fix_an_arrival,
         name="fixed arrival",
-        told=False,
+        has_command=False,
     ),
     Case("Study", "liashenko-i", plan, prepare=slide),
     Case("Measured runs", "metro-with-limit", plan),
@@ -203,7 +209,7 @@ def test_all_that_leaves_a_page_gives_its_number(
     monkeypatch.setattr(reporting.report, "ask", asked.append)
     reporting.model.param.trigger("wanted")
     (request,) = asked
-    if not case.told:
+    if not case.has_command:
         assert recipe.untold
         assert as_command(recipe).startswith(f"# No command line gives this: {recipe.untold}\n")
         assert request.note.startswith(recipe.untold)
