@@ -27,7 +27,7 @@ def plain(markup: str) -> str:
 
 
 def beside_phases(name: str) -> list[str]:
-    """Return what is told of the optimum of a scenario and of its four phases."""
+    """Return the figures of the proof for the optimum of a scenario and for its four phases."""
     runs = compute_runs(RunsRequest(load_scenario(name), ("phases",))).runs
     return [plain(parts.proof_figure(runs[strategy])) for strategy in ("optimal", "phases")]
 
