@@ -1,6 +1,6 @@
 """A scenario made ready for any strategy: its course, its shortest time, the time that it may take."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -147,6 +147,12 @@ def task_over(scenario: Scenario, course: Course) -> Task:
     shortest = running_time(course.data.cell_length_m, speed2)
     dwell = float(course.dwell_s.sum())
     return Task(scenario, course, speed2, shortest, scenario.travel_time_s - dwell)
+
+
+def task_over_nodes(task: Task, position_m: FloatArray) -> Task:
+    """Return a task that can be remeshed over other nodes [m], with its time; errors as `prepare_task`."""
+    other = prepare_task(task.scenario, *task.end_speeds_ms, position_m)
+    return replace(other, running_time_s=task.running_time_s)
 
 
 def _require_speeds_within_limits(course: Course) -> None:

@@ -7,7 +7,7 @@ first stage has a budget of boxes, no time, and proves the same on every machine
 import math
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from railjoule.core.bounds.minimum import minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.reference import reference_energy
-from railjoule.core.task import Task, prepare_task
+from railjoule.core.task import Task, task_over_nodes
 from railjoule.core.trajectory import Bound, Trajectory
 
 FIRST_STAGE_BOXES = 1_400_000
@@ -65,14 +65,6 @@ def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
     return may_be_best and bound.travel_time_s <= task.travel_time_s and not bound.windows and bound.covers(run)
 
 
-def task_over_nodes(task: Task, run: Trajectory) -> Task:
-    """Return a task over the mesh of a run, which a refined optimum has of its own."""
-    if np.array_equal(run.nodes_m, task.course.position_m):
-        return task
-    own = prepare_task(task.scenario, *task.end_speeds_ms, run.nodes_m)
-    return replace(own, running_time_s=task.running_time_s)
-
-
 def tightening(
     task: Task, bound: Bound, run: Trajectory, budget: int = FIRST_STAGE_BOXES, seconds: float = math.inf
 ) -> Iterator[ProofStep]:
@@ -99,7 +91,9 @@ def tightening(
     if reached or not possible or budget <= 0 or seconds <= 0.0:
         return
     started = time.perf_counter()
-    task = task_over_nodes(task, run)
+    if not np.array_equal(run.nodes_m, task.course.position_m):
+        # a refined optimum has a mesh of its own
+        task = task_over_nodes(task, run.nodes_m)
     optimum = minimise(task).optimum
     proof = chain_proof(task, optimum, run.node_speed_ms**2, run.energy.net_j)
     most = current_budget().chain_boxes

@@ -19,7 +19,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
 from railjoule.core.continuous_bound.hamiltonian import fill_pieces, strip_bends
-from railjoule.core.continuous_bound.prices import Pieces, ceilings2, price_pieces
+from railjoule.core.continuous_bound.prices import SAME_PLACE_M, Pieces, price_pieces
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.course import Course
 from railjoule.core.physics.course_data import CourseData
@@ -66,7 +66,7 @@ def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time:
     """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
     data, cell = course.data, pieces.cell
     length = np.diff(pieces.position_m)
-    ceiling2 = ceilings2(course, pieces.position_m, cell)
+    ceiling2 = pieces.ceiling2
     # where the price of a curve cuts speeds off, none is left out beside
     has_price = pieces.curve.max(axis=0) > 0.0
     limit = np.where(has_price, course.cell_limit_ms[cell], np.sqrt(ceiling2.max(axis=0)))
@@ -81,15 +81,15 @@ def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time:
             data.max_deceleration_ms2,
         ]
     )
-    values, speeds = np.empty((2, 2, len(cell)))
+    values = np.empty((2, len(cell)))
     prices = np.concatenate([pieces.motion, pieces.force])
     bend = strip_bends(rows.speed_ms)
-    fill_pieces(rows, bend, length, prices, line, pieces.curve, train, values, speeds)
+    fill_pieces(rows, bend, length, prices, line, pieces.curve, train, values)
     shares: FloatArray = 0.5 * length * (values[0] + values[1])
     # the integral of price times ceiling, both linear
     (c0, c1), (w0, w1) = pieces.curve, ceiling2
     shares -= length / 6.0 * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1))
-    _replace_at_rest(data, rows, pieces, line, ceiling2, price_of_time, shares)
+    _replace_at_rest(data, rows, pieces, line, price_of_time, shares)
     return shares
 
 
@@ -98,7 +98,6 @@ def _replace_at_rest(
     rows: DriveRows,
     pieces: Pieces,
     line: FloatArray,
-    ceiling2: FloatArray,
     price_of_time: float,
     shares: FloatArray,
 ) -> None:
@@ -110,7 +109,7 @@ def _replace_at_rest(
     """
     driving, braking, taken, returned = rows.at_rest
     inertia = data.half_inertia_kg
-    places = np.searchsorted(pieces.position_m, np.append(0.0, np.cumsum(data.cell_length_m)) - 1e-9)
+    places = np.searchsorted(pieces.position_m, np.append(0.0, np.cumsum(data.cell_length_m)) - SAME_PLACE_M)
     for place in places[data.fixed_speed2 == 0.0]:
         for piece, side, most in (
             (place, 1.0, data.max_acceleration_ms2),
@@ -120,17 +119,17 @@ def _replace_at_rest(
                 continue
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
             resisted = data.resistance_constant_n + line[0, piece]
-            fastest2 = 2.0 * length * most
             powered = 1.0 if line[3, piece] >= 1.0 else 0.0
             effort = powered * driving - resisted if side > 0.0 else powered * braking + rows.friction_n + resisted
             if side < 0.0:
-                # resistance at the greatest speed that the piece may begin with helps, too
-                fastest2 = min(fastest2, line[2, piece] ** 2, length * (effort + 1.0) / inertia)
-                effort += data.resistance_linear * fastest2**0.5 + line[1, piece] * fastest2
+                # resistance helps, too: that at the limit of speed bounds the speed at the start, and so itself
+                linear, quadratic, limit = data.resistance_linear, line[1, piece], line[2, piece]
+                fastest2 = length * (effort + linear * limit + quadratic * limit**2) / inertia
+                effort += linear * fastest2**0.5 + quadratic * fastest2
             acceleration = min(effort / (2.0 * inertia), most)
-            if side < 0.0 and ceiling2[1, piece] == 0.0:
+            if side < 0.0 and pieces.ceiling2[1, piece] == 0.0:
                 # a braking curve ends here
-                acceleration = min(acceleration, 0.5 * ceiling2[0, piece] / length)
+                acceleration = min(acceleration, 0.5 * pieces.ceiling2[0, piece] / length)
             if acceleration <= 0.0:
                 continue
             fastest2 = 2.0 * length * acceleration
@@ -154,7 +153,7 @@ def sum_of_ends(course: Course, pieces: Pieces) -> float:
     # what depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
     slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
     fixed = data.fixed_speed2
-    start2, end2 = ceilings2(course, pieces.position_m, pieces.cell)
+    start2, end2 = pieces.ceiling2
     most2 = np.concatenate([start2[:1], np.minimum(end2[after - 1], start2[after]), end2[-1:]])
     worth = np.where(fixed >= 0.0, slope * np.maximum(fixed, 0.0), np.minimum(0.0, slope * most2))
     return float(worth.sum())

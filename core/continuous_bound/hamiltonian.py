@@ -30,8 +30,8 @@ def least_hamiltonian(
     limit: float,
     price_of_time: float,
     powered: bool,
-) -> tuple[float, float]:
-    """Return at most the least Hamiltonian [J/m], and a speed near which it is least [m/s].
+) -> float:
+    """Return at most the least Hamiltonian [J/m].
 
     Parameters
     ----------
@@ -68,16 +68,12 @@ def least_hamiltonian(
     if not powered:
         h = 0.0 * h + rows.friction_n * min(price, 0.0)
     total = h[:-1] + (level + price * linear * v) + price_of_time * bend[0, first:count] + by_speed2 * v * v
-    place = np.argmin(total)
-    upper, at = total[place], v[place]
     # the last strip ends at the limit
     before, width = v[-1], speed[count] - v[-1]
     last_h = h[-2] + (h[-1] - h[-2]) * (limit - before) / width
     last = last_h + level + price * linear * limit + price_of_time / limit + by_speed2 * limit * limit
-    if last < upper:
-        upper, at = last, limit
     falling = min(price * linear, 0.0) * v[0] + min(by_speed2, 0.0) * v[0] * v[0]
-    least = min(upper, worth + level + price_of_time * bend[0, first] + falling)
+    least: float = min(total.min(), last, worth + level + price_of_time * bend[0, first] + falling)
     convex = max(by_speed2, 0.0)
     sag = price_of_time * bend[1, first + 1 : count] + convex * bend[2, first + 1 : count]
     for j in np.flatnonzero(np.minimum(total[:-1], total[1:]) - sag < least):
@@ -88,7 +84,7 @@ def least_hamiltonian(
         slope = (last_h - h[-2]) / (limit - before) + price * linear
         ends = before, limit, total[-1], last
         least = min(least, _least_of_strip(ends, slope, by_speed2, price_of_time))
-    return least, at
+    return least
 
 
 @njit(cache=True, error_model="numpy")
@@ -178,9 +174,8 @@ def fill_pieces(
     curve: FloatArray,
     train: FloatArray,
     values: FloatArray,
-    speeds: FloatArray,
 ) -> None:
-    """Fill the least Hamiltonians at both ends of pieces, and the speeds near which they are least.
+    """Fill the least Hamiltonians at both ends of pieces.
 
     Parameters
     ----------
@@ -197,15 +192,15 @@ def fill_pieces(
     train : array of shape (6,)
         Half the inertia [kg], constant [N] and linear [N s/m] resistance, price of time [W], limits of acceleration and
         deceleration [m/s2].
-    values, speeds : array of shape (2, k)
-        To be filled [J/m], [m/s].
+    values : array of shape (2, k)
+        To be filled [J/m].
     """
     half_inertia, constant, linear, price_of_time, acceleration, deceleration = train
     for i in range(length.shape[0]):
         slope = -half_inertia * (prices[1, i] - prices[0, i]) / length[i]
         for side in range(2):
             motion, force = prices[side, i], prices[2 + side, i]
-            value, speeds[side, i] = least_hamiltonian(
+            value = least_hamiltonian(
                 rows,
                 bend,
                 force,

@@ -59,6 +59,8 @@ class Pieces(NamedTuple):
         Price of force there.
     curve : array of shape (2, k)
         Price there of the square of speed above a braking curve [J s2/m3]; 0 where the run keeps none.
+    ceiling2 : array of shape (2, k)
+        Squares of speed there that no run exceeds on the line between them [m2/s2].
     """
 
     position_m: FloatArray
@@ -66,6 +68,7 @@ class Pieces(NamedTuple):
     motion: FloatArray
     force: FloatArray
     curve: FloatArray
+    ceiling2: FloatArray
 
 
 class Trace(NamedTuple):
@@ -136,8 +139,9 @@ def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_tim
     trace = Trace(data, rows, speed2, node, *given)
     prices, curve = np.empty((2, len(cell))), np.zeros((2, len(cell)))
     fill_prices(trace, motion, prices)
-    fill_curves(trace, prices, ceilings2(course, position, cell), curve)
-    return Pieces(position, cell, prices, _force_prices(data, prices, force[cell]), curve)
+    ceiling2 = ceilings2(course, position, cell)
+    fill_curves(trace, prices, ceiling2, curve)
+    return Pieces(position, cell, prices, _force_prices(data, prices, force[cell]), curve, ceiling2)
 
 
 def _force_prices(course: CourseData, motion: FloatArray, force: FloatArray) -> FloatArray:

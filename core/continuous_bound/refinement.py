@@ -15,12 +15,12 @@ from railjoule.core.bounds.minimum import Solution, minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
 from railjoule.core.energy import net_energy
-from railjoule.core.errors import RailjouleError
+from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import account_of_run
-from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
+from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
 from railjoule.core.physics.reference import reference_energy
-from railjoule.core.task import Task, prepare_task
+from railjoule.core.task import Task, task_over_nodes
 from railjoule.core.trajectory import LATE_SHARE, line_energies_j
 
 MOST_ROUNDS = 6
@@ -47,19 +47,26 @@ class RefinedOptimum:
         The task over the refined mesh.
     solution : Solution
         The optimum over that mesh.
+    followed : RunBetweenNodes
+        Its run between the nodes.
     bound : ContinuousBound
         The greatest bound found.
-    gap : float
-        Energy less the bound, over the reference energy.
     rounds : int
         How many solutions that took.
     """
 
     task: Task
     solution: Solution
+    followed: RunBetweenNodes
     bound: ContinuousBound
-    gap: float
     rounds: int
+
+    @property
+    def gap(self) -> float:
+        """Energy of the run, followed between its nodes, less the bound, over the reference energy."""
+        data = self.task.course.data
+        energy_j = self.followed.total_j + data.auxiliary_power_w * self.followed.total_s
+        return (energy_j - self.bound.energy_j) / reference_energy(data, energy_j, self.task.running_time_s)
 
 
 def refined_optimum(task: Task) -> RefinedOptimum:
@@ -88,77 +95,65 @@ def refined_optimum(task: Task) -> RefinedOptimum:
         except RailjouleError:
             break
         best = _better(best, found, tolerance)
-    possible = possible_optimum(best.task, best.solution)
-    return replace(best, solution=possible, gap=_gap(best.task, possible, best.bound))
+    return possible_optimum(best)
 
 
 def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
     task.require_timetable()
     solution = minimise(task)
-    optimum = solution.optimum
-    bound = continuous_bound(task.course, optimum, task.running_time_s)
-    return RefinedOptimum(task, solution, bound, _gap(task, solution, bound), rounds)
-
-
-def _gap(task: Task, solution: Solution, bound: ContinuousBound) -> float:
-    """Return the energy of a run, followed between its nodes, less the bound, over the reference energy."""
-    data = task.course.data
-    followed = follow_between_nodes(data, solution.optimum.speed2)
-    energy_j = followed.total_j + data.auxiliary_power_w * followed.total_s
-    return (energy_j - bound.energy_j) / reference_energy(data, energy_j, task.running_time_s)
+    followed = follow_between_nodes(task.course.data, solution.optimum.speed2)
+    bound = continuous_bound(task.course, solution.optimum, task.running_time_s)
+    return RefinedOptimum(task, solution, followed, bound, rounds)
 
 
 def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> RefinedOptimum:
     """Return the later of two optima with the greater of both bounds, unless its gap is larger and not tolerated."""
     bound = max(before.bound, found.bound, key=lambda bound: bound.energy_j)
-    gaps = [_gap(one.task, one.solution, bound) for one in (before, found)]
-    kept, gap = (found, gaps[1]) if abs(gaps[1]) <= max(abs(gaps[0]), tolerance) else (before, gaps[0])
-    return replace(kept, bound=bound, gap=gap, rounds=found.rounds)
+    before, found = (replace(one, bound=bound, rounds=found.rounds) for one in (before, found))
+    return found if abs(found.gap) <= max(abs(before.gap), tolerance) else before
 
 
 def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
     data, optimum, pieces = found.task.course.data, found.solution.optimum, found.bound.pieces
-    followed = follow_between_nodes(data, optimum.speed2)
     price_of_time_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
     last = np.searchsorted(pieces.cell, numbers, side="right") - 1
     start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
-    gaps: FloatArray = followed.line_energy_j + price_of_time_w * followed.duration_s
+    gaps: FloatArray = found.followed.line_energy_j + price_of_time_w * found.followed.duration_s
     gaps -= data.half_inertia_kg * (end - start)
     return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
 
 
-def possible_optimum(task: Task, solution: Solution) -> Solution:
+def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
     """Return an optimum whose run keeps its limits between the nodes, too.
 
     A run that exceeds them by more than a thousandth is slowed down. If it is then late, the optimum of a time that is
     shorter by as much takes its place. If the train cannot be faster, the run stays as it is.
-
-    Parameters
-    ----------
-    task : Task
-    solution : Solution
-        Its optimum over the task's mesh.
     """
-    data, optimum = task.course.data, solution.optimum
-    if follow_between_nodes(data, optimum.speed2).is_possible:
-        return solution
+    task, optimum = found.task, found.solution.optimum
+    if found.followed.is_possible:
+        return found
+    data = task.course.data
     speed2 = slow_to_possible(data, optimum.speed2)
     late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
     if late_s > 0.0:
         shorter = replace(task, running_time_s=task.running_time_s - late_s)
         if not shorter.has_slack:
-            return solution
-        optimum = minimise(shorter).optimum
+            return found
+        try:
+            optimum = minimise(shorter).optimum
+        except SolverError:
+            return found
         speed2 = slow_to_possible(data, optimum.speed2)
         if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
-            return solution
+            return found
     net_j = net_energy(*line_energies_j(task.course, account_of_run(data, speed2)))
     moved = optimum._replace(speed2=speed2, energy_j=net_j - task.dwell_energy_j)
-    return Solution(moved, solution.iterations + optimum.iterations, net_j)
+    solution = Solution(moved, found.solution.iterations + optimum.iterations, net_j)
+    return replace(found, solution=solution, followed=follow_between_nodes(data, speed2))
 
 
 def _cuts(found: RefinedOptimum, tolerance: float, most_cells: int) -> IntArray:
@@ -169,11 +164,10 @@ def _cuts(found: RefinedOptimum, tolerance: float, most_cells: int) -> IntArray:
         return whole
     scale_j = reference_energy(data, optimum.energy_j, found.task.running_time_s)
     open_share = np.abs(cell_gaps_j(found)) * len(whole) / (tolerance * scale_j)
-    excess = follow_between_nodes(data, optimum.speed2).excess_share
     # with too many cells those that matter most are cut first
     for allotted in ALLOTTED:
         cuts = np.clip(np.ceil(np.sqrt(open_share / allotted)), 1, MOST_PARTS).astype(int)
-        cuts[excess > LARGEST_EXCESS] = MOST_PARTS
+        cuts[found.followed.excess_share > LARGEST_EXCESS] = MOST_PARTS
         cuts[data.cell_length_m < SHORTEST_M] = 1
         cuts = _graded(data.cell_length_m, cuts)
         if cuts.sum() <= most_cells:
@@ -201,5 +195,4 @@ def _finer_task(task: Task, cuts: IntArray) -> Task:
     number = np.repeat(np.arange(len(cuts)), cuts)
     part = np.arange(len(number)) - np.repeat(np.cumsum(cuts) - cuts, cuts)
     position = np.append(node[number] + (node[number + 1] - node[number]) * part / cuts[number], node[-1])
-    finer = prepare_task(task.scenario, *task.end_speeds_ms, position)
-    return replace(finer, running_time_s=task.running_time_s)
+    return task_over_nodes(task, position)
