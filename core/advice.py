@@ -2,7 +2,7 @@
 
 Whoever does what they say keeps the timetable, the limits and the energy of the run: speeds to a tenth of a km/h, as
 half a km/h at the end of full power would change a run's energy by percents; places to a metre, brakes early and power
-late, so that no limit is broken. `railjoule.core.simulate.advised` drives them.
+late, so that no limit is broken. `railjoule.core.simulation.advised` drives them.
 """
 
 import math

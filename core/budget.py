@@ -10,8 +10,6 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field
 
-from railjoule.core.scenario import StrategyName
-
 
 @dataclass(frozen=True)
 class Budget:
@@ -40,7 +38,7 @@ class Budget:
     name: str
     row_count: int
     cell_count: int
-    strategy_cells: Mapping[StrategyName, int] = field(hash=False)
+    strategy_cells: Mapping[str, int] = field(hash=False)
     idling_cells: int
     chain_boxes: int
     loop_time_s: float

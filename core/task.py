@@ -12,7 +12,7 @@ from railjoule.core.motion import Course, build_course, greatest_speeds, running
 from railjoule.core.motion.course import train_extent
 from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.passes import MOVED
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
 # the barrier of an interior point needs room: a time that only rounding keeps above the shortest has none
@@ -104,7 +104,7 @@ class Task:
             f"{enough_words(line, most_cells, crossings, self.scenario.limits_last_m)}"
         )
 
-    def require_budget(self, strategy: StrategyName) -> None:
+    def require_budget(self, strategy: str) -> None:
         """Raise StrategyRefusedError if the mesh has more cells than the current budget gives a strategy."""
         budget = current_budget()
         self.require_few_cells(budget.strategy_cells.get(strategy, budget.cell_count))

@@ -25,7 +25,6 @@ from railjoule.core import RailjouleError, Scenario, Trajectory, check_run, solv
 from railjoule.core.check import switching
 from railjoule.core.compilation import require_compiled
 from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation import ipopt
@@ -52,7 +51,7 @@ ON_TIME_S, PLANS = 0.002, 4
 def judge(
     name: str,
     meshes_m: Sequence[float] = MESHES_M,
-    strategies: Collection[StrategyName] = tuple(STRATEGIES),
+    strategies: Collection[str] = tuple(STRATEGIES),
     repeats: int = 1,
     with_ipopt: bool = False,
 ) -> Row:
@@ -108,7 +107,7 @@ def below_share(best: Trajectory, energy_j: float) -> float:
     return (best.bound.energy_j - energy_j) / max(abs(best.bound.energy_j), SMALL_ENERGY_SHARE * kinetic_j)
 
 
-def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collection[StrategyName]) -> Iterator[Row]:
+def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collection[str]) -> Iterator[Row]:
     """Yield the runs of strategies over the meshes that have few enough cells for them."""
     given_m = best.scenario.solver.mesh_m
     for mesh_m in (given_m, *(mesh for mesh in meshes_m if mesh < given_m)):
@@ -120,7 +119,7 @@ def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collec
 
 def _task(scenario: Scenario, mesh_m: float) -> Task | None:
     try:
-        return prepare_task(scenario.with_(**{"solver.mesh_m": mesh_m}))
+        return prepare_task(scenario.replace(**{"solver.mesh_m": mesh_m}))
     except RailjouleError:
         return None
 
@@ -130,7 +129,7 @@ def _most_cells(scenario: Scenario, strategy: str) -> int:
     return MOST_CELLS.get(strategy, most)
 
 
-def _strategy_rival(best: Trajectory, task: Task, name: StrategyName) -> Iterator[Row]:
+def _strategy_rival(best: Trajectory, task: Task, name: str) -> Iterator[Row]:
     """Yield the run of a strategy, if it takes the task and arrives in time."""
     try:
         run = run_strategy(task, name)
@@ -145,7 +144,7 @@ def _strategy_rival(best: Trajectory, task: Task, name: StrategyName) -> Iterato
     yield row | {"driven": driven_rival(best, name, mesh_m) if below > BELOW_SHARE and not broken else None}
 
 
-def driven_rival(best: Trajectory, strategy: StrategyName, mesh_m: float) -> Row | None:
+def driven_rival(best: Trajectory, strategy: str, mesh_m: float) -> Row | None:
     """Return the train that is driven in time along plans of a strategy over a mesh [m]; None if it cannot be."""
     due_s = planned_s = best.scenario.travel_time_s
     found: list[tuple[float, float]] = []
@@ -167,11 +166,11 @@ def driven_rival(best: Trajectory, strategy: StrategyName, mesh_m: float) -> Row
     return {"below": below_share(best, energy_j), "early_s": early_s}
 
 
-def _plan(scenario: Scenario, strategy: StrategyName, mesh_m: float, planned_s: float) -> Trajectory | None:
+def _plan(scenario: Scenario, strategy: str, mesh_m: float, planned_s: float) -> Trajectory | None:
     least_m = 1.2 * scenario.line.length_m / _most_cells(scenario, strategy)
     changes = {"solver.mesh_m": max(mesh_m, least_m), "timetable.travel_time_s": planned_s}
     try:
-        return run_strategy(prepare_task(scenario.with_(**changes)), strategy)
+        return run_strategy(prepare_task(scenario.replace(**changes)), strategy)
     except RailjouleError:
         return None
 

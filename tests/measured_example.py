@@ -63,7 +63,7 @@ def driven(driver: Driver) -> Trajectory:
         "timetable.travel_time_s": driver.travel_time_s,
         "line.speed_limits": [*own, *kept],
     }
-    return solve(scenario.with_(**changes))
+    return solve(scenario.replace(**changes))
 
 
 def recorded(run: Trajectory, seed: int) -> str:

@@ -20,12 +20,12 @@ COLUMNS = ("time_s", "speed_ms", "effort_kn", "power_kw", "energy_kwh")
 
 def true_runs(times_s: tuple[float, ...], name: str = "liashenko-ii") -> list[Trajectory]:
     """Return runs of the true train in these times."""
-    truth = load_scenario(name).with_(**TRUE_TRAIN)
+    truth = load_scenario(name).replace(**TRUE_TRAIN)
     return [solve(with_time(truth, time)) for time in times_s]
 
 
 def with_time(scenario: Scenario, time_s: float) -> Scenario:
-    return scenario.with_(**{"timetable.average_speed_kmh": None, "timetable.travel_time_s": time_s})
+    return scenario.replace(**{"timetable.average_speed_kmh": None, "timetable.travel_time_s": time_s})
 
 
 def samples(

@@ -24,7 +24,7 @@ from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
 from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, largest_of, result_of
 from railjoule.core.check.switching import switching_findings
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH
 
 __all__ = ["Check", "CheckResult", "Unchecked", "check_run", "check_table"]
@@ -50,7 +50,7 @@ def check_run(
 def check_table(
     scenario: Scenario,
     table: Mapping[str, Any],
-    strategy: StrategyName | None = None,
+    strategy: str | None = None,
     *,
     initial_speed_ms: float | None = None,
     final_speed_ms: float | None = None,

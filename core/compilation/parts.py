@@ -14,11 +14,11 @@ from railjoule.core.continuous_bound.bound import continuous_bound
 from railjoule.core.interior_point.solver import Optimum, minimise_energy
 from railjoule.core.motion import build_course
 from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
-from railjoule.core.scenario import Scenario, StrategyName
-from railjoule.core.simulate.disturbances import simulate_disturbances
-from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
-from railjoule.core.simulate.following import simulate_following
-from railjoule.core.simulate.regulator import drive_under_limits
+from railjoule.core.scenario import Scenario
+from railjoule.core.simulation.disturbances import simulate_disturbances
+from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
+from railjoule.core.simulation.following import simulate_following
+from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
@@ -73,7 +73,7 @@ def drive_optimum() -> None:
     solve(load_scenario(FIRST), "optimal")
 
 
-def drive_strategy(name: StrategyName) -> None:
+def drive_strategy(name: str) -> None:
     """Use the kernels of a strategy."""
     # dynamic programming needs no mesh as fine as theirs to use its kernels
     read = coarse if name == "bellman" else load_scenario

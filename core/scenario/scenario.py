@@ -145,10 +145,10 @@ class Scenario(Part):
         """How far beyond its end a speed limit still holds for the front of the train [m]."""
         return (self.vehicle.length_m or 0.0) if self.line.limits_hold_for == "whole_train" else 0.0
 
-    def with_(self, **changes: Any) -> "Scenario":
+    def replace(self, **changes: Any) -> "Scenario":
         """Return a copy with changed keys, named by their path in the file.
 
-        `scenario.with_(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+        `scenario.replace(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
 
         Raises
         ------

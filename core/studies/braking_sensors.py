@@ -17,7 +17,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.following import follow, plan_for
+from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.montecarlo import SENSOR_ERRORS, UNITS, draw, drawn_scenario
 from railjoule.core.studies.sweep.rows import RowByRow

@@ -15,7 +15,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import solve
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order
@@ -99,7 +99,7 @@ def detuning(
     Raises
     ------
     RailjouleError
-        As `railjoule.core.simulate.field_oriented.simulate_field_oriented`.
+        As `railjoule.core.simulation.field_oriented.simulate_field_oriented`.
     """
     *_, last = detuning_steps(scenario, factors, plan, executor)
     return last
@@ -131,7 +131,7 @@ def detuning_steps(
 
 
 def _variant(scenario: Scenario, factor: float) -> Scenario:
-    return scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)})
+    return scenario.replace(**{"simulation.rotor_resistance_factor": float(factor)})
 
 
 def _simulated(

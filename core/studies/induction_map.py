@@ -5,8 +5,8 @@ import numpy as np
 from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.induction.traction import traction_machines
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.actual_vehicle import actual_vehicle
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.actual_vehicle import actual_vehicle
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.studies.motor_map import SPEEDS, TORQUES, MotorMap, OperatingPoints
 from railjoule.core.units import MS_PER_KMH
 

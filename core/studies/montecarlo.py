@@ -14,8 +14,8 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulate.actual_vehicle import voltage_notes
-from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
+from railjoule.core.simulation.actual_vehicle import voltage_notes
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
 from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order

@@ -39,4 +39,4 @@ def one_speed_run(scenario: Scenario) -> Trajectory:
 
 
 def _limited(scenario: Scenario, speed_kmh: float) -> Scenario:
-    return scenario.with_(**{"vehicle.traction.max_speed_kmh": speed_kmh})
+    return scenario.replace(**{"vehicle.traction.max_speed_kmh": speed_kmh})

@@ -22,9 +22,9 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import InfeasibleLineError, RailjouleError, ScenarioError, SolverError, TimetableError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulate.actual_vehicle import actual_vehicle
-from railjoule.core.simulate.disturbances import LATE_S
-from railjoule.core.simulate.following import plan_for, plannable_task
+from railjoule.core.simulation.actual_vehicle import actual_vehicle
+from railjoule.core.simulation.disturbances import LATE_S
+from railjoule.core.simulation.following import plan_for, plannable_task
 from railjoule.core.studies.labelled import label_rows
 from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs
 from railjoule.core.studies.sweep.running import all_rows

@@ -14,7 +14,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order
 from railjoule.core.trajectory import Trajectory
@@ -229,7 +229,7 @@ def _disturbed(direction: Scenario, load_factor: float, error_m: float) -> Scena
 
 
 def _reversed(scenario: Scenario) -> Scenario:
-    return scenario.with_(**{"line.reverse": not scenario.line.reverse})
+    return scenario.replace(**{"line.reverse": not scenario.line.reverse})
 
 
 def _followed(plans: list[Trajectory], directions: list[Scenario]) -> tuple[float, float, float]:

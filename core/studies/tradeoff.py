@@ -16,7 +16,6 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import certify
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
-from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import arrival_windows
@@ -65,7 +64,7 @@ class Frontier:
         Sentences on what was simplified: a coarser mesh than the scenario's.
     """
 
-    strategy: StrategyName
+    strategy: str
     travel_time_s: FloatArray
     energy_j: FloatArray
     price_of_time_w: FloatArray
@@ -164,7 +163,7 @@ def energy_time_frontier(
 def strategy_frontier(
     task: Task,
     travel_times_s: FloatArray,
-    strategy: StrategyName,
+    strategy: str,
     most_cells: int = MOST_CELLS,
     executor: Executor | None = None,
 ) -> Frontier:
@@ -200,7 +199,7 @@ def coarsened(task: Task, most_cells: int) -> Task:
     if count <= most_cells:
         return task
     # nodes at borders stay, so the count falls a little less than the length of the cells grows
-    longer = task.scenario.with_(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
+    longer = task.scenario.replace(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
     return prepare_task(longer, *task.end_speeds_ms)
 
 
@@ -218,7 +217,7 @@ def _notes(task: Task, coarse: Task) -> tuple[str, ...]:
 
 def _frontier(
     task: Task,
-    strategy: StrategyName,
+    strategy: str,
     travel_times_s: FloatArray,
     point: Callable[[Task], tuple[float, float, float]],
     notes: tuple[str, ...],

@@ -13,7 +13,7 @@ from scipy.ndimage import median_filter
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._ftorek_rows import (
     FOLLOWS,

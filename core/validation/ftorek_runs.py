@@ -8,7 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import prepare_task, solve
 from railjoule.core.strategies.enoc import EnocCoefficients, best_acceleration_time, enoc_energy
 from railjoule.core.strategies.eoc import Variant, solve_eoc
@@ -118,7 +118,7 @@ def table_change_percent(strategy: str, travel_time_s: float, key: str) -> float
 @cache
 def optimal_run(scenario: Scenario, travel_time_s: float) -> Trajectory:
     """Return the optimum for a travel time [s]."""
-    return solve(scenario.with_(**{"timetable.travel_time_s": float(travel_time_s)}), "optimal")
+    return solve(scenario.replace(**{"timetable.travel_time_s": float(travel_time_s)}), "optimal")
 
 
 @cache
@@ -137,7 +137,7 @@ def closed_loop_run(
     }
     if strategy == "enoc":
         changes["enoc.acceleration_time_s"] = printed_entry(strategy, travel_time_s)["acceleration_time_s"]
-    return simulate_field_oriented(scenario.with_(**changes))
+    return simulate_field_oriented(scenario.replace(**changes))
 
 
 def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:

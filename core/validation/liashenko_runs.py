@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.validation.papers import printed_numbers
@@ -66,7 +66,7 @@ class ComparedTable:
     def mass_change(self, load_factor: float) -> float:
         """Return the mass at a load over that of the plan, minus 1."""
         planned = self.scenario.vehicle.total_mass_kg
-        return self.scenario.with_(**{"vehicle.load_factor": load_factor}).vehicle.total_mass_kg / planned - 1
+        return self.scenario.replace(**{"vehicle.load_factor": load_factor}).vehicle.total_mass_kg / planned - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ def example(place: str) -> Example:
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:
     """Return a scenario with changes, there and back."""
-    return tuple(scenario.with_(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
+    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
 
 
 def above_own_time(scenarios: Sequence[Scenario]) -> float:
@@ -161,7 +161,7 @@ def above_own_time(scenarios: Sequence[Scenario]) -> float:
         energy += actual.energy_kwh
         load = scenario.disturbance.actual_load_factor
         assert load is not None
-        own = plan_knowing_load(scenario.with_(**{"timetable.travel_time_s": actual.travel_time_s}), load)
+        own = plan_knowing_load(scenario.replace(**{"timetable.travel_time_s": actual.travel_time_s}), load)
         planned += np.nan if own is None else own.energy_kwh
     return share_above(energy, planned)
 

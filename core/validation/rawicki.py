@@ -225,7 +225,7 @@ def whole_trajectories(paper: Printed) -> Table:
         kr = float(entry["recuperation_factor"])
         case, energy = f"{entry['place']}, whole trajectory", solve_phases(kr).energy_kwh
         rows.append(Row(case, "En", "kWh", entry["energy_kwh"], energy, NOT_UNIQUE, entry["place"]))
-        part = tram_scenario(kr).with_(
+        part = tram_scenario(kr).replace(
             **{
                 "line.sections": [{"length_m": paper["part_ii_length_m"]}],
                 "timetable.travel_time_s": part_two_time_s(),

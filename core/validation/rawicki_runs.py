@@ -10,7 +10,7 @@ from railjoule.core.phase_planning.plan import PhasePlan, PlannedPhase
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import DisturbedRun, simulate_disturbances
+from railjoule.core.simulation.disturbances import DisturbedRun, simulate_disturbances
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
@@ -34,7 +34,7 @@ def printed_paper() -> Printed:
 @cache
 def tram_scenario(kr: float) -> Scenario:
     """Return the run of Figs. 1 or 2."""
-    return load_scenario(printed_paper()["scenario"]).with_(**{"drive.recuperation_factor": kr})
+    return load_scenario(printed_paper()["scenario"]).replace(**{"drive.recuperation_factor": kr})
 
 
 @cache
@@ -82,7 +82,7 @@ def solve_phases(kr: float) -> Trajectory:
 @cache
 def replan(kr: float, reaction: Reaction) -> DisturbedRun:
     """Return the run with the stop, replanned on the way by the one who reacts to it."""
-    scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": kr})
+    scenario = load_scenario("tram-950m-stop").replace(**{"drive.recuperation_factor": kr})
     return simulate_disturbances(scenario, reaction)
 
 
@@ -97,7 +97,7 @@ def replan_two_segments(kr: float) -> DisturbedRun:
         "line.stations": [{"position_m": length, "dwell_s": STATION_DWELL_S}],
         "timetable.travel_time_s": 2 * time + STATION_DWELL_S,
     }
-    return simulate_disturbances(scenario.with_(**changes), "driver")
+    return simulate_disturbances(scenario.replace(**changes), "driver")
 
 
 def energy_with_stop_kwh(kr: float) -> float:

@@ -18,7 +18,7 @@ from railjoule.core.energy import share_above
 from railjoule.core.limit_search.search import INFEASIBLE_J, LimitSearch
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
-from railjoule.core.simulate.regulator import literal_spread
+from railjoule.core.simulation.regulator import literal_spread
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import speed_limits_with_search
@@ -139,7 +139,7 @@ def near_full_power() -> tuple[Row, ...]:
         full = solve_optimum(speed)
         power = scenario.vehicle.traction.max_power_kw
         assert power is not None
-        half = solve(allow_window(scenario).with_(**{"vehicle.traction.max_power_kw": 0.5 * power}), "bellman")
+        half = solve(allow_window(scenario).replace(**{"vehicle.traction.max_power_kw": 0.5 * power}), "bellman")
         speeds = 0.5 * (full.speed_ms[1:] + full.speed_ms[:-1])
         at_wheels_kw = full.tractive_effort_n * speeds / W_PER_KW
         largest, share = float(np.max(at_wheels_kw)), 100 * energy_share(full, at_wheels_kw > FULL_SHARE * power)
@@ -274,14 +274,14 @@ def kharkiv_scenario(speed_kmh: int) -> Scenario:
     """Return the run of the assumed line at an average speed [km/h]."""
     if speed_kmh in SCENARIOS:
         return load_scenario(SCENARIOS[speed_kmh])
-    return load_scenario(SCENARIOS[40]).with_(**{"timetable.average_speed_kmh": speed_kmh})
+    return load_scenario(SCENARIOS[40]).replace(**{"timetable.average_speed_kmh": speed_kmh})
 
 
 def allow_window(scenario: Scenario) -> Scenario:
     """Return a scenario with the time that a search for limits may take."""
     # what limits are judged by may take as long as they do
     time = (1 + scenario.search.time_window) * scenario.travel_time_s
-    return scenario.with_(**{"timetable.travel_time_s": time})
+    return scenario.replace(**{"timetable.travel_time_s": time})
 
 
 @cache
@@ -293,7 +293,9 @@ def solve_optimum(speed_kmh: int) -> Trajectory:
 @cache
 def _searched(speed_kmh: int, regulator: str, free: bool, rail_condition: str | None) -> tuple[Trajectory, LimitSearch]:
     changes: dict[str, Any] = {"search.regulator": regulator, "line.rail_condition": rail_condition}
-    return speed_limits_with_search(prepare_task(kharkiv_scenario(speed_kmh).with_(**changes, **FREE if free else {})))
+    return speed_limits_with_search(
+        prepare_task(kharkiv_scenario(speed_kmh).replace(**changes, **FREE if free else {}))
+    )
 
 
 def run_limits(speed_kmh: int, regulator: str, free: bool = False) -> Trajectory:

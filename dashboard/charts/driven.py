@@ -3,7 +3,7 @@
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.simulate.following import Following, stops_of
+from railjoule.core.simulation.following import Following, stops_of
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart

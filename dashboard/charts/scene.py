@@ -7,8 +7,7 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, columns, nice_range, style_of
 from railjoule.dashboard.charts.quantities import Quantity, along
@@ -43,8 +42,8 @@ class RunScene:
         The fastest run, drawn or not: the cursor tells its speed.
     """
 
-    chosen: StrategyName
-    runs: Mapping[StrategyName, Trajectory]
+    chosen: str
+    runs: Mapping[str, Trajectory]
     pinned: Trajectory | None
     over_time: bool
     narrow: bool

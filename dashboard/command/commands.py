@@ -23,11 +23,12 @@ from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.parquet import NEEDED, has_parquet
-from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario import parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
@@ -86,7 +87,7 @@ def solve(
     scenario = load(file, changes)
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
-        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
+        trajectory = solve_scenario(scenario, strategy, prove_seconds=prove_seconds)
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
     task = prepare_task(scenario)
@@ -119,8 +120,8 @@ def check(
     if scenario_file is None:
         raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
     scenario = load(scenario_file, changes)
-    if strategy is not None and strategy not in STRATEGY_NAMES:
-        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
+    if strategy is not None and strategy not in STRATEGIES:
+        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGIES)}.")
     try:
         result = check_table(scenario, cast("Mapping[str, Any]", table), strategy)
     except ScenarioError as error:
@@ -175,16 +176,16 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     with refusals_named(scenario.strategy):
         # each kind alone: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
-            from railjoule.core.simulate.field_oriented import simulate_field_oriented  # noqa: PLC0415
+            from railjoule.core.simulation.field_oriented import simulate_field_oriented  # noqa: PLC0415
 
             run = simulate_field_oriented(scenario)
             output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
         elif scenario.disturbance.events:
-            from railjoule.core.simulate.actual_run import actual_run  # noqa: PLC0415
+            from railjoule.core.simulation.actual_run import actual_run  # noqa: PLC0415
 
             output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
         else:
-            from railjoule.core.simulate.following import simulate_following  # noqa: PLC0415
+            from railjoule.core.simulation.following import simulate_following  # noqa: PLC0415
 
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 

@@ -6,7 +6,6 @@ apart without any colour. Both stand in `railjoule.dashboard.look.strategies`.
 
 from typing import Literal
 
-from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.look.strategies import LOOKS, Dash
 
 ThemeName = Literal["light", "dark"]
@@ -112,7 +111,7 @@ SAVING_SCALES: dict[ThemeName, tuple[str, ...]] = {
 }
 """The opposite, from none to most; both scales begin with one colour."""
 
-DASHES: dict[StrategyName | Literal["pinned", "actual"], Dash] = {
+DASHES: dict[str | Literal["pinned", "actual"], Dash] = {
     **{name: look.dash for name, look in LOOKS.items()},
     "pinned": "solid",
     "actual": [7, 3],

@@ -8,12 +8,11 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import with_tighter_bound
-from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
-from railjoule.core.simulate.following import Following, simulate_following
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity_steps
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
@@ -53,7 +52,7 @@ class ReportRequest:
     """
 
     scenario: Scenario
-    strategy: StrategyName | None = None
+    strategy: str | None = None
     bound: Bound | None = None
     prove_seconds: float | None = None
     note: str = ""
@@ -118,7 +117,7 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     """
     scenario = request.scenario
     if request.strategy is not None and request.strategy != scenario.strategy:
-        scenario = scenario.with_(strategy=request.strategy)
+        scenario = scenario.replace(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
     contents = request.contents
@@ -170,7 +169,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
         except RailjouleError:
             continue
         # asked for another time, it is not late
-        run = replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time}))
+        run = replace(run, scenario=run.scenario.replace(**{"timetable.travel_time_s": time}))
         # what is proven of the timetable's own time holds for all that take no longer
         optima = (*optima, run if bound is None else with_tighter_bound(run, bound))
         yield optima, k / len(times)

@@ -9,8 +9,8 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import format_scenario
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_KWH

@@ -154,7 +154,7 @@ class ScenarioModel(TypedParameters):
         edits = values["edits"]
         # only then, as taking edits over computes the shortest time
         if edits != self.edits:
-            self._take(self.base.with_(**edits), edits)
+            self._take(self.base.replace(**edits), edits)
         fields = {field: values[field] for field in FIELD_KEYS.values() if field in values}
         load, most = fields.get("load_percent", 0.0), self.most_load_percent
         if load > most:
@@ -189,7 +189,7 @@ class ScenarioModel(TypedParameters):
     def _change(self, changes: Mapping[str, Any]) -> None:
         """Let these be all changes of the base."""
         edits = {key: value for key, value in changes.items() if key not in FIELD_KEYS}
-        self._take(self.base.with_(**changes), edits)
+        self._take(self.base.replace(**changes), edits)
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""

@@ -5,8 +5,7 @@ from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.motion import build_course
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
+from railjoule.core.simulation.by_hand import drive_by_hand, read_commands
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 
@@ -15,7 +14,7 @@ class Recipe(Protocol):
     """How a run comes about."""
 
     @property
-    def strategy(self) -> StrategyName:
+    def strategy(self) -> str:
         """Who drives, unless it is simple advice."""
 
     @property

@@ -10,7 +10,6 @@ from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
@@ -41,8 +40,8 @@ class Runs:
     scenario: Scenario
     shortest_time_s: float
     cell_count: int
-    runs: Mapping[StrategyName, Trajectory]
-    refused: Mapping[StrategyName, str]
+    runs: Mapping[str, Trajectory]
+    refused: Mapping[str, str]
     law: ControlLaw | None = None
 
     @property
@@ -76,7 +75,7 @@ class Runs:
         return replace(self, runs={name: with_tighter_bound(run, bound) for name, run in self.runs.items()})
 
 
-SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3, "phases": 3e-4}
+SECONDS_PER_CELL: Mapping[str, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3, "phases": 3e-4}
 """Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 """The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
@@ -86,7 +85,7 @@ RELAY_SECONDS_PER_STEP = 1e-3
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 
-def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
+def expected_s(scenario: Scenario, *strategies: str) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     cells = estimated_cells(scenario)
     switching = 0.0 if isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) else SWITCHING_SECONDS_PER_CELL2 * cells
@@ -97,7 +96,7 @@ def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
     return cells * per_cell + RELAY_SECONDS_PER_STEP * steps
 
 
-def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:
+def is_slow(scenario: Scenario, *strategies: str) -> bool:
     """Return whether strategies take seconds."""
     return expected_s(scenario, *strategies) > SLOW_S
 
@@ -107,7 +106,7 @@ class RunsRequest:
     """A scenario, the strategies to run on it, and whether the law of dynamic programming is asked for."""
 
     scenario: Scenario
-    strategies: tuple[StrategyName, ...]
+    strategies: tuple[str, ...]
     with_law: bool = False
 
     @property
@@ -180,8 +179,8 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
     """Yield the runs of the requested strategies as they come, the optimum first; errors as `compute_runs`."""
     task = prepare_task(request.scenario)
     task.require_timetable()
-    runs: dict[StrategyName, Trajectory] = {}
-    refused: dict[StrategyName, str] = {}
+    runs: dict[str, Trajectory] = {}
+    refused: dict[str, str] = {}
     law: ControlLaw | None = None
     for name in dict.fromkeys(("optimal", *request.strategies)):
         try:
@@ -201,8 +200,8 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
 
 def beside_each_other(
     task: Task,
-    runs: Mapping[StrategyName, Trajectory],
-    refused: Mapping[StrategyName, str],
+    runs: Mapping[str, Trajectory],
+    refused: Mapping[str, str],
     law: ControlLaw | None,
 ) -> Runs:
     """Return the runs so far, each with its bound and what it is measured against."""

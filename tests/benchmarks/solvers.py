@@ -38,7 +38,7 @@ def interleaved_medians_s(calls: Mapping[str, Callable[[], object]]) -> dict[str
 
 def profile_two() -> Iterator[Measurement]:
     """Liashenko's profile II at a 5 m mesh, beside IPOPT on the same problem."""
-    scenario = load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 5.0})
+    scenario = load_scenario("liashenko-ii").replace(**{"solver.mesh_m": 5.0})
     task = prepare_task(scenario)
     given = (task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s)
     calls: dict[str, Callable[[], object]] = {

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
+from railjoule.core.simulation.by_hand import drive_by_hand, read_commands
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson

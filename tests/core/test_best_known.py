@@ -56,7 +56,7 @@ def test_where_nothing_is_proven_the_least_energy_is_the_best_known(runs):
 def test_a_run_that_may_be_late_is_measured_against_the_best_of_its_own_time(task):
     """The optimum over 418.87 s, computed as for a timetable of that time, and its bound."""
     late = run_strategy(task, "speed_limits")
-    over = task.scenario.with_(**{"timetable.travel_time_s": late.travel_time_s})
+    over = task.scenario.replace(**{"timetable.travel_time_s": late.travel_time_s})
     best = run_strategy(prepare_task(over), "optimal")
     assert late.travel_time_s > 414.8
     assert late.reference.energy_kwh == pytest.approx(best.energy_kwh, rel=1e-9)
@@ -84,7 +84,7 @@ def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
 
 def test_an_early_run_is_measured_against_the_optimum_of_the_time_asked_for(task):
     given = {"search.limits_kmh": [30.0, 30.0]}
-    early = run_strategy(prepare_task(task.scenario.with_(**given)), "speed_limits")
+    early = run_strategy(prepare_task(task.scenario.replace(**given)), "speed_limits")
     best = run_strategy(task, "optimal")
     assert early.travel_time_s < task.scenario.travel_time_s - 1
     # what its own time takes at least is dearer, and another measure

@@ -11,7 +11,7 @@ from builders import INDUCTION, plain_scenario
 from railjoule.core import ScenarioError, StrategyRefusedError, compare, load_scenario, solve
 from railjoule.core.budget import LIBRARY, PAGE, current_budget, rounded_up, within
 from railjoule.core.motion import build_course
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import prepare_task, run_strategy
 
 SMALL = replace(PAGE, cell_count=300, strategy_cells={"bellman": 100, "speed_limits": 150}, idling_cells=120)

@@ -5,7 +5,7 @@ from builders import plain_scenario
 from railjoule.core import ScenarioError, load_scenario, solve
 from railjoule.core.line_current import line_current_a
 from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 
 
 def test_current_is_power_over_voltage_and_falls_below_zero_where_energy_goes_back():

@@ -10,9 +10,9 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.motion import build_course
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.advised import drive_advice
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.advised import drive_advice
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare
 from railjoule.core.studies.whole_line import whole_line
 
@@ -38,7 +38,7 @@ def speed_kmh_at(run, place_m):
 def test_a_published_benchmark_begins_in_motion(ends_kmh, printed_kwh, share):
     scenario = load_scenario(G1)
     ends = {"timetable.entry_speed_kmh": ends_kmh, "timetable.exit_speed_kmh": ends_kmh}
-    run = solve(scenario.with_(**ends), check=True)
+    run = solve(scenario.replace(**ends), check=True)
     assert run.energy_kwh == pytest.approx(printed_kwh, rel=share)
     assert run.is_proven
 
@@ -193,6 +193,6 @@ def test_trains_with_a_length_pass_the_check(strategy, gradient_at):
 def test_a_run_that_ignores_its_rear_fails_the_check():
     changes = {"vehicle.length_m": 120.0, "line.speed_limits": [{"from_m": 600.0, "to_m": 900.0, "limit_kmh": 40.0}]}
     front = solve(plain_scenario({**changes, "timetable.travel_time_s": 170.0}), "fastest")
-    asked = front.scenario.with_(**{"line.limits_hold_for": "whole_train"})
+    asked = front.scenario.replace(**{"line.limits_hold_for": "whole_train"})
     failed = {check.name for check in check_run(asked, front).checks if not check.ok}
     assert "speed limit" in failed

@@ -10,8 +10,8 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, StrategyRefusedError
 from railjoule.core.physics.course_data import tractive_limit_n
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare, prepare_task
 
 NEUTRAL = {"line.neutral_sections": [{"from_m": 700.0, "to_m": 850.0}]}
@@ -42,7 +42,7 @@ def require_no_effort(run, **place):
 def test_the_optimum_is_proven_and_agrees_with_backward_induction(preset, start_m):
     scenario = load_scenario(preset)
     without = solve(scenario)
-    changed = scenario.with_(**{"line.neutral_sections": [{"from_m": start_m, "to_m": start_m + 150.0}]})
+    changed = scenario.replace(**{"line.neutral_sections": [{"from_m": start_m, "to_m": start_m + 150.0}]})
     best, found = solve(changed), solve(changed, "bellman")
     require_no_effort(best, start_m=start_m, end_m=start_m + 150.0)
     # they lie where the train would else drive
@@ -101,12 +101,12 @@ def test_a_line_without_them_is_as_it_was():
 
 def test_the_check_sees_a_drive_that_works_in_one():
     run = solve(plain_scenario(NEUTRAL))
-    moved = run.scenario.with_(**{"line.neutral_sections": [{"from_m": 100.0, "to_m": 150.0}]})
+    moved = run.scenario.replace(**{"line.neutral_sections": [{"from_m": 100.0, "to_m": 150.0}]})
     result = check_run(moved, run)
     assert [check.name for check in result.broken] == ["neutral sections"]
     assert 100 < result.broken[0].at_m < 150
     # and the electric brake: the last 100 m before the stop
-    result = check_run(run.scenario.with_(**{"line.neutral_sections": [{"from_m": 1900.0, "to_m": 2000.0}]}), run)
+    result = check_run(run.scenario.replace(**{"line.neutral_sections": [{"from_m": 1900.0, "to_m": 2000.0}]}), run)
     assert "neutral sections" in {check.name for check in result.broken}
     # all of the braking by friction brakes that the scenario has not
     friction = replace(

@@ -67,5 +67,5 @@ def test_the_time_that_a_refusal_names_can_be_kept():
     with pytest.raises(TimetableError) as error:
         solve(scenario)
     named = str(error.value).split("shortest possible ")[1].removesuffix(" s.")
-    run = solve(scenario.with_(**{"timetable.travel_time_s": float(named)}))
+    run = solve(scenario.replace(**{"timetable.travel_time_s": float(named)}))
     assert run.travel_time_s <= float(named) * (1 + LATE_SHARE)

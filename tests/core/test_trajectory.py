@@ -102,7 +102,7 @@ def test_a_run_without_bound_has_no_gap_and_is_not_proven(stopping):
 @pytest.mark.parametrize(("part", "proven"), [(0.0, True), (0.9, True), (-0.9, True), (1.1, False), (-1.1, False)])
 def test_a_run_is_proven_within_the_tolerance_of_its_scenario(stopping, tolerance, part, proven):
     bound = bound_runs(stopping, stopping.energy.net_j / (1 + part * tolerance))
-    scenario = stopping.scenario.with_(**{"solver.tolerance": tolerance})
+    scenario = stopping.scenario.replace(**{"solver.tolerance": tolerance})
     assert replace(stopping, scenario=scenario, bound=bound).is_proven == proven
 
 

@@ -23,7 +23,7 @@ from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.course import CourseParts, course_of, drive_of, limits_of, line_of
 from railjoule.core.physics.account import RunAccount, account_of_run
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
@@ -81,7 +81,7 @@ class Plan:
     solver: str = field(compare=False)
     scenario: Scenario = field(compare=False)
     fields: tuple[Field, ...] = field(compare=False)
-    strategy: StrategyName = field(compare=False)
+    strategy: str = field(compare=False)
     columns: tuple[str, ...] = field(compare=False)
     patched: bool = field(compare=False)
     budget: Budget = field(compare=False)
@@ -207,7 +207,7 @@ class Engine:
         if self._plan.patched:
             return self._patch(sample)
         pairs = zip(self._plan.fields, sample, strict=True)
-        return self._scenario.with_(**{field.name: field.value(value) for field, value in pairs})
+        return self._scenario.replace(**{field.name: field.value(value) for field, value in pairs})
 
     def _parts(self, scenario: Scenario) -> CourseParts:
         """Return the parts of a scenario's course: those of an earlier one where no field touches them."""

@@ -75,7 +75,7 @@ def fields_of(scenario: Scenario, over: Mapping[str, tuple[float, float]]) -> tu
             raise ScenarioError(f"{field.name} and {same[0]} say the same thing: a sweep varies one of them.")
         for end in (field.low, field.high):
             # with the others as they are: what this refuses is wrong with this field
-            scenario.with_(**{field.name: field.value(end)})
+            scenario.replace(**{field.name: field.value(end)})
     return fields
 
 
@@ -138,7 +138,7 @@ def corners_hold(scenario: Scenario, fields: Sequence[Field]) -> bool:
     for ends in product(*(sorted({field.low, field.high}) for field in fields)):
         changes = {field.name: field.value(end) for field, end in zip(fields, ends, strict=True)}
         try:
-            scenario.with_(**changes)
+            scenario.replace(**changes)
         except ScenarioError:
             return False
     return True

@@ -9,14 +9,9 @@ from typing import Any, cast
 
 from railjoule.core.budget import Budget, current_budget
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario import (
-    STRATEGY_NAMES,
-    Scenario,
-    StrategyName,
-    format_scenario,
-    parse_scenario,
-)
+from railjoule.core.scenario import Scenario, format_scenario, parse_scenario
 from railjoule.core.scenario._sentences import show
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.studies.sweep.columns import DEFAULT_COLUMNS, require_columns
 from railjoule.core.studies.sweep.engine import Plan
 from railjoule.core.studies.sweep.fields import Field, corners_hold, fields_of
@@ -54,7 +49,7 @@ class Study:
     sample: int
     method: Method
     seed: int
-    strategy: StrategyName
+    strategy: str
     columns: tuple[str, ...]
     budget: Budget
 
@@ -120,8 +115,8 @@ def study_of(
         column.
     """
     name = strategy or scenario.strategy
-    if name not in STRATEGY_NAMES:
-        raise ScenarioError(f"strategy = {show(name)} must be one of {', '.join(STRATEGY_NAMES)}.")
+    if name not in STRATEGIES:
+        raise ScenarioError(f"strategy = {show(name)} must be one of {', '.join(STRATEGIES)}.")
     require_columns(columns)
     fields = fields_of(scenario, over)
     # a sampler that can be made is what shows that method, seed and number of rows are right

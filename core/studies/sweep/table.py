@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
 
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.studies.sweep.columns import DEFAULT_COLUMNS
 from railjoule.core.studies.sweep.results import MemoryResults, SweepTable, table_of
 from railjoule.core.studies.sweep.running import run_study
@@ -18,7 +18,7 @@ def sweep(
     method: Method = "sobol",
     *,
     seed: int = 0,
-    strategy: StrategyName | None = None,
+    strategy: str | None = None,
     columns: Sequence[str] = DEFAULT_COLUMNS,
     executor: Executor | None = None,
     workers: Callable[[], int] | None = None,

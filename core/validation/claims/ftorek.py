@@ -65,7 +65,7 @@ def half_speed(key: str, promised_percent: float) -> Finding:
     for speed in SPEEDS_KMH:
         time = {"timetable.travel_time_s": paper_line().distance_m / (speed * MS_PER_KMH)}
         ends = {"timetable.entry_speed_kmh": speed, "timetable.exit_speed_kmh": speed}
-        friction.append(solve(paper_scenario().with_(**only, **time, **ends), "enoc").energy.running_resistance_j)
+        friction.append(solve(paper_scenario().replace(**only, **time, **ends), "enoc").energy.running_resistance_j)
     full, half = friction
     saved = 100 * (1 - half / full)
     return judge(

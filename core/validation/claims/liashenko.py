@@ -14,7 +14,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
@@ -157,7 +157,7 @@ def speed_sensor() -> Finding:
     changes = [{"simulation.speed_error": error} for error in SPEED_ERRORS]
     worst, without = (_worst_stop_m(changes, is_braking) for is_braking in (True, False))
     fast = {"simulation.speed_error": max(SPEED_ERRORS)}
-    late = max(follow(plan, plan.scenario.with_(**fast)).delay_s for plan in _plans())
+    late = max(follow(plan, plan.scenario.replace(**fast)).delay_s for plan in _plans())
     return judge(
         f"stopping error at most {worst:.2f} m, without precision braking {without:.1f} m",
         worst <= WITHSTANDS_SHARE * without,
@@ -191,7 +191,7 @@ def high_deceleration() -> Finding:
     """Examine the energy of plans over the deceleration of the target curve."""
     totals = [
         sum(
-            plan_for(one.with_(**{"simulation.target_deceleration_ms2": deceleration})).energy_kwh
+            plan_for(one.replace(**{"simulation.target_deceleration_ms2": deceleration})).energy_kwh
             for one in _base_scenarios()
         )
         for deceleration in DECELERATIONS_MS2
@@ -327,13 +327,13 @@ def _base_scenarios() -> list[Scenario]:
 
 
 def _energy(scenario: Scenario, mesh_m: float) -> float:
-    return solve(scenario.with_(**{"solver.mesh_m": mesh_m})).energy_kwh
+    return solve(scenario.replace(**{"solver.mesh_m": mesh_m})).energy_kwh
 
 
 def _worst_stop_m(changes: Iterable[Mapping[str, Any]], is_braking: bool = True) -> float:
     """Return the largest stopping error of runs that follow the plans under changes [m]."""
     return max(
-        abs(follow(plan, plan.scenario.with_(**change)).stop_error_m)
+        abs(follow(plan, plan.scenario.replace(**change)).stop_error_m)
         for change in changes
         for plan in _plans(is_braking)
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.energy import share_above
 from railjoule.core.phase_planning.plan import PlannedPhase
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.claim import Examinations, Finding, judge, undecided
@@ -60,7 +60,7 @@ def _gentle_driver_kwh(kr: float) -> float:
     scenario = tram_scenario(kr)
     drive = scenario.vehicle.drive
     current = GENTLE_SHARE * drive.braking_current_a  # type: ignore[union-attr]
-    vehicle = scenario.with_(**{"drive.braking_current_a": current}).vehicle
+    vehicle = scenario.replace(**{"drive.braking_current_a": current}).vehicle
     return energy_kwh(printed_planner(vehicle, kr, coast=False).plan(scenario.line.length_m, scenario.travel_time_s))
 
 
@@ -254,7 +254,7 @@ def updated_run() -> Finding:
 def all_disturbances() -> Finding:
     """Return a run with a disturbance that the paper names and does not show."""
     change = [{"recuperation_factor": 0.5, "noticed_at_m": 300.0, "reaction": "computer"}]
-    run = simulate_disturbances(tram_scenario(1.0).with_(**{"disturbance.recuperation_changes": change}))
+    run = simulate_disturbances(tram_scenario(1.0).replace(**{"disturbance.recuperation_changes": change}))
     return undecided(
         f"{run.actual.energy_kwh:.3f} kWh if kr falls from 1 to 0.5 at 300 m, {run.planned.energy_kwh:.3f} kWh planned",
         "The paper shows results only for a stop; there is no printed number for limits, voltage or recuperation.",

@@ -8,7 +8,7 @@ from railjoule.core.drive.synchronous.drive import LOSS_KINDS, efficiency_maps, 
 from railjoule.core.drive.synchronous.losses import MOTOR_KINDS
 from railjoule.core.physics.resistance import total_weight_kn
 from railjoule.core.scenario.drive import Synchronous
-from railjoule.core.simulate.regulator import literal_spread
+from railjoule.core.simulation.regulator import literal_spread
 from railjoule.core.strategies import solve
 from railjoule.core.studies.storage import saving_over_size, storage_need
 from railjoule.core.units import MS_PER_KMH, W_PER_KW
@@ -165,7 +165,7 @@ def window() -> Finding:
 def time_without_train() -> Finding:
     """Compare the scheduled time of the scenario, less the train, with that over the whole line."""
     scenario = kharkiv_scenario(40)
-    whole = scenario.with_(**{"timetable.deduct_train_length": False}).travel_time_s
+    whole = scenario.replace(**{"timetable.deduct_train_length": False}).travel_time_s
     share = 1 - scenario.travel_time_s / whole
     return undecided(
         f"{whole:.1f} s over the line, {scenario.travel_time_s:.1f} s less {scenario.vehicle.length_m:.0f} m of train",
@@ -197,7 +197,7 @@ def rigid_chain() -> Finding:
     own, cars = run.scenario.vehicle.car_count, run.energy_kwh
     assert own is not None
     one, many = (
-        solve(run.scenario.with_(**{"vehicle.car_count": count}), "speed_limits").energy_kwh for count in (1, 8 * own)
+        solve(run.scenario.replace(**{"vehicle.car_count": count}), "speed_limits").energy_kwh for count in (1, 8 * own)
     )
     return judge(
         f"{one:.3f} kWh with one body, {cars:.3f} kWh with {own} cars, {many:.3f} kWh with {8 * own}",

@@ -3,7 +3,6 @@
 from typing import Any
 
 from railjoule.core import RailjouleError
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
@@ -11,7 +10,7 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
 
 PAGE = "Compare"
-SLOW: tuple[StrategyName, ...] = ("bellman", "speed_limits")
+SLOW: tuple[str, ...] = ("bellman", "speed_limits")
 """What is still under way when the next scenario is asked for is left, so these come last."""
 REST_MS = 400
 """While a slider moves, what is under way takes turns from the page."""

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.actual_run import ActualRun, Cause
+from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.parts.html import (

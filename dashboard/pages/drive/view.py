@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import (

@@ -13,14 +13,14 @@ from railjoule.core.drive import constant_efficiency
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import Course, build_course
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.simulate.by_hand import (
+from railjoule.core.simulation.by_hand import (
     WALKING_PACE_MS,
     drive_by_hand,
     parting_node,
     read_commands,
     require_drivable,
 )
-from railjoule.core.simulate.driver import braking_envelope
+from railjoule.core.simulation.driver import braking_envelope
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
@@ -83,7 +83,7 @@ def judge(request: TryRequest) -> TryResult:
 @cache
 def lesson() -> tuple[Scenario, Course]:
     """Return the scenario of the lesson over its mesh, and its course."""
-    scenario = load_scenario(PRESET).with_(**LESSON_CHANGES)
+    scenario = load_scenario(PRESET).replace(**LESSON_CHANGES)
     return scenario, build_course(scenario)
 
 
@@ -105,7 +105,7 @@ def course_arrays(course: Course) -> dict[str, Any]:
     Raises
     ------
     ScenarioError
-        If its drive has no constant efficiency, or `railjoule.core.simulate.by_hand` does not take the course.
+        If its drive has no constant efficiency, or `railjoule.core.simulation.by_hand` does not take the course.
     """
     data = course.data
     require_drivable(course)

@@ -12,7 +12,7 @@ from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, s
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion import Course, build_course
 from railjoule.core.phases import PhaseName
-from railjoule.core.simulate.drawn import drive_drawn
+from railjoule.core.simulation.drawn import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
@@ -153,7 +153,7 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
 
 def in_time_of(run: Trajectory) -> Scenario:
     """Return the scenario of the lesson with the time of a run."""
-    return drawing_lesson()[0].with_(**{"timetable.travel_time_s": run.travel_time_s})
+    return drawing_lesson()[0].replace(**{"timetable.travel_time_s": run.travel_time_s})
 
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:

@@ -117,7 +117,7 @@ def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
     shortest = shortest_times_s(task, stop_nodes(task))
     running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
     arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
-    return task.scenario.with_(**{"line.stations": _stations(name, arrivals)})
+    return task.scenario.replace(**{"line.stations": _stations(name, arrivals)})
 
 
 @cache
@@ -202,7 +202,7 @@ def _scenario(name: str, travel_time_s: float) -> Scenario:
     sections = [section for length in LENGTHS_M[name] for section in _hump(length)]
     line = {"name": f"Three {name} legs (assumed)", "sections": sections, "stations": _stations(name)}
     title = f"Share out the slack: {name} legs"
-    return load_scenario(BASE).with_(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
+    return load_scenario(BASE).replace(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
 
 
 def _hump(length_m: float) -> list[dict[str, float]]:

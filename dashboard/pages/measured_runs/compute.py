@@ -9,8 +9,8 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
-from railjoule.core.fit import Fit, HeldOut, fit_runs, hold_out
-from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
+from railjoule.core.identification import Fit, HeldOut, fit_runs, hold_out
+from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
 from railjoule.core.imports.source_file import shown_list
 from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, recording_of
 from railjoule.core.measured.columns import NAMES

@@ -8,8 +8,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -76,7 +75,7 @@ INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
 
 def of_rivals(quantity: Quantity) -> dict[str, Line]:
     """Return a line for each of the paper's two strategies."""
-    rivals: tuple[StrategyName, ...] = ("eoc", "enoc")
+    rivals: tuple[str, ...] = ("eoc", "enoc")
     return {of.upper(): Line(of, {"line_width": 1.8, "line_dash": DASHES[of]}, of, quantity) for of in rivals}
 
 

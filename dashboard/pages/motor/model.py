@@ -7,7 +7,7 @@ import param
 
 from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineMap, limit_changes, limits_of

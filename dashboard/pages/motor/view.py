@@ -7,7 +7,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart

@@ -105,7 +105,7 @@ class PrintedFigures:
         return parts.stack(heading, self.bodies[number], self.notes[number], self.buttons[number])
 
     def _open(self, printed: PaperFigure, _: object) -> None:
-        scenario = load_scenario(printed.scenario).with_(**printed.changes)
+        scenario = load_scenario(printed.scenario).replace(**printed.changes)
         title = f"{scenario.title}, {printed.place}" if printed.changes else scenario.title
         self._state.scenario.open(format_scenario(scenario.model_copy(update={"title": title})), title)
         self._state.page = "Drive"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
@@ -22,7 +22,7 @@ class RealityRequest:
 
     def scenario_in_reality(self) -> Scenario:
         """Return the scenario with its reality; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(**self.changes)
+        return self.scenario.replace(**self.changes)
 
 
 @dataclass(frozen=True, eq=False)

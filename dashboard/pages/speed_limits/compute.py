@@ -42,7 +42,7 @@ class LimitsRequest:
 
     def limited(self) -> Scenario:
         """Return the scenario with its sections; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(**self.changes)
+        return self.scenario.replace(**self.changes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def compute_limit_run(request: LimitsRequest) -> LimitRun:
 def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory | None, str]:
     """Return the optimum of a scenario over another time, or None and why there is none."""
     try:
-        task = prepare_task(scenario.with_(**{"timetable.travel_time_s": travel_time_s}))
+        task = prepare_task(scenario.replace(**{"timetable.travel_time_s": travel_time_s}))
         task.require_timetable()
         return run_strategy(task, "optimal"), ""
     # a scenario that is wrong in itself is no lack of an optimum: other errors go on
@@ -146,7 +146,7 @@ def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
     other = "together" if run.search.runs else "separate"
     changes = {"search.inter_station_runs": other, "search.boundaries_m": run.borders_m.tolist()}
     try:
-        runs[other] = run_strategy(prepare_task(scenario.with_(**changes)), "speed_limits")
+        runs[other] = run_strategy(prepare_task(scenario.replace(**changes)), "speed_limits")
     except (ScenarioError, TimetableError, SolverError, StrategyRefusedError) as refusal:
         refusals[other] = without_keys(str(refusal))
     task = prepare_task(scenario)

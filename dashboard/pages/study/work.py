@@ -372,7 +372,7 @@ class Studies(PageWork[StudyModel]):
         scenario, base = self.state.scenario, self._base
         if base is None or any(base[name] != getattr(scenario, name) for name in ("preset", "toml")):
             # opened from a file, or the page has another scenario by now
-            row: Scenario = study.scenario.with_(**values)
+            row: Scenario = study.scenario.replace(**values)
             scenario.open(format_scenario(row), study.scenario.title)
             return
         edits = {**base["edits"], **{path: number for path, number in values.items() if path not in FIELD_KEYS}}

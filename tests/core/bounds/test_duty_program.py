@@ -43,7 +43,7 @@ def test_ipopt_finds_our_relaxed_value(drive, changes):
 # machines take more than they have, while the brake takes over for the rest of the cell, would find 6e-4 less
 @pytest.mark.parametrize(("mesh_m", "agreement", "loose"), [(40.0, 1e-6, 1e-2), (10.0, 2e-5, 4e-3)])
 def test_cells_that_machines_may_share_with_a_standstill_brake_are_bounded(mesh_m, agreement, loose):
-    task = prepare_task(load_scenario("tram-950m-recuperating").with_(**{"solver.mesh_m": mesh_m}))
+    task = prepare_task(load_scenario("tram-950m-recuperating").replace(**{"solver.mesh_m": mesh_m}))
     problem = Problem(task.scenario, task.course.position_m)
     assert problem.scenario.vehicle.drive.standstill_brake
     found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.greatest_speed2)))

@@ -24,7 +24,9 @@ def test_a_target_above_all_runs_is_never_proven(case):
     """Nothing of a run below the target may be dropped, so that the bound stays below each."""
     scenario = scenario_of(case)
     fastest = prepare_task(scenario)
-    task = prepare_task(scenario.with_(**{"timetable.travel_time_s": 1.15 * fastest.shortest_time_s + fastest.dwell_s}))
+    task = prepare_task(
+        scenario.replace(**{"timetable.travel_time_s": 1.15 * fastest.shortest_time_s + fastest.dwell_s})
+    )
     optimum = minimise(task).optimum
     best = min(run_strategy(task, name).energy.net_j for name in ("optimal", "bellman")) - task.dwell_energy_j
     proof = proof_of(task, optimum, best, -0.01)

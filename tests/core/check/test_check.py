@@ -310,7 +310,7 @@ STRICTER: list[tuple[str, dict[str, Any]]] = [
 
 @pytest.mark.parametrize(("rule", "changes"), STRICTER)
 def test_a_run_of_another_scenario_breaks_the_rule(run, rule, changes):
-    assert rule in broken(run.scenario.with_(**changes), run)
+    assert rule in broken(run.scenario.replace(**changes), run)
 
 
 def test_a_braking_curve_is_held_against_the_distance_that_is_left():
@@ -320,7 +320,7 @@ def test_a_braking_curve_is_held_against_the_distance_that_is_left():
     found = {rule.name: rule.largest for rule in check_run(run.scenario, run).checks}
     assert found["braking curve"] < 1e-9
     # the run along a curve of 0.5 m/s2, under one of 0.49
-    stricter = run.scenario.with_(**{"vehicle.braking.permitted_deceleration": [[0, 0.49]]})
+    stricter = run.scenario.replace(**{"vehicle.braking.permitted_deceleration": [[0, 0.49]]})
     breach = broken(stricter, run)["braking curve"]
     assert breach.largest == pytest.approx(1 - 0.49 / 0.5, rel=1e-6)
 
@@ -329,7 +329,7 @@ def test_a_tunnel_that_the_run_does_not_know_breaks_the_balance_of_forces(run):
     sections = [
         section.model_dump(exclude_none=True) | {"tunnel_factor": 1.0} for section in run.scenario.line.sections
     ]
-    assert "balance of forces" in broken(run.scenario.with_(**{"line.sections": sections}), run)
+    assert "balance of forces" in broken(run.scenario.replace(**{"line.sections": sections}), run)
 
 
 @pytest.mark.parametrize(
@@ -349,7 +349,7 @@ def test_a_tunnel_that_the_run_does_not_know_breaks_the_balance_of_forces(run):
 )
 def test_other_induction_machines_break_the_rule(rule, changes):
     run = solve(scenario_of("induction"), "fastest")
-    assert rule in broken(run.scenario.with_(**changes), run)
+    assert rule in broken(run.scenario.replace(**changes), run)
 
 
 @pytest.mark.parametrize(
@@ -370,12 +370,12 @@ def test_other_induction_machines_break_the_rule(rule, changes):
 )
 def test_another_drive_breaks_the_line_power(drive, changes):
     run = solve(scenario_of(drive), "fastest")
-    assert "line power" in broken(run.scenario.with_(**changes), run)
+    assert "line power" in broken(run.scenario.replace(**changes), run)
 
 
 def test_a_weaker_synchronous_motor_breaks_its_limit():
     run = solve(scenario_of("synchronous"), "fastest")
-    assert "motors while driving" in broken(run.scenario.with_(**{"drive.max_current_a": 60.0}), run)
+    assert "motors while driving" in broken(run.scenario.replace(**{"drive.max_current_a": 60.0}), run)
 
 
 # ---- what is not checked, and the ends
@@ -395,7 +395,7 @@ def test_limits_may_make_a_run_late_within_their_window():
     run = solve(scenario, "speed_limits")
     assert run.travel_time_s > 150.5
     assert "late arrival" not in broken(scenario, run)
-    assert "late arrival" in broken(scenario.with_(**{"search.time_window": 1e-4}), run)
+    assert "late arrival" in broken(scenario.replace(**{"search.time_window": 1e-4}), run)
 
 
 def test_speeds_at_the_ends_are_those_that_are_asked_for():

@@ -105,7 +105,7 @@ def test_a_table_goes_through_csv_unharmed(run, table, tmp_path):
 
 
 def test_the_strategy_says_whether_a_run_may_be_late(run, table):
-    hurried = run.scenario.with_(**{"timetable.travel_time_s": 149.0})
+    hurried = run.scenario.replace(**{"timetable.travel_time_s": 149.0})
     assert "late arrival" in {check.name for check in check_table(hurried, table).broken}
     assert "late arrival" not in {check.name for check in check_table(hurried, table, "speed_limits").broken}
 

@@ -32,7 +32,7 @@ def with_map(folder, text, **changes):
     (folder / "map.csv").write_text(text, encoding="utf-8")
     drive = {"model": "efficiency_map", "file": "map.csv", **GEAR}
     document = {**PLAIN, "vehicle": {**PLAIN["vehicle"], "drive": drive}}
-    return scenario_from_document(document, folder=folder).with_(**changes)
+    return scenario_from_document(document, folder=folder).replace(**changes)
 
 
 def test_points_come_back(tmp_path):
@@ -79,7 +79,7 @@ def test_bad_maps_are_refused_in_one_sentence(tmp_path, change, expected):
 
 def test_both_file_and_points(tmp_path):
     scenario = with_map(tmp_path, rows())
-    assert scenario.with_(**{"vehicle.load_factor": 0.5}).vehicle.drive == scenario.vehicle.drive
+    assert scenario.replace(**{"vehicle.load_factor": 0.5}).vehicle.drive == scenario.vehicle.drive
     drive = {"model": "efficiency_map", "file": "map.csv", "points": [[0.0, 0.0, 0.0]], **GEAR}
     document = {**PLAIN, "vehicle": {**PLAIN["vehicle"], "drive": drive}}
     with pytest.raises(ScenarioError, match=r"drive needs only one of file and points."):

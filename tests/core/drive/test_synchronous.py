@@ -160,12 +160,12 @@ def test_the_envelope_limits_the_effort():
 )
 def test_bad_machines(key, value, expected):
     with pytest.raises(ScenarioError, match=expected):
-        load_scenario("kharkiv-like-20kmh").with_(**{key: value})
+        load_scenario("kharkiv-like-20kmh").replace(**{key: value})
 
 
 def test_a_scenario_survives_its_document():
     scenario = load_scenario("kharkiv-like-20kmh")
-    changed = scenario.with_(**{"drive.switching_frequency_hz": 2000.0})
+    changed = scenario.replace(**{"drive.switching_frequency_hz": 2000.0})
     assert changed.vehicle.drive.switching_frequency_hz == 2000
     assert make_drive(changed.vehicle.drive) is not make_drive(scenario.vehicle.drive)
     assert (

@@ -11,7 +11,7 @@ from railjoule.core.limit_search.literal import (
     literal_regulation,
     literal_trip,
 )
-from railjoule.core.simulate.regulator import literal_spread
+from railjoule.core.simulation.regulator import literal_spread
 from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")
@@ -48,7 +48,7 @@ def test_a_step_that_fails_is_told():
     """From 40 to 30 km/h at the head of a descent of 40 per mille: at any step the ramp is too slow."""
     steep = [{"length_m": 1000.0}, {"length_m": 1000.0, "gradient_permille": -40.0, "speed_limit_kmh": 30.0}]
     scenario = plain_scenario({"line.sections": steep, "search.boundaries_m": [1000.0]})
-    (run,) = literal_spread(scenario.with_(**{"timetable.travel_time_s": 250.0}), [50.0, 40.0], [1.0])
+    (run,) = literal_spread(scenario.replace(**{"timetable.travel_time_s": 250.0}), [50.0, 40.0], [1.0])
     assert "passes the speed limit of 30 km/h by 2." in run.refusal
     assert np.isnan(run.energy_kwh)
 

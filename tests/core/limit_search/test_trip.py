@@ -11,7 +11,7 @@ from railjoule.core.limit_search.problem import limit_problem
 from railjoule.core.limit_search.projection import scale_to_time
 from railjoule.core.limit_search.regulation import regulation_of
 from railjoule.core.limit_search.whole_cells import trip_cost
-from railjoule.core.simulate.regulator import drive_under_limits
+from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")

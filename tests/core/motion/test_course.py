@@ -20,7 +20,7 @@ def test_units_do_not_matter(factor, seed):
     rng = np.random.default_rng(seed)
     sections = [{"length_m": 500.0, "gradient_permille": float(rng.uniform(-15, 15))} for _ in range(3)]
     scenario = plain_scenario({"line.sections": sections, "timetable.travel_time_s": 200.0})
-    scaled = scenario.with_(
+    scaled = scenario.replace(
         **{
             "vehicle.tare_kg": 100e3 * factor,
             "vehicle.traction.max_effort_kn": 100 * factor,

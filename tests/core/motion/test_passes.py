@@ -90,7 +90,7 @@ def test_against_the_reference(changes):
 @given(st.integers(0, 10**6))
 def test_random_courses_against_the_reference(seed):
     run = random_run(seed, stops=seed % 2 == 1)
-    coarse = run.scenario.with_(**{"solver.mesh_m": max(run.course.length_m / 25, 20.0)})
+    coarse = run.scenario.replace(**{"solver.mesh_m": max(run.course.length_m / 25, 20.0)})
     course = build_course(coarse)
     speed2, obstacle, _ = greatest_speeds(course.data)
     if obstacle == MOVED:

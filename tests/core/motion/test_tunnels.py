@@ -78,7 +78,7 @@ def test_the_metro_lies_in_a_tunnel():
 
 def test_cars_on_a_line_of_one_section():
     """No place where a car's centre would meet another gradient."""
-    scenario = load_scenario("kharkiv-like-40kmh").with_(**{"line.sections": [{"length_m": 2400.0}]})
+    scenario = load_scenario("kharkiv-like-40kmh").replace(**{"line.sections": [{"length_m": 2400.0}]})
     assert build_course(scenario).cell_count >= 240
 
 

@@ -8,9 +8,9 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.line_current import line_current_a
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.document import change_document
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.whole_line import whole_line
 from railjoule.core.trajectory import Trajectory

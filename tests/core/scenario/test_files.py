@@ -133,7 +133,7 @@ def test_the_train_s_length_is_deducted_from_each_inter_station_run():
     assert "the line less the train's length of 50 m for each inter-station run" in one.time_note
     assert "take 190.0 s; the whole line, 200.0 s." in one.time_note
     # a time that is given takes the place of both keys
-    assert not one.with_(**{"timetable.travel_time_s": 210.0}).time_note
+    assert not one.replace(**{"timetable.travel_time_s": 210.0}).time_note
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import ScenarioError, TimetableError, load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.scenario.document import change_document, scenario_from_document
-from railjoule.core.simulate.following import simulate_following
-from railjoule.core.simulate.train_state import State, rest_scenario
+from railjoule.core.simulation.following import simulate_following
+from railjoule.core.simulation.train_state import State, rest_scenario
 from railjoule.core.strategies import compare, prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import unwindowed_optimum
@@ -203,7 +203,7 @@ def test_a_window_that_no_train_entering_in_motion_can_keep_is_refused():
             "dwell_s": DWELL_S,
             "earliest_arrival_s": earliest_s,
         }
-        return base.with_(
+        return base.replace(
             **{
                 "line.stations": [station],
                 "timetable.entry_speed_kmh": 36.0,
@@ -225,7 +225,7 @@ def test_the_latest_arrival_at_the_end_limits_the_time_of_every_strategy(strateg
     length, time_s = scenario.line.length_m, 0.9 * scenario.travel_time_s
     end = {"line.stations": [{"position_m": length, "latest_arrival_s": time_s}]}
     run, timed = (
-        solve(scenario.with_(**changes), strategy, prove_seconds=0)
+        solve(scenario.replace(**changes), strategy, prove_seconds=0)
         for changes in (end, {"timetable": {"travel_time_s": time_s}})
     )
     assert run.travel_time_s == timed.travel_time_s
@@ -234,7 +234,7 @@ def test_the_latest_arrival_at_the_end_limits_the_time_of_every_strategy(strateg
     with pytest.raises(
         TimetableError, match=r"line\.stations\[0\]\.latest_arrival_s = 20 s is shorter than the shortest"
     ):
-        solve(scenario.with_(**{"line.stations": [{"position_m": length, "latest_arrival_s": 20.0}]}), strategy)
+        solve(scenario.replace(**{"line.stations": [{"position_m": length, "latest_arrival_s": 20.0}]}), strategy)
 
 
 def test_an_earliest_arrival_at_the_end_that_the_timetable_rules_out():
@@ -274,7 +274,9 @@ def test_a_given_timetable_is_kept_where_more_time_saves_nothing():
     assert [leg.arrival_s for leg in line.legs] == pytest.approx([170.0, 390.0], abs=1e-4)
     # a second more costs what the auxiliaries take, less what a slower run saves
     assert -60e3 < line.legs[1].price_of_time_w < 0
-    later = whole_line(scenario.with_(**{"line.stations": [stations[0], {**stations[1], "arrival_s": 391.0}]}), "given")
+    later = whole_line(
+        scenario.replace(**{"line.stations": [stations[0], {**stations[1], "arrival_s": 391.0}]}), "given"
+    )
     assert line.run.energy.net_j - later.run.energy.net_j == pytest.approx(line.legs[1].price_of_time_w, rel=0.05)
 
 

@@ -22,7 +22,7 @@ CASES = [
 
 @pytest.mark.parametrize(("name", "reverse"), CASES)
 def test_liashenkos_lines(name, reverse):
-    scenario = load_scenario(name).with_(**{"line.reverse": reverse})
+    scenario = load_scenario(name).replace(**{"line.reverse": reverse})
     run, optimum = solve(scenario, "bellman"), solve(scenario, "optimal")
     least_j = minimise(prepare_task(scenario)).energy_j
     assert least_j * (1 - 1e-6) <= run.energy.net_j <= least_j * 1.001

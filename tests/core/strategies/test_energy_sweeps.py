@@ -54,9 +54,9 @@ def hills(drive, mesh_m=10.0):
 def task_at(scenario, over, value, running_time_s=0.0):
     """Return the task, over one mesh, of a scenario at a value of a quantity; with a running time unless that is it."""
     if over == "load":
-        scenario = scenario.with_(**{"vehicle.load_factor": value})
+        scenario = scenario.replace(**{"vehicle.load_factor": value})
     elif over == "gradient":
-        scenario = scenario.with_(**{"line.sections": inclined(scenario, value)})
+        scenario = scenario.replace(**{"line.sections": inclined(scenario, value)})
     task = prepare_task(scenario)
     running_time_s = value * task.shortest_time_s if over == "time" else running_time_s
     return replace(task, running_time_s=running_time_s, can_be_remeshed=False)

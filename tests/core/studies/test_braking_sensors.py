@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies.braking_sensors import MEASUREMENTS, study_braking_sensors
 
 
 def metro(**changes):
-    return load_scenario("liashenko-ii").with_(**{"montecarlo.runs": 200, **changes})
+    return load_scenario("liashenko-ii").replace(**{"montecarlo.runs": 200, **changes})
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies import monte_carlo, monte_carlo_steps
 from railjoule.core.studies.montecarlo import CONDITIONS, QUANTITIES, SENSOR_ERRORS, draw
 
@@ -13,7 +13,7 @@ FIXED = {
 
 
 def few(runs=120, **changes):
-    return load_scenario("liashenko-ii").with_(**{"montecarlo.runs": runs, **changes})
+    return load_scenario("liashenko-ii").replace(**{"montecarlo.runs": runs, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,9 @@ def test_a_run_is_a_single_simulation(table):
 
 def test_without_chance_nothing_goes_wrong():
     certain = few(3, **FIXED, **{"vehicle.load_factor": 1.0})
-    certain = certain.with_(**{f"montecarlo.{name}.value": 0.0 for name in ("coordinate_error_m", "departure_delay_s")})
+    certain = certain.replace(
+        **{f"montecarlo.{name}.value": 0.0 for name in ("coordinate_error_m", "departure_delay_s")}
+    )
     table = monte_carlo(certain)
     assert table.overconsumption == pytest.approx(np.zeros(3), abs=1e-9)
     assert table.over_replanned == pytest.approx(np.zeros(3), abs=1e-9)

@@ -7,7 +7,7 @@ from builders import INDUCTION, plain_scenario
 from railjoule.core import StrategyRefusedError, TimetableError, load_scenario, solve
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
-from railjoule.core.simulate.advised import drive_advice
+from railjoule.core.simulation.advised import drive_advice
 from railjoule.core.studies.simple_advice import FREE_SHARE, simple_advice
 from railjoule.core.task import prepare_task
 

@@ -31,7 +31,7 @@ def test_each_point_is_the_optimum_for_its_time(metro):
     times = np.array([80.0, 100.0, 133.7])
     frontier = energy_time_frontier(metro, times, most_cells=ALL_CELLS)
     for time, energy, price in zip(times, frontier.energy_j, frontier.price_of_time_w, strict=True):
-        run = solve(metro.scenario.with_(**{"timetable.travel_time_s": float(time)}), "optimal")
+        run = solve(metro.scenario.replace(**{"timetable.travel_time_s": float(time)}), "optimal")
         # both stop within a relative gap of their tolerance
         assert energy == pytest.approx(run.energy.net_j, rel=2 * TOLERANCE)
         assert price == pytest.approx(run.price_of_time_w, rel=1e-3)
@@ -128,7 +128,7 @@ def test_enoc_follows_its_closed_form(suburban):
 
 def test_enoc_takes_its_best_ramps_whatever_the_scenario_says(suburban):
     times = np.array([300.0])
-    fixed = suburban.scenario.with_(**{"enoc.acceleration_time_s": 62.713})
+    fixed = suburban.scenario.replace(**{"enoc.acceleration_time_s": 62.713})
     with_ramps = replace(suburban, scenario=fixed)
     assert enoc_frontier(with_ramps, times).energy_j == enoc_frontier(suburban, times).energy_j
     # 3.4 % is what the printed ramps cost more, findings on Ftorek's Table 2

@@ -208,7 +208,7 @@ def test_printed_points_lie_on_lines_of_the_figures(figure):
                 # samples and not what lies between them, as a current jumps from one to the next
                 near = np.concatenate([line.y[np.abs(line.x - x) <= share] for line in lines])
                 assert np.min(np.abs(near / y - 1)) < bar
-    load_scenario(figure.scenario).with_(**figure.changes)
+    load_scenario(figure.scenario).replace(**figure.changes)
 
 
 def tables_with(key: str | None = None) -> dict[int, dict[tuple[str, str], float]]:
@@ -216,7 +216,7 @@ def tables_with(key: str | None = None) -> dict[int, dict[tuple[str, str], float
     scenario = paper_scenario()
     if key is not None:
         value = scenario.vehicle.drive.resistance_ohm if key == RESISTANCE else scenario.vehicle.tare_kg
-        scenario = scenario.with_(**{key: 1.01 * value})
+        scenario = scenario.replace(**{key: 1.01 * value})
     tables = ftorek_comparison(scenario).tables
     return {number: numbers(tables[number]().rows) for number in (0, 3, 5, 10, 11)}
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.following import plan_knowing_load, simulate_following
+from railjoule.core.simulation.following import plan_knowing_load, simulate_following
 from railjoule.core.validation import first_comparisons, liashenko_runs, validate_liashenko
 from railjoule.core.validation.claims.liashenko import EXAMINATIONS
 from railjoule.core.validation.figures.liashenko import FIGURES
@@ -52,7 +52,7 @@ def test_both_measures_are_those_of_direct_runs(validation, place, error, load):
     """(12), written out once more."""
     changes = {"disturbance.coordinate_error_m": error, "disturbance.actual_load_factor": load}
     name = {"Table 5": "liashenko-i", "Table 7": "liashenko-iii"}[place]
-    there, back = (load_scenario(name).with_(**changes, **{"line.reverse": reverse}) for reverse in (False, True))
+    there, back = (load_scenario(name).replace(**changes, **{"line.reverse": reverse}) for reverse in (False, True))
     runs = [simulate_following(one) for one in (there, back)]
     actual = sum(run.actual.energy_kwh for run in runs)
     planned = sum(run.planned.energy_kwh for run in runs)
@@ -185,7 +185,7 @@ def test_a_train_one_percent_heavier_moves_its_rows(validation, monkeypatch):
 
     def heavier(name):
         scenario = load_scenario(name)
-        return scenario.with_(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
+        return scenario.replace(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
 
     cached = (liashenko_runs.compared_table, liashenko_runs.example)
     monkeypatch.setattr(liashenko_runs, "load_scenario", heavier)

@@ -159,7 +159,7 @@ def heavier_tram(monkeypatch, forget_runs):
 
     def load_heavier(name):
         scenario = load(name)
-        return scenario.with_(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
+        return scenario.replace(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
 
     monkeypatch.setattr(rawicki_runs, "load_scenario", load_heavier)
 

@@ -141,7 +141,7 @@ def test_a_heavier_train_moves_runs_and_no_map(rows, monkeypatch, forget_runs):
 
     def load_heavier(name):
         scenario = load(name)
-        return scenario.with_(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
+        return scenario.replace(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
 
     monkeypatch.setattr(shtompel_rows, "load_scenario", load_heavier)
     maps, stops = claims._values(shtompel_rows.efficiency()), claims._values(shtompel_rows.regenerative_stop())

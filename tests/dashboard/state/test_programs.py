@@ -303,7 +303,7 @@ def test_an_edited_preset(slid: Workbench, tmp_path: Path, capsys: pytest.Captur
 
 def test_the_scenario_of_a_file(slid: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     title = 'It\'s "mine" \\ $HOME """ `x`'
-    slid.scenario.open(format_scenario(load_scenario("liashenko-i").with_(title=title)), "x")
+    slid.scenario.open(format_scenario(load_scenario("liashenko-i").replace(title=title)), "x")
     slid.scenario.load_percent = 40.0
     recipe = recipe_of(slid)
     energy = solve(slid.scenario.scenario()).energy_kwh

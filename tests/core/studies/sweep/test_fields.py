@@ -21,7 +21,7 @@ from tests.builders import COPPER_LOSS, plain_scenario
 def test_a_patched_scenario_is_that_of_with(base, changes):
     fields = fields_of(base, {name: (value, value) for name, value in changes.items()})
     patched = Patch(base, fields)(list(map(float, changes.values())))
-    assert patched == base.with_(**changes)
+    assert patched == base.replace(**changes)
     # what no field touches is shared, so that whoever keeps it may compare by identity
     assert patched.line is base.line
 
@@ -29,7 +29,7 @@ def test_a_patched_scenario_is_that_of_with(base, changes):
 def test_corners_tell_whether_all_within_is_a_scenario():
     base = plain_scenario()
     assert corners_hold(base, fields_of(base, {"vehicle.load_factor": (0.0, 1.0), "vehicle.tare_kg": (9e4, 1e5)}))
-    crowded = base.with_(**{"vehicle.crush_load_factor": 1.2})
+    crowded = base.replace(**{"vehicle.crush_load_factor": 1.2})
     over = {"vehicle.load_factor": (0.0, 1.2), "vehicle.crush_load_factor": (1.0, 1.2)}
     assert not corners_hold(crowded, fields_of(crowded, over))
 

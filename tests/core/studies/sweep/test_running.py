@@ -175,7 +175,7 @@ def test_an_error_that_is_no_result_ends_a_study():
 
 @pytest.mark.parametrize("study", [monte_carlo, sensitivity, detuning, energy_time_frontier])
 def test_studies_do_not_depend_on_who_does_their_runs(study):
-    base = load_scenario("ftorek-300s" if study is detuning else "liashenko-0").with_(**{"montecarlo.runs": 90})
+    base = load_scenario("ftorek-300s" if study is detuning else "liashenko-0").replace(**{"montecarlo.runs": 90})
     asked = {
         detuning: {"factors": (0.8, 1.0, 1.2)},
         sensitivity: {"load_factors": (0.0, 1.0), "coordinate_errors_m": (-5.0, 5.0)},

@@ -68,7 +68,7 @@ def test_few_whole_numbers_are_no_range():
 
 
 def test_shares_of_a_metro_s_energy_agree_with_scipy_s():
-    base = load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 25.0})
+    base = load_scenario("liashenko-ii").replace(**{"solver.mesh_m": 25.0})
     over = {
         "timetable.travel_time_s": (105.0, 130.0),
         "vehicle.load_factor": (0.0, 1.0),

@@ -19,7 +19,7 @@ RUNS = 120
 
 @pytest.fixture(scope="module")
 def table() -> MonteCarloTable:
-    return monte_carlo(plain_scenario().with_(**{"montecarlo.runs": RUNS, "montecarlo.seed": 1}))
+    return monte_carlo(plain_scenario().replace(**{"montecarlo.runs": RUNS, "montecarlo.seed": 1}))
 
 
 def test_what_was_drawn_are_keys_and_what_came_out_values(table: MonteCarloTable) -> None:

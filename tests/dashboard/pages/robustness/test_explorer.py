@@ -16,7 +16,7 @@ from railjoule.dashboard.state.workbench import Workbench
 
 
 def drawn(seed: int) -> MonteCarloTable:
-    return monte_carlo(plain_scenario().with_(**{"montecarlo.runs": 60, "montecarlo.seed": seed}))
+    return monte_carlo(plain_scenario().replace(**{"montecarlo.runs": 60, "montecarlo.seed": seed}))
 
 
 @pytest.fixture(scope="module")

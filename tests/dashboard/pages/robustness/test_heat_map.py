@@ -41,7 +41,7 @@ def test_the_printed_table_stands_only_beside_its_own_case() -> None:
     # the printed 5.4 at +25 m and half load (Liashenko 2025, Table 5)
     assert ">5.4<" in shown
     assert printed_table(sensitivity(scenario, [0.5], [0.0], both_directions=False), measure) == ""
-    other = scenario.with_(**{"vehicle.load_factor": 0.6})
+    other = scenario.replace(**{"vehicle.load_factor": 0.6})
     assert printed_table(sensitivity(other, [0.5], [0.0]), measure) == ""
 
 
@@ -123,7 +123,7 @@ def test_a_histogram_marks_its_quantiles() -> None:
 
 
 def test_the_table_tells_the_earliest_and_the_latest_arrival() -> None:
-    _, full = monte_carlo_steps(load_scenario("liashenko-0").with_(**{"montecarlo.runs": 30}))
+    _, full = monte_carlo_steps(load_scenario("liashenko-0").replace(**{"montecarlo.runs": 30}))
     assert full.delay_s.min() < -0.05
     shown = chance_table(full)
     assert f">earliest {words.delay(full.delay_s.min())}<" in shown
