@@ -3,16 +3,22 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from types import MappingProxyType
-from typing import overload
+from typing import TYPE_CHECKING, Literal, overload
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.errors import ScenarioError
+from railjoule.core.units import J_PER_KWH, J_PER_WH
+
+if TYPE_CHECKING:
+    import pandas
 
 # rounding to two decimals hides up to a per mille of 5 kWh, and strategies often differ by less
 SMALL_ENERGY_KWH = 5.0
 """Energies below this are printed with a third decimal."""
+J_PER_UNIT: Mapping[str, float] = {"kWh": J_PER_KWH, "Wh": J_PER_WH, "MJ": 1e6, "J": 1.0}
+EnergyUnit = Literal["kWh", "Wh", "MJ", "J"]
 # beyond a hundredfold a share says no more than that the reference is next to nothing
 SMALL_REFERENCE = 0.01
 """A reference below this share of the energy is no measure of it."""
@@ -66,6 +72,41 @@ class Energy:
     def net_kwh(self) -> float:
         """Net energy at the line, auxiliaries included [kWh]."""
         return self.net_j / J_PER_KWH
+
+    def to_frame(self, unit: EnergyUnit = "kWh") -> "pandas.DataFrame":
+        """Return the parts as a table with their names as index and one column, such as `energy_kwh`.
+
+        The first rows are what the train takes from its supply and gives back; the others are where the traction energy
+        goes. `net` is the sum that a meter shows.
+
+        Parameters
+        ----------
+        unit : str
+            "kWh", "Wh", "MJ" or "J".
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such unit.
+        """
+        import pandas  # noqa: PLC0415  (slow to import)
+
+        if unit not in J_PER_UNIT:
+            raise ScenarioError(f"unit = {unit!r} must be one of {', '.join(J_PER_UNIT)}.")
+        parts = {
+            "traction": self.traction_j,
+            "recuperated": -self.recuperated_j,
+            "auxiliaries": self.auxiliary_j,
+            "net": self.net_j,
+            "running_resistance": self.running_resistance_j,
+            "curve_resistance": self.curve_resistance_j,
+            **self.losses_j,
+            "kinetic": self.kinetic_j,
+            "potential": self.potential_j,
+            "magnetic_field": self.magnetic_field_j,
+        }
+        index = pandas.Index(parts, name="part")
+        return pandas.DataFrame({f"energy_{unit.lower()}": np.array([*parts.values()]) / J_PER_UNIT[unit]}, index)
 
     @property
     def imbalance(self) -> float:

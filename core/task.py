@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import InfeasibleLineError, StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
@@ -47,6 +47,16 @@ class Task:
     shortest_time_s: float
     running_time_s: float
     can_be_remeshed: bool = True
+
+    @property
+    def position_m(self) -> FloatArray:
+        """Nodes of the mesh [m]; shape (n + 1,)."""
+        return self.course.position_m
+
+    @cached_property
+    def fastest_speed_ms(self) -> FloatArray:
+        """Speeds of the fastest run at the nodes [m/s]; shape (n + 1,)."""
+        return frozen_array(np.sqrt(self.greatest_speed2))
 
     @cached_property
     def dwell_s(self) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.check import CheckResult
+from railjoule.core.citation import bibtex
 from railjoule.core.energy import Energy, share_above
 from railjoule.core.line_current import line_current_a
 from railjoule.core.motion.course import Course, build_course
@@ -18,6 +19,7 @@ from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.physics.course_data import CourseData, electric_limit_n, tractive_limit_n
 from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 if TYPE_CHECKING:
@@ -346,6 +348,17 @@ class Trajectory:
     def advice(self) -> tuple[Instruction, ...]:
         """The driving advice for this run, an instruction for each phase."""
         return advise(self)
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw speed over distance with matplotlib; return the axes. As `railjoule.core.plots.plot_run`."""
+        from railjoule.core.plots import plot_run  # noqa: PLC0415  (matplotlib is an extra)
+
+        return plot_run(self, axes)
+
+    def cite(self) -> str:
+        """Return BibTeX entries of railjoule and of the paper that describes the run's strategy, if there is one."""
+        strategy = STRATEGIES.get(self.strategy)
+        return bibtex([strategy.source] if strategy is not None and strategy.source else [])
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""

@@ -2,8 +2,8 @@
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
+from railjoule.core.strategy import STRATEGIES
 
-LIGHT_STRATEGIES: tuple[str, ...] = ("optimal", "fastest", "eoc")
 NO_IDLE_LOSSES = (ConstantEfficiency, CopperLoss)
 LIGHT_CELLS = 1500
 """An interpreted optimum takes 1.1 ms a cell with its bound, whichever strategy is measured against it."""
@@ -23,5 +23,5 @@ def needs_compiler(scenario: Scenario, *strategies: str) -> bool:
     return (
         not isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES)
         or estimated_cells(scenario) > LIGHT_CELLS
-        or not set(strategies) <= set(LIGHT_STRATEGIES)
+        or not all(STRATEGIES[name].is_light for name in strategies)
     )

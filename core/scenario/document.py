@@ -1,8 +1,8 @@
 """Scenarios as nested dictionaries, the shape of a TOML file: presets filled in and taken out again."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -18,6 +18,7 @@ from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
 from railjoule.core.scenario.vehicle import Vehicle
 
 Document = dict[str, Any]
+PresetPart = TypeVar("PresetPart", Vehicle, Line)
 
 # A document is often laid over a preset that says the same thing by the other key. Without this, setting one would
 # leave both in force, which the model refuses.
@@ -63,6 +64,32 @@ def scenario_from_document(
         raise ScenarioError(sentence_of(error, Scenario, source)) from None
 
 
+def part_from_preset(
+    model: type[PresetPart], kind: Literal["vehicles", "lines"], name: str, changes: Mapping[str, Any]
+) -> PresetPart:
+    """Return a shipped vehicle or line with some keys changed.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such preset, or a key or its value is wrong.
+    """
+    _require_consistent(changes, model.__name__)
+    document = merged(preset_document(kind, name), {"preset": name, **changes})
+    try:
+        return model.model_validate(document)
+    except ValidationError as error:
+        raise ScenarioError(sentence_of(error, model, f"{model.__name__}.from_preset({name!r})")) from None
+
+
+def _require_consistent(keys: Iterable[str], source: str) -> None:
+    """Raise ScenarioError if two keys of one table exclude each other."""
+    for group in EXCLUSIVE_KEYS:
+        given = sorted(group & set(keys))
+        if len(given) > 1:
+            raise ScenarioError(f"{source}: {' and '.join(given)} exclude each other; give one of them.")
+
+
 def document_of(scenario: Scenario) -> Document:
     """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
     document = _dump(scenario)
@@ -85,9 +112,17 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
     Raises
     ------
     ScenarioError
-        If a path has too many parts, or leads through what is no table.
+        If a path has too many parts or leads through a value that is no table, or two keys exclude each other.
     """
     changed = deepcopy(document)
+    tables: dict[str, set[str]] = {}
+    for path, value in changes.items():
+        parent, _, key = path.rpartition(".")
+        # a key that is taken away or switched off contradicts nothing
+        if value is not None and value is not False:
+            tables.setdefault(parent, set()).add(key)
+    for parent, keys in tables.items():
+        _require_consistent(keys, parent or "scenario")
     for path, value in changes.items():
         # before any table is made: a path of a million parts would nest as many dictionaries
         if path.count(".") >= MOST_KEY_PARTS:

@@ -39,6 +39,24 @@ def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) ->
     return parse_scenario(text, path.name, None if shipped else path.parent, changes)
 
 
+def as_scenario(scenario: Scenario | str | Path) -> Scenario:
+    """Return a scenario, also one that is given by its name or file.
+
+    Raises
+    ------
+    ScenarioError
+        If it is neither, or as in `load_scenario`.
+    """
+    if isinstance(scenario, Scenario):
+        return scenario
+    if isinstance(scenario, str | Path):
+        return load_scenario(scenario)
+    raise ScenarioError(
+        f"scenario has the type {type(scenario).__name__}; it must be a Scenario, the name of a shipped one, or a "
+        "file's path."
+    )
+
+
 def parse_scenario(
     text: str,
     source: str = "scenario",

@@ -1,9 +1,10 @@
 """A scenario: everything that a strategy needs to know, as one frozen value."""
 
+from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, Literal, Self, get_args
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._base import Name, Part
@@ -21,20 +22,34 @@ from railjoule.core.scenario.options import (
 from railjoule.core.scenario.timetable import Timetable
 from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY
 from railjoule.core.scenario.vehicle import Vehicle
-
-StrategyName = Literal["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
-STRATEGY_NAMES: tuple[StrategyName, ...] = get_args(StrategyName)
+from railjoule.core.strategy import require_strategy
 
 
 class Scenario(Part):
     """Vehicle, line, timetable and disturbances of one run, and how to solve it.
 
-    Build one from a file (`railjoule.core.load_scenario`) or a nested dictionary
-    (`railjoule.core.scenario.scenario_from_document`), both of which fill in presets.
+    Build one from its parts, from a file (`railjoule.load_scenario`), or from a nested dictionary
+    (`railjoule.core.scenario.scenario_from_document`). The last two fill in presets.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The train.
+    line : Line
+        The track.
+    travel_time_s, average_speed_kmh : float, optional
+        Time for the whole run [s], or length over travel time [km/h]: one of them, or `timetable`.
+    **fields
+        All else that a scenario file has, such as `title` or `solver`.
+
+    Raises
+    ------
+    ScenarioError
+        If a key is unknown or missing, or a value of a wrong type or out of bounds.
     """
 
     title: Name = Field("", max_length=200, description="Title of the scenario.")
-    strategy: StrategyName = Field("optimal", description="Driving strategy.")
+    strategy: str = Field("optimal", strict=True, description="Driving strategy.")
     vehicle: Vehicle
     line: Line
     timetable: Timetable
@@ -46,6 +61,34 @@ class Scenario(Part):
     simulation: SimulationOptions = SimulationOptions()
     montecarlo: MonteCarloOptions = MonteCarloOptions()
     solver: SolverOptions = SolverOptions()
+
+    def __init__(
+        self,
+        vehicle: Vehicle | Mapping[str, Any] | None = None,
+        line: Line | Mapping[str, Any] | None = None,
+        *,
+        travel_time_s: float | None = None,
+        average_speed_kmh: float | None = None,
+        **fields: Any,
+    ) -> None:
+        times = {"travel_time_s": travel_time_s, "average_speed_kmh": average_speed_kmh}
+        given = {key: value for key, value in times.items() if value is not None}
+        if given and "timetable" in fields:
+            raise ScenarioError(f"Scenario: {next(iter(given))} and timetable exclude each other; give one of them.")
+        if not given and "timetable" not in fields:
+            raise ScenarioError("Scenario: travel_time_s is missing; give it, average_speed_kmh or timetable.")
+        if given:
+            fields["timetable"] = given
+        parts = {"vehicle": vehicle, "line": line}
+        super().__init__(**{key: part for key, part in parts.items() if part is not None}, **fields)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @field_validator("strategy")
+    @classmethod
+    def _strategy_is_registered(cls, name: str) -> str:
+        require_strategy(name)
+        return name
 
     @model_validator(mode="after")
     def _sections_cover_the_line(self) -> Self:
@@ -145,15 +188,22 @@ class Scenario(Part):
         """How far beyond its end a speed limit still holds for the front of the train [m]."""
         return (self.vehicle.length_m or 0.0) if self.line.limits_hold_for == "whole_train" else 0.0
 
-    def replace(self, **changes: Any) -> "Scenario":
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
         """Return a copy with changed keys, named by their path in the file.
 
-        `scenario.replace(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+        `scenario.replace({"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            New values by dotted path; None takes a key away, so that its preset or default holds.
+        **keys
+            The same for keys without a dot.
 
         Raises
         ------
         ScenarioError
-            If a key is unknown, or its value of a wrong type or out of bounds.
+            If a key is unknown, its value of a wrong type or out of bounds, or two keys exclude each other.
         """
         # documents know scenarios, so they can only be asked for here
         from railjoule.core.scenario.document import (  # noqa: PLC0415
@@ -165,6 +215,6 @@ class Scenario(Part):
         try:
             # Through the document and not `model_copy`, which checks nothing: so a change can name a preset, drop a
             # key by None and replace its alternative, as in a file.
-            return scenario_from_document(change_document(document_of(self), changes))
+            return scenario_from_document(change_document(document_of(self), {**(changes or {}), **keys}))
         except RecursionError:
             raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

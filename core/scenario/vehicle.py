@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -184,6 +184,27 @@ class Vehicle(Part):
     braking: Braking
     adhesion: Adhesion = Adhesion()
     drive: Drive
+
+    @classmethod
+    def from_preset(cls, name: str, **changes: Any) -> "Vehicle":
+        """Return a shipped vehicle.
+
+        Parameters
+        ----------
+        name : str
+            Name of the preset; `railjoule.preset_names("vehicles")` lists them.
+        **changes
+            Keys of the vehicle to change, such as `load_factor=0.3` or `drive={"recuperation_factor": 0.4}`.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such preset, or a key or its value is wrong.
+        """
+        # documents import vehicles
+        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
+
+        return part_from_preset(cls, "vehicles", name, changes)
 
     @model_validator(mode="after")
     def _load_can_be_carried(self) -> Self:

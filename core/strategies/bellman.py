@@ -17,6 +17,7 @@ from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.decisions import DecidedRun, recursion
 from railjoule.core.strategies.switching import with_min_on_off
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -122,3 +123,23 @@ def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
         control=frozen_array(control),
         price_of_time_w=price_w,
     )
+
+
+register(
+    Strategy(
+        name="bellman",
+        run=bellman,
+        order=20,
+        label="Bellman",
+        colour=("#5B1A8B", "#A86BC8"),
+        dash=(2, 2),
+        help=(
+            "Dynamic programming: a search over a grid of positions and speeds, with a price on time. Slower than "
+            "the optimal solver and independent of it, so it serves as a check."
+        ),
+        applies_to="every scenario",
+        source="liashenko-2025",
+        labels=("Bellman's map",),
+        seconds_per_cell=4e-4,
+    )
+)

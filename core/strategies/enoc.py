@@ -21,6 +21,7 @@ from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import build_course
 from railjoule.core.motion.mesh import with_nodes_at
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -205,3 +206,22 @@ def enoc(task: Task) -> Trajectory:
     ramps = "accelerates and brakes" if peak >= max(first, last) else "changes its speed at both ends"
     note = f"ENOC {ramps} for {ramp:.1f} s each, cruising at {peak / MS_PER_KMH:.1f} km/h between."
     return make_trajectory(task.scenario, course, "enoc", speed2, notes=(note, *line.notes))
+
+
+register(
+    Strategy(
+        name="enoc",
+        run=enoc,
+        order=40,
+        label="ENOC",
+        colour=("#C27C00", "#F5C542"),
+        dash=(8, 3, 2, 3),
+        help=(
+            "Energy near-optimal control of the same paper: accelerate evenly, cruise, brake evenly, with ramps "
+            "of equal length. Its energy is a closed formula. For level lines without limits."
+        ),
+        applies_to="copper loss; no limits of the line, no stops, no neutral sections",
+        source="ftorek-2025",
+        labels=("ENOC energy",),
+    )
+)

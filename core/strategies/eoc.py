@@ -21,6 +21,7 @@ from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.resistance import resistance_slope
 from railjoule.core.strategies.plain_line import PlainLine, SampledRun, check_feasible, plain_line
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -151,3 +152,22 @@ def eoc(task: Task) -> Trajectory:
     if variant == "as_printed":
         notes = ("EOC as printed: the work of drag is left out of its cost.", *notes)
     return make_trajectory(task.scenario, task.course, "eoc", speed2, notes=notes)
+
+
+register(
+    Strategy(
+        name="eoc",
+        run=eoc,
+        order=30,
+        label="EOC",
+        colour=("#A62B0E", "#F26B2C"),
+        dash=(8, 3),
+        help=(
+            "Energy-optimal control of the Ftorek paper: the effort that the optimality conditions prescribe, a "
+            "boundary value problem. It changes smoothly over the run. For level lines without limits."
+        ),
+        applies_to="copper loss; no limits of the line, no stops, no neutral sections",
+        source="ftorek-2025",
+        is_light=True,
+    )
+)

@@ -22,6 +22,7 @@ from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
 from railjoule.core.strategies.switching import best_switched
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
 
@@ -170,3 +171,22 @@ def _kept_words(task: Task, run: DecidedRun) -> str:
             f"switched after {shortest:.1f} s"
         )
     return f"The drive stays on or off for at least {least:g} s, to the nearest cell, but between driving and braking"
+
+
+register(
+    Strategy(
+        name="optimal",
+        run=optimal,
+        order=10,
+        label="Optimal",
+        colour=("#0B5BD3", "#7AA2FF"),
+        dash='"solid"',
+        help=(
+            "The run that needs the least energy in the given time, found by an interior-point method. A lower "
+            "bound, computed separately, shows how far it can be from the true optimum."
+        ),
+        applies_to="every scenario",
+        labels=("Optimum",),
+        is_light=True,
+    )
+)

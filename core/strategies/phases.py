@@ -26,6 +26,7 @@ from railjoule.core.strategies.plain_line import (
     require_no_neutral_sections,
     require_no_passing_points,
 )
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
@@ -205,3 +206,26 @@ def _stretch_sentences(course: Course, plan: LinePlan) -> tuple[str, ...]:
         steps += [f"brakes to {goal}"] if coasts_to - end >= SAME_KMH else []
         sentences.append(" and ".join([words, *steps]) + ".")
     return tuple(sentences)
+
+
+register(
+    Strategy(
+        name="phases",
+        run=phases,
+        order=50,
+        label="Four phases",
+        colour=("#00845C", "#36D39A"),
+        dash=(4, 3),
+        help=(
+            "The best run of four phases between two stops: full power, hold a speed, coast, brake. It is what a "
+            "driver can remember."
+        ),
+        applies_to=(
+            "every scenario without neutral sections and passing points; more than one cycle (`phases.cycles`) "
+            "only on one gradient, curve and limit from end to end"
+        ),
+        source="rawicki-2013",
+        labels=("Phases", "Phase"),
+        seconds_per_cell=3e-4,
+    )
+)

@@ -38,6 +38,7 @@ from railjoule.core.strategies.set_speed_run import (
     problem_within,
     run_notes,
 )
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -204,3 +205,23 @@ def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
         f"{len(found.evaluations)} combinations of set speeds{moved} tried{alone}, the first {samples} evenly spread; "
         "not a proof.",
     )
+
+
+register(
+    Strategy(
+        name="speed_limits",
+        run=speed_limits,
+        order=60,
+        label="Set speeds",
+        colour=("#D6409F", "#EE92C6"),
+        dash=(12, 4),
+        help=(
+            "One set speed for each section of the line: below it the train drives, above it it coasts or brakes. "
+            "The strategy searches the set speeds that need the least energy."
+        ),
+        applies_to="every scenario without neutral sections; it can be late within its time window, and proves nothing",
+        source="shtompel-2025",
+        labels=("Speed limits",),
+        seconds_per_cell=1.6e-3,
+    )
+)

@@ -99,6 +99,12 @@ class Frontier:
         )
         return float(cubic(travel_time_s))
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draw energy over travel time with matplotlib; return the axes. As `railjoule.core.plots.plot_frontier`."""
+        from railjoule.core.plots import plot_frontier  # noqa: PLC0415  (matplotlib is an extra)
+
+        return plot_frontier(self, axes)
+
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the frontier as a table, one row a travel time."""
         import pandas  # noqa: PLC0415  (slow to import, and seldom needed)

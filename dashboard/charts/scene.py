@@ -181,6 +181,6 @@ def line_words(name: str, scene: RunScene) -> str:
         return "planned"
     if name == "fastest":
         return "fastest possible"
-    word = words.STRATEGY_WORDS[name]  # type: ignore[index]
+    word = words.STRATEGY_WORDS[name]
     # abbreviations and the name of a person keep their capitals
     return word if word.isupper() or name == "bellman" else word.lower()

@@ -144,8 +144,8 @@ def compare_strategies(
         If anything is wrong with the scenario.
     """
     scenario = load(file, changes)
-    runs, refused = compare(scenario, prove_seconds=prove_seconds)
-    values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
+    found = compare(scenario, prove_seconds=prove_seconds)
+    values = summary.summarise_comparison(found.runs, found.refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
 
 

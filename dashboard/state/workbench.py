@@ -1,6 +1,6 @@
 """The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -165,7 +165,8 @@ class Workbench(Kept, PageModel):
         chosen: str = self.chosen
         if self.runs is None or chosen in self.runs.runs:
             return chosen
-        return next(name for name, run in self.runs.runs.items() if run is self.runs.best)
+        runs: Mapping[str, Trajectory] = self.runs.runs
+        return next(name for name, run in runs.items() if run is self.runs.best)
 
     @property
     def run(self) -> Trajectory | None:

@@ -10,7 +10,7 @@ from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
-from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look.key_names import without_keys
@@ -75,10 +75,9 @@ class Runs:
         return replace(self, runs={name: with_tighter_bound(run, bound) for name, run in self.runs.items()})
 
 
-SECONDS_PER_CELL: Mapping[str, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3, "phases": 3e-4}
-"""Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
-"""The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
+"""Times of strategies that name none of their own [s], measured on one busy core: for each cell and, with idle losses,
+for each squared cell."""
 RELAY_SECONDS_PER_STEP = 1e-3
 """Of a search with the printed relay, which drives every combination of set speeds in steps of time."""
 # what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
@@ -89,7 +88,7 @@ def expected_s(scenario: Scenario, *strategies: str) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     cells = estimated_cells(scenario)
     switching = 0.0 if isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) else SWITCHING_SECONDS_PER_CELL2 * cells
-    per_cell = OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies)
+    per_cell = OTHERS_SECONDS_PER_CELL + switching + sum(STRATEGIES[name].seconds_per_cell for name in strategies)
     search = scenario.search
     searches_relay = "speed_limits" in strategies and search.regulator == "literal" and search.limits_kmh is None
     steps = scenario.travel_time_s / search.time_step_s if searches_relay else 0.0

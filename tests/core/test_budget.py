@@ -55,7 +55,8 @@ def test_a_strategy_refuses_more_cells_than_its_own(strategy, sentence):
 
 def test_a_comparison_goes_on_without_the_strategies_that_take_fewer_cells():
     with within(SMALL):
-        runs, refused = compare(plain_scenario())
+        found = compare(plain_scenario())
+        runs, refused = found.runs, found.refused
     assert {"optimal", "fastest"} <= {run.strategy for run in runs}
     assert refused["bellman"].startswith("takes at most 100 cells")
 

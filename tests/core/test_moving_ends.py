@@ -61,7 +61,8 @@ def test_kinetic_energy_is_part_of_the_account():
 
 
 def test_every_strategy_takes_them_or_says_why_not():
-    runs, refused = compare(plain_scenario({**MOVING, "vehicle.drive": COPPER_LOSS}))
+    found = compare(plain_scenario({**MOVING, "vehicle.drive": COPPER_LOSS}))
+    runs, refused = found.runs, found.refused
     assert {run.strategy for run in runs} == {"optimal", "bellman", "eoc", "enoc", "phases", "fastest"}
     assert refused["speed_limits"] == "needs a run that ends at rest."
     for run in runs:

@@ -122,7 +122,8 @@ def test_who_cannot_honour_them_says_so(strategy):
 
 
 def test_a_comparison_goes_on_with_the_others():
-    runs, refused = compare(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}))
+    found = compare(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}))
+    runs, refused = found.runs, found.refused
     assert {run.strategy for run in runs} == {"optimal", "bellman", "fastest"}
     assert set(refused) == {"eoc", "enoc", "phases", "speed_limits"}
 

@@ -35,7 +35,7 @@ def carried_out(guide: str, root: Path) -> Path:
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "package" / "__init__.py", root)
     text = text_of(f"howto/{guide}")
-    (added,), (changes,) = blocks(text, "python"), blocks(text, "diff")
+    (added,), changes = blocks(text, "python"), "".join(blocks(text, "diff"))
     (root / added.splitlines()[0].removeprefix("# ")).write_text(added, encoding="utf-8")
     for change in changes.split("--- ")[1:]:
         name, hunks = change.split("\n", 1)
@@ -106,7 +106,6 @@ def test_the_added_strategy_runs_on_the_command_line(with_the_strategy: Path) ->
 ON_THE_PAGE = """
 import json
 from railjoule.core import load_scenario
-from railjoule.core.scenario import STRATEGY_NAMES
 from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.charts.chart import style_of
 from railjoule.dashboard.look.tokens import DARK, LIGHT
@@ -134,14 +133,6 @@ GATE = ("tests/dashboard/look/test_glossary.py", "tests/dashboard/look/test_toke
 def test_the_added_strategy_passes_the_tests_of_its_look(with_the_strategy: Path) -> None:
     """The gate's own tests, read from here, on the changed sources."""
     answer(with_the_strategy, "-m", "pytest", "-q", "-p", "no:cacheprovider", *(str(ROOT / name) for name in GATE))
-
-
-def test_a_strategy_without_a_look_is_called_by_its_key() -> None:
-    from railjoule.dashboard.look.strategies import SPARE_LINE, look_of  # noqa: PLC0415
-
-    look = look_of("slow_and_steady")  # type: ignore[arg-type]
-    assert look.label == "Slow and steady"
-    assert (look.light, look.dark, look.dash) == SPARE_LINE
 
 
 # changed sources have no compiled code: the short line is interpreted to its end, which takes less than to compile

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor
+from pathlib import Path
 
-from railjoule.core.scenario import Scenario
+from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.studies.sweep.columns import DEFAULT_COLUMNS
 from railjoule.core.studies.sweep.results import MemoryResults, SweepTable, table_of
 from railjoule.core.studies.sweep.running import run_study
@@ -12,7 +13,7 @@ from railjoule.core.studies.sweep.study import study_of
 
 
 def sweep(
-    scenario: Scenario,
+    scenario: Scenario | str | Path,
     over: Mapping[str, tuple[float, float]],
     sample: int,
     method: Method = "sobol",
@@ -31,8 +32,8 @@ def sweep(
 
     Parameters
     ----------
-    scenario : Scenario
-        Where all other numbers stand.
+    scenario : Scenario, str or Path
+        Where all other numbers stand: a scenario, the name of a shipped one, or the path of a file.
     over : mapping of str to (float, float)
         Lowest and highest value of each field, by its path in the file, such as "vehicle.load_factor".
     sample : int
@@ -56,6 +57,7 @@ def sweep(
     InterruptedStudyError
         As `run_study`.
     """
-    results = MemoryResults(study_of(scenario, over, sample, method, seed=seed, strategy=strategy, columns=columns))
+    study = study_of(as_scenario(scenario), over, sample, method, seed=seed, strategy=strategy, columns=columns)
+    results = MemoryResults(study)
     run_study(results, executor=executor, workers=workers, progress=progress)
     return table_of(results)

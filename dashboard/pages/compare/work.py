@@ -10,11 +10,10 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
 
 PAGE = "Compare"
-SLOW: tuple[str, ...] = ("bellman", "speed_limits")
-"""What is still under way when the next scenario is asked for is left, so these come last."""
 REST_MS = 400
 """While a slider moves, what is under way takes turns from the page."""
-IN_TURN = (*(name for name in STRATEGIES if name not in SLOW), *SLOW)
+IN_TURN = tuple(sorted(STRATEGIES, key=lambda name: STRATEGIES[name].seconds_per_cell))
+"""The slowest come last, as a strategy still under way is abandoned when the next scenario is asked for."""
 
 
 class Compare(PageWork[Workbench]):

@@ -91,8 +91,8 @@ def test_solve_and_compare_prove_alike_for_as_long_as_they_are_told():
     assert usual.gap == pytest.approx(scenario.solver.tolerance, rel=1e-4)
     assert usual.is_proven
     assert longer.bound.energy_j == usual.bound.energy_j
-    assert compare(scenario)[0][0].bound.energy_j == usual.bound.energy_j
-    assert compare(scenario, prove_seconds=0)[0][0].bound.energy_j == first.bound.energy_j
+    assert compare(scenario).runs[0].bound.energy_j == usual.bound.energy_j
+    assert compare(scenario, prove_seconds=0).runs[0].bound.energy_j == first.bound.energy_j
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), 1e9])

@@ -32,7 +32,7 @@ LASTING_S, CELL_SHARE = 5.0, 0.1
 @cache
 def runs_of(name):
     """Return the runs of all strategies that take a scenario."""
-    return compare(load_scenario(name), prove_seconds=0)[0]
+    return compare(load_scenario(name), prove_seconds=0).runs
 
 
 def latest_s(run):

@@ -250,7 +250,7 @@ def test_an_earliest_arrival_at_the_end_that_the_timetable_rules_out():
 
 def test_runs_that_miss_a_window_have_no_bound_and_no_distance_to_the_optimum():
     """Of the review, F2: `compare` showed runs below the bound of the run that keeps the windows."""
-    runs, _ = compare(heated(), prove_seconds=0)
+    runs = compare(heated(), prove_seconds=0).runs
     by_name = {run.strategy: run for run in runs}
     assert by_name["optimal"].is_proven
     assert len(runs) > 3
@@ -263,7 +263,7 @@ def test_runs_that_miss_a_window_have_no_bound_and_no_distance_to_the_optimum():
     alone = solve(heated(), "bellman", prove_seconds=0)
     assert alone.gap > -1e-6
     # runs of wide windows have all of them
-    runs, _ = compare(heated(earliest_s=60.0), prove_seconds=0)
+    runs = compare(heated(earliest_s=60.0), prove_seconds=0).runs
     assert all(run.bound is not None and run.reference is not None for run in runs)
 
 

@@ -62,7 +62,7 @@ def test_a_bound_covers_all_runs_that_keep_the_windows():
 
 
 def test_other_strategies_say_which_windows_they_miss():
-    runs, _ = compare(with_windows((100.0, None), (None, None), (None, None), **{"vehicle.drive": COPPER_LOSS}))
+    runs = compare(with_windows((100.0, None), (None, None), (None, None), **{"vehicle.drive": COPPER_LOSS})).runs
     notes = {run.strategy: " ".join(run.notes) for run in runs}
     assert "was to arrive" not in notes["optimal"]
     assert "It arrives at 800 after" in notes["bellman"]

@@ -29,7 +29,7 @@ def test_its_bound_is_that_of_its_own_time_and_nodes():
     # over nodes of its own, too, which are finer
     assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-4)
     assert run.gap > 0
-    runs, _ = compare(scenario)
+    runs = compare(scenario).runs
     bounds = {one.strategy: one.lower_bound_kwh for one in runs}
     assert bounds["speed_limits"] < bounds["optimal"] == bounds["bellman"]
 

@@ -39,7 +39,7 @@ class Note(event.Listener):
 require_compiled()
 with event.install_listener("numba:compile", Note()):
     for name in preset_names("scenarios"):
-        for run in compare(load_scenario(name))[0]:
+        for run in compare(load_scenario(name)).runs:
             advise(run)
         compute_trade_off(TradeOffRequest(load_scenario(name), 400.0, False, 1.0))
     machine = load_scenario("ftorek-300s")
