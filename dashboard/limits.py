@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from railjoule.core.budget import LIBRARY, PAGE, Budget
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, MOST_KEY_PARTS
 
 LONGEST_TEXT = 2_000_000
 """Characters of a text on the page."""

@@ -15,7 +15,7 @@ from time import perf_counter
 from railjoule.core import Scenario, solve
 from railjoule.core.errors import RailjouleError
 from railjoule.core.imports.source_file import SourceFile
-from railjoule.core.imports.ttobench.scenario import read_ttobench
+from railjoule.core.imports.ttobench.track import read_ttobench
 from railjoule.core.motion import greatest_speeds
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.task import prepare_task

@@ -19,14 +19,12 @@ import scipy
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
-from railjoule.core.identification.correlation import scale_freedom
 from railjoule.core.identification.gauges import GaugeError, GaugeErrors
-from railjoule.core.identification.noise import Noise, estimated_noise, expected_residual_ms
-from railjoule.core.identification.parameters import UNITS, Model, free_parameters, physical_range
-from railjoule.core.identification.physical_range import Range
+from railjoule.core.identification.noise import Noise, estimated_noise, expected_residual_ms, scale_freedom
+from railjoule.core.identification.parameters import UNITS, Model, Range, free_parameters, physical_range
 from railjoule.core.identification.problem import Problem
 from railjoule.core.identification.sentences import assumed_errors, contradiction, open_parameters
-from railjoule.core.identification.steps import Steps, usable_steps
+from railjoule.core.identification.steps import usable_steps
 from railjoule.core.measured import MeasuredRun
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency
@@ -34,30 +32,20 @@ from railjoule.core.units import MS_PER_KMH
 
 CONFIDENCE = 0.95
 UNDETERMINED = 0.25
-"""An interval that reaches farther to both sides, over the parameter's size, says nothing of it."""
+"""An interval that reaches farther to both sides, over the parameter's size, leaves it undetermined."""
 OUTLIER = 3.0
 """Standard deviations from which on a residual counts linearly."""
 NOISE_ROUNDS = 2
 """How often the noise is estimated again from the residuals: after two it stays."""
 LEAST_FREEDOM = 0.1
-"""What at least is left of a residual that decides a fit alone."""
+"""Minimum rest of a residual that decides a fit by itself."""
 TINY = 1e-300
 DEFAULT_GAUGES = GaugeErrors()
 
 
 @dataclass(frozen=True)
 class Parameter:
-    """One fitted parameter.
-
-    Parameters
-    ----------
-    name : str
-        Its key in a vehicle.
-    value, low, high : float
-        The value, and the ends of its interval of 95 %.
-    unit : str
-        Its unit.
-    """
+    """A fitted parameter by its key in a vehicle, with the ends of its interval of 95 %."""
 
     name: str
     value: float
@@ -68,12 +56,12 @@ class Parameter:
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """What runs tell of a train.
+    """A train as fitted to its runs.
 
     Parameters
     ----------
     scenario : Scenario
-        What the fit began with.
+        The scenario before the fit.
     model : Model
         The vehicle and the free parameters.
     parameters : tuple of Parameter
@@ -87,7 +75,7 @@ class Fit:
     undetermined : tuple of str
         Names of those that the runs do not determine.
     undetermined_by_gauges : tuple of str
-        Those of them that exact gauges would determine.
+        Of these, the names that exact gauges would determine.
     confounded : tuple of tuple of str
         Which of them only a combination is known of.
     residual_ms, expected_residual_ms : float
@@ -129,8 +117,7 @@ class Fit:
     def correlation(self) -> FloatArray:
         """Correlation of the free parameters; shape (free, free)."""
         deviation = np.sqrt(np.diag(self.covariance))
-        correlation: FloatArray = self.covariance / np.outer(deviation, deviation)
-        return correlation
+        return np.asarray(self.covariance / np.outer(deviation, deviation))
 
     @property
     def fitted_scenario(self) -> Scenario:
@@ -162,7 +149,7 @@ def fit_runs(
     coasting_only: bool = False,
     stated: GaugeErrors = DEFAULT_GAUGES,
 ) -> Fit:
-    """Return what measured runs tell of a train.
+    """Fit a train to its measured runs.
 
     Parameters
     ----------
@@ -197,7 +184,17 @@ def fit_runs(
     noise = Noise()
     for _ in range(NOISE_ROUNDS + 1):
         problem.weigh(unknowns, noise)
-        unknowns = _minimise(problem, unknowns)
+        unknowns = np.asarray(
+            scipy.optimize.least_squares(
+                problem.residual,
+                unknowns,
+                jac=problem.jacobian,
+                loss="soft_l1",
+                f_scale=OUTLIER,
+                x_scale="jac",
+                max_nfev=100,
+            ).x
+        )
         noise = estimated_noise(steps, problem.driven(unknowns), problem.speed_residual(unknowns))
         problem.scale_power(unknowns)
         problem.weigh(unknowns, noise)
@@ -223,14 +220,6 @@ def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bo
     return problem.speed_residual(np.array([*scaled, *errors]))
 
 
-def _minimise(problem: Problem, first: FloatArray) -> FloatArray:
-    found = scipy.optimize.least_squares(
-        problem.residual, first, jac=problem.jacobian, loss="soft_l1", f_scale=OUTLIER, x_scale="jac", max_nfev=100
-    )
-    best: FloatArray = found.x
-    return best
-
-
 def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: Noise) -> Fit:
     model, count = problem.model, problem.free_count
     covariance = _covariance(problem, unknowns)
@@ -247,7 +236,9 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
     unknown = quantile * np.sqrt(np.diag(train)) > UNDETERMINED
     by_runs = _with_exact_gauges(covariance, count)
     unknown_by_runs = unknown & (quantile * np.sqrt(np.diag(by_runs)) > UNDETERMINED)
-    errors = problem.errors(best)
+    errors, steps = problem.errors(best), problem.steps
+    speed_kmh, distance = steps.mean_speed_ms / MS_PER_KMH, steps.mean_speed_ms * steps.step_s
+    powers = [float(np.average(speed_kmh**power, weights=distance)) for power in (1, 2)]
     return Fit(
         scenario=scenario,
         model=model,
@@ -265,15 +256,8 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
         expected_residual_ms=expected_residual_ms(problem.steps, problem.driven(best)),
         noise=noise,
         step_count=problem.steps.count,
-        mean_powers_kmh=_mean_powers(problem.steps),
+        mean_powers_kmh=(1.0, powers[0], powers[1]),
     )
-
-
-def _mean_powers(steps: Steps) -> tuple[float, float, float]:
-    speed_kmh = steps.mean_speed_ms / MS_PER_KMH
-    distance = steps.mean_speed_ms * steps.step_s
-    linear, quadratic = (float(np.average(speed_kmh**power, weights=distance)) for power in (1, 2))
-    return 1.0, linear, quadratic
 
 
 def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
@@ -283,8 +267,7 @@ def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
 def _with_exact_gauges(covariance: FloatArray, count: int) -> FloatArray:
     """Return the covariance of the first unknowns, the parameters, where the others, the gauge errors, are known."""
     train, shared, gauges = covariance[:count, :count], covariance[:count, count:], covariance[count:, count:]
-    known: FloatArray = train - shared @ np.linalg.solve(gauges, shared.T)
-    return known
+    return np.asarray(train - shared @ np.linalg.solve(gauges, shared.T))
 
 
 def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:
@@ -307,8 +290,7 @@ def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:
     # residuals that happen to be small, as those of a steady power, must not make an interval narrower than their
     # stated variances do, in any direction
     wider = np.sqrt(np.maximum(1 / (singular**2 * np.maximum(np.diag(inward), TINY)), 1.0))
-    covariance: FloatArray = directions.T @ (inward * np.outer(wider, wider)) @ directions
-    return covariance
+    return np.asarray(directions.T @ (inward * np.outer(wider, wider)) @ directions)
 
 
 def _confounded(

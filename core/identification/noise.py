@@ -37,7 +37,7 @@ FIRST_SHARE, FIRST_PUSH, FIRST_WORSE = 0.01, 0.003, 0.03
 PRIOR_DEVIATION = 1.0
 """Of the logarithms: within a factor of e about two times in three."""
 LEAST, MOST = np.log([0.01, 1e-4, 1e-4]), np.log([1.0, 1.0, 1.0])
-"""Bounds of the share, the push and the recorder's: no recorder knows an effort better than to 1 %."""
+"""Bounds of the share, the push and the recorder's: no recorder measures an effort better than to 1 %."""
 MOST_EVALUATIONS = 200
 # a recorder without steps still has one in its last digit
 LEAST_VARIANCE_MS2 = 1e-6
@@ -105,8 +105,7 @@ class Whitener:
         """Return independent numbers for residuals of the speed at the ends of steps [m/s]; shape (n,)."""
         # where a section begins, nothing is kept of the one before
         difference = residual_ms - self.kept * np.append(0.0, residual_ms[:-1])
-        white: FloatArray = scipy.linalg.solve_banded((1, 0), self.factor, difference, check_finite=False)
-        return white
+        return np.asarray(scipy.linalg.solve_banded((1, 0), self.factor, difference, check_finite=False))
 
     @property
     def log_determinant(self) -> float:
@@ -166,3 +165,50 @@ def _noise_of(logarithms: FloatArray) -> Noise:
     share, push, worse = np.exp(logarithms)
     # never better than its steps
     return Noise(float(share), float(push), math.sqrt(1.0 + float(10 * worse) ** 2))
+
+
+WINDOW_S = 30.0
+"""Over this time sums of residuals are compared with those of independent ones: gusts and drifts are shorter."""
+FEWEST_FREEDOM = 5.0
+
+
+def scale_freedom(step_s: FloatArray) -> float:
+    """Return the degrees of freedom of a variance by such windows, 1.5 for each that fits into the time of the steps.
+
+    That is the equivalent number of Bartlett's estimate. Fewer than `FEWEST_FREEDOM` are never returned: the deviations
+    of single samples are known better.
+    """
+    return max(1.5 * float(np.sum(step_s)) / WINDOW_S, FEWEST_FREEDOM)
+
+
+def noise_inflation(residual: FloatArray, jacobian: FloatArray, bread: FloatArray, step_s: FloatArray) -> float:
+    """Return the factor on the deviations of residuals by their correlation over time; at least 1.
+
+    Independent errors almost cancel in a sum over many samples, those of a gust or a drift do not. The mean square of
+    the sums of all windows (Bartlett's estimate of the variance at frequency zero) is divided by its expectation for
+    independent residuals of variance 1, of which the fit has taken its share.
+
+    Parameters
+    ----------
+    residual : array of shape (n,)
+        Residuals of variance 1, if the errors are as assumed.
+    jacobian : array of shape (n, unknowns)
+        Their derivatives.
+    bread : array of shape (unknowns, unknowns)
+        Inverse of the product of the whole Jacobian with itself.
+    step_s : array of shape (n,)
+        Times between samples [s].
+    """
+    if not len(residual):
+        return 1.0
+    length = min(max(round(WINDOW_S / float(np.median(step_s))), 1), len(residual))
+    sums, slopes = _window_sums(residual[:, None], length)[:, 0], _window_sums(jacobian, length)
+    expected = length * len(residual) - float(np.sum((slopes @ bread) * slopes))
+    return float(np.sqrt(max(float(np.sum(sums**2)) / expected, 1.0)))
+
+
+def _window_sums(values: FloatArray, length: int) -> FloatArray:
+    """Return sums over all windows of a length, with fewer values at both ends; shape (n + length - 1, columns)."""
+    total = np.concatenate([np.zeros((length, values.shape[1])), np.cumsum(values, axis=0)])
+    total = np.concatenate([total, np.repeat(total[-1:], length - 1, axis=0)])
+    return np.asarray(total[length:] - total[:-length])

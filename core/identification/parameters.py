@@ -6,6 +6,7 @@ from functools import cached_property
 from types import MappingProxyType
 
 import numpy as np
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
@@ -18,10 +19,10 @@ RESISTANCE = ("resistance.constant_n", "resistance.linear_n_per_kmh", "resistanc
 MASS_FACTOR, MASS = "rotating_mass_factor", "total_mass_kg"
 EFFICIENCY, AUXILIARY = "drive.traction_efficiency", "auxiliary_power_kw"
 MOTION = (*RESISTANCE, MASS_FACTOR, MASS)
-"""What the speed depends on; the other two are what the power depends on."""
+"""Parameters on which the speed depends; the other two change the power."""
 NAMES = (*MOTION, EFFICIENCY, AUXILIARY)
 DEFAULT = (*RESISTANCE, MASS_FACTOR, EFFICIENCY, AUXILIARY)
-"""Freed where nothing else is said; a train's load is mostly known better than a run tells it."""
+"""Freed by default; a train's load is mostly known better than a run determines it."""
 UNITS: Mapping[str, str] = MappingProxyType(
     dict(zip(NAMES, ("N", "N per km/h", "N per (km/h)^2", "", "kg", "", "kW"), strict=True))
 )
@@ -65,7 +66,7 @@ class Model:
 
     @cached_property
     def sizes(self) -> dict[str, float]:
-        """What counts as a large change of each parameter: an interval as wide as that says nothing."""
+        """Large changes of each parameter: an interval as wide leaves it undetermined."""
         first = self.first
         weight_kn = self.vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / 1e3
         top_kmh = max(self.top_speed_ms / MS_PER_KMH, 1.0)
@@ -111,7 +112,7 @@ def free_parameters(asked: Sequence[str] | None, vehicle: Vehicle, has_power: bo
     Parameters
     ----------
     asked : sequence of str or None
-        What the user asks for; None for all of `DEFAULT` that the vehicle has and the runs can tell.
+        The choice of the user; None for all of `DEFAULT` that the vehicle has and the runs can determine.
     vehicle : Vehicle
         The vehicle.
     has_power : bool
@@ -142,3 +143,89 @@ def physical_range(model: Model) -> tuple[FloatArray, FloatArray]:
     # no train is pushed by its resistance, and no drive gives more than it takes
     high = np.array([1.0 if name == EFFICIENCY else np.inf for name in model.free])
     return np.array([LEAST_EFFICIENCY if name == EFFICIENCY else 0.0 for name in model.free]), high
+
+
+EXACT = 1e-6
+"""Ends of intervals are found to within this share of their deviation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Range:
+    """Bounds of n parameters, and an estimate of them without bounds.
+
+    A fit without bounds gives an estimate e with a covariance S. Its loss near e is the distance
+
+        Q(x) = (x - e)' S^-1 (x - e)
+
+    so the most likely parameters in the range have the minimum of Q there, and the interval of a parameter contains all
+    of its values for which some parameters in the range have Q no more than the square of the quantile above that
+    minimum (profile likelihood). If the estimate and its interval lie in the range, that is e with the usual interval.
+
+    Parameters
+    ----------
+    estimate : array of shape (n,)
+        The estimate.
+    covariance : array of shape (n, n)
+        Its covariance.
+    low, high : array of shape (n,)
+        Bounds.
+    """
+
+    estimate: FloatArray
+    covariance: FloatArray
+    low: FloatArray
+    high: FloatArray
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Standard deviations of the estimate; shape (n,)."""
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
+
+    def nearest(self, point: FloatArray | None = None) -> tuple[FloatArray, float]:
+        """Return the parameters in the range that are nearest to a point, the estimate by default, and their Q."""
+        point = self.estimate if point is None else point
+        return self._nearest(point, self.low, self.high)
+
+    def interval(self, index: int, quantile: float) -> tuple[float, float]:
+        """Return the ends of the interval of a parameter.
+
+        Parameters
+        ----------
+        index : int
+            Which of the parameters.
+        quantile : float
+            Of the distribution of an estimate over its deviation, such as 1.96 for 95 %.
+        """
+        best, least = self.nearest()
+        allowed = least + quantile**2
+        low, high = (self._end(index, sign, float(best[index]), allowed) for sign in (-1, 1))
+        return low, high
+
+    def _end(self, index: int, sign: int, best: float, allowed: float) -> float:
+        step = self.covariance[:, index] / self.deviation[index] * np.sqrt(allowed)
+        farthest = self.estimate + sign * step
+        if np.all((farthest >= self.low) & (farthest <= self.high)):
+            return float(farthest[index])
+        bound = float((self.low, self.high)[sign > 0][index])
+        end = sign * min(sign * float(farthest[index]), sign * bound)
+
+        def excess(value: float) -> float:
+            low, high = self.low.copy(), self.high.copy()
+            low[index] = high[index] = value
+            return self._nearest(self.estimate, low, high)[1] - allowed
+
+        if excess(end) <= 0 or end == best:
+            return end
+        return float(scipy.optimize.brentq(excess, best, end, xtol=EXACT * self.deviation[index]))
+
+    def _nearest(self, point: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, float]:
+        """Return the nearest parameters within some bounds, of which those of one may be equal."""
+        free = low < high
+        nearest = np.clip(point, low, high)
+        if np.array_equal(nearest, point):
+            return nearest, 0.0
+        root = np.linalg.inv(np.linalg.cholesky(self.covariance))
+        target = root @ point - root[:, ~free] @ nearest[~free]
+        found = scipy.optimize.lsq_linear(root[:, free], target, (low[free], high[free]), method="bvls")
+        nearest[free] = found.x
+        return nearest, float(np.sum((root @ (nearest - point)) ** 2))

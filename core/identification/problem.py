@@ -8,7 +8,6 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive import make_drive
-from railjoule.core.identification.correlation import noise_inflation
 from railjoule.core.identification.gauges import (
     EFFORT_GAIN,
     EFFORT_OFFSET,
@@ -19,7 +18,7 @@ from railjoule.core.identification.gauges import (
     GaugeError,
     GaugeErrors,
 )
-from railjoule.core.identification.noise import Driven, Noise, Whitener
+from railjoule.core.identification.noise import Driven, Noise, Whitener, noise_inflation
 from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE, Model
 from railjoule.core.identification.speed import simulated_speed
 from railjoule.core.identification.steps import Steps
@@ -173,8 +172,7 @@ class Problem:
         else:
             modelled = self.drive.line_power_w(effort, speed)
         taken = (modelled + values[AUXILIARY] * W_PER_KW) * math.exp(errors[POWER_GAIN]) + errors[POWER_OFFSET]
-        difference: FloatArray = taken - steps.read_power_w[rows]
-        return difference
+        return np.asarray(taken - steps.read_power_w[rows])
 
     def _power_variances(self) -> tuple[FloatArray, FloatArray]:
         """Return the variances of powers by the effort's errors, and by their own, not scaled [W2]."""
@@ -191,11 +189,10 @@ class Problem:
             return np.zeros(0)
         by_effort, own = self._power_variances()
         variance = self.driving_factor**2 * by_effort + self.coasting_factor**2 * own
-        residual: FloatArray = self.power_difference(unknowns) / np.sqrt(variance)
-        return residual
+        return np.asarray(self.power_difference(unknowns) / np.sqrt(variance))
 
     def scale_power(self, unknowns: FloatArray) -> None:
-        """Let the deviations of powers be as large as their residuals, as their median tells."""
+        """Let the deviations of powers be as large as their residuals, by their median."""
         if not np.any(self.metered):
             return
         square = self.power_difference(unknowns) ** 2 / MEDIAN_SQUARE

@@ -6,8 +6,16 @@ import numpy as np
 import scipy
 
 from railjoule.core.identification.gauges import GaugeError
-from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, MOTION, RESISTANCE, UNITS
-from railjoule.core.identification.physical_range import Range
+from railjoule.core.identification.parameters import (
+    AUXILIARY,
+    EFFICIENCY,
+    MASS,
+    MASS_FACTOR,
+    MOTION,
+    RESISTANCE,
+    UNITS,
+    Range,
+)
 
 SIGNIFICANT = 0.99
 """Probability with which runs of a train that the model describes stay below the limits of a contradiction."""

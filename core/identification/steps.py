@@ -1,4 +1,4 @@
-"""What of measured runs a fit can use: steps between two samples of which the effort is known."""
+"""The part of measured runs that a fit can use: steps between two samples of which the effort is known."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import scipy
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured import MeasuredRun, Recording
-from railjoule.core.measured.speed_error import quantisation
+from railjoule.core.measured.speed import quantisation, true_runs
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Line, Scenario
 
@@ -21,7 +21,7 @@ SLOWEST_BY_POWER_MS = 3.0
 SAME_PLACE_M = 0.01
 """Places closer together are one [m]: a run that ends in a station has just its place."""
 SHORTEST_SECTION = 5
-"""Steps that a section has at least: a shorter one knows no change of speed beyond the steps of the recorder."""
+"""Steps that a section has at least: a shorter one shows no change of speed beyond the steps of the recorder."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,8 @@ def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
         known &= ~np.isnan(effort[1:] + effort[:-1])
     if coasting_only:
         known &= (effort[1:] == 0) & (effort[:-1] == 0)
-    known &= _long_enough(known)
+    for first, beyond in true_runs(known):
+        known[first:beyond] = beyond - first >= SHORTEST_SECTION
     moves = np.diff(run.position_m) > 0
     line_force, tunnel = np.zeros(len(known)), np.ones(len(known))
     # stands are steps without length, of which no cell can be made
@@ -202,8 +203,7 @@ def _jumps(effort_n: FloatArray) -> FloatArray:
     """Return by how much the effort changes in each step beyond what it does beside it [N]: what no curve tells."""
     change = np.nan_to_num(np.diff(effort_n))
     beside = 0.5 * (np.append(change[1:], change[-1]) + np.append(change[0], change[:-1]))
-    jumps: FloatArray = np.minimum(np.abs(change), np.abs(change - beside))
-    return jumps
+    return np.asarray(np.minimum(np.abs(change), np.abs(change - beside)))
 
 
 def _mean_effort(time_s: FloatArray, effort_n: FloatArray) -> FloatArray:
@@ -242,12 +242,3 @@ def _read(
     step = 0.0 if recording.energy_j is None else quantisation(recording.energy_j)
     variance = 2 * step**2 / 6 / np.diff(recording.time_s) ** 2
     return power_w, 0.5 * (effort_n[1:] + effort_n[:-1]), 0.5 * (speed_ms[1:] + speed_ms[:-1]), variance
-
-
-def _long_enough(known: BoolArray) -> BoolArray:
-    """Return which of the known steps lie in a row of several."""
-    edges = np.diff(np.concatenate([[False], known, [False]]).astype(int))
-    kept = np.zeros(len(known), dtype=bool)
-    for first, beyond in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
-        kept[first:beyond] = beyond - first >= SHORTEST_SECTION
-    return kept

@@ -10,10 +10,9 @@ from railjoule.core.energy import Energy
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured.columns import GENERIC, RecorderFormat
 from railjoule.core.measured.line_power import with_line_power
-from railjoule.core.measured.part_of_line import part_of_line
-from railjoule.core.measured.place import Placement, place_on_line
-from railjoule.core.measured.recording import Recording, load_recording, step_words
-from railjoule.core.measured.smoothing import LEAST_STEP_MS, smoothed_speed
+from railjoule.core.measured.place import Placement, part_of_line, place_on_line
+from railjoule.core.measured.recording import Recording, distance_m, load_recording, step_words
+from railjoule.core.measured.speed import LEAST_STEP_MS, smoothed_speed
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.course_data import cell_of, electric_limit_n, tractive_limit_n, train_of
@@ -34,29 +33,14 @@ UNIT_FACTOR = 3.0
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """A recording on its line.
+    """A recording on its line: n samples.
 
-    Parameters
-    ----------
-    recording : Recording
-        What the recorder wrote; of a line current its power.
-    placement : Placement
-        Where on the line it lies.
-    scenario : Scenario
-        The part of the line that it covers, in its time, with its stops and the speeds at its ends.
-    modelled : Trajectory
-        Efforts and energies by the scenario's model at the measured speeds; its account closes.
-    measured : Trajectory or None
-        With the measured effort and power where they are known; what its account does not explain is a loss named
-        'unexplained'. None where neither was measured.
-    speed_ms : array of shape (n,)
-        Speeds of the samples, smoothed and to the line's scale [m/s].
-    position_m : array of shape (n,)
-        Places of the samples on the part of the line [m].
-    contradictions : tuple of str
-        Where the measured speed takes more effort than the scenario's vehicle has, in sentences.
-    notes : tuple of str
-        All that was changed on the way, in sentences; contradictions are among them.
+    `recording` has the power of a line current. `scenario` is the covered part of the line, in its time, with its stops
+    and the speeds at its ends. `modelled` has efforts and energies by the scenario's model at the measured
+    speeds; its energy balance closes. `measured` has the measured effort and power where they are known, with the rest
+    of its balance as a loss named 'unexplained'; None if neither was measured. `speed_ms` (smoothed and to the line's
+    scale) and `position_m` (on the part of the line) have the shape (n,). `contradictions` are sentences on measured
+    speeds that need more effort than the scenario's vehicle has; `notes` contain them and all changes on the way.
     """
 
     recording: Recording
@@ -115,11 +99,11 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
     Parameters
     ----------
     recording : Recording
-        What the recorder wrote.
+        The recording.
     scenario : Scenario
         Vehicle and line.
     start_m : float, optional
-        Where on the line it begins [m], in running order; found where absent.
+        Its begin on the line [m], in running order; by default it is found.
 
     Raises
     ------
@@ -156,7 +140,7 @@ def run_at(recording: Recording, scenario: Scenario, placement: Placement, passe
     node_speed2 = _with_coasting(course, speed[kept] ** 2, coasts[kept[:-1]], COASTING_SHARE * step)
     _require_units(recording, course)
     beyond = tuple(_beyond(course, node_speed2))
-    notes = (*recording.notes, placement.how, *_told(recording, placement, smooth - raw), *beyond)
+    notes = (*recording.notes, placement.how, *_smoothing_notes(recording, placement, smooth - raw), *beyond)
     modelled = make_trajectory(own, course, MEASURED, node_speed2, notes=notes)
     measured = _with_measured(modelled, recording, course)
     return MeasuredRun(
@@ -174,7 +158,7 @@ def run_at(recording: Recording, scenario: Scenario, placement: Placement, passe
 
 def _to_scale(recording: Recording, placement: Placement, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return speeds [m/s] that cover just the part of the line, and the places that they reach [m]."""
-    covered = np.append(0.0, np.cumsum(0.5 * (speed_ms[1:] + speed_ms[:-1]) * np.diff(recording.time_s)))
+    covered = distance_m(recording.time_s, speed_ms)
     scale = (placement.end_m - placement.start_m) / float(covered[-1])
     return scale * speed_ms, scale * covered
 
@@ -203,7 +187,7 @@ def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within
     return exact
 
 
-def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
+def _smoothing_notes(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
     notes, smoothed = [], f"smoothed by {float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean"
     if recording.speed_noise_ms > 0:
         noise_kmh = recording.speed_noise_ms / MS_PER_KMH
@@ -223,7 +207,7 @@ def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> 
 def _own_scenario(
     recording: Recording, scenario: Scenario, placement: Placement, speed_ms: FloatArray, position_m: FloatArray
 ) -> Scenario:
-    """Return the scenario of the run alone: its part of the line, its time, its stops."""
+    """Make the scenario of the run: its part of the line, its time, its stops."""
     line = scenario.line.in_running_order()
     length = placement.end_m - placement.start_m
     stops = [
@@ -241,9 +225,8 @@ def _own_scenario(
 
 
 def _station_name(line: Line, place_m: float) -> str:
-    named = [(abs(station.position_m - place_m), station.name) for station in line.stations]
-    distance, name = min(named, default=(np.inf, ""))
-    return name if distance <= NEAR_STATION_M else ""
+    near = [(abs(station.position_m - place_m), station.name) for station in line.stations]
+    return min([one for one in near if one[0] <= NEAR_STATION_M], default=(0.0, ""))[1]
 
 
 def _stops(recording: Recording, speed_ms: FloatArray, position_m: FloatArray) -> list[tuple[float, float]]:
@@ -259,8 +242,7 @@ def _stops(recording: Recording, speed_ms: FloatArray, position_m: FloatArray) -
 
 
 def _standing(speed_ms: FloatArray) -> BoolArray:
-    standing: BoolArray = (speed_ms[1:] == 0) & (speed_ms[:-1] == 0)
-    return standing
+    return np.asarray((speed_ms[1:] == 0) & (speed_ms[:-1] == 0))
 
 
 def _nodes(recording: Recording, speed_ms: FloatArray) -> tuple[BoolArray, FloatArray]:
@@ -302,16 +284,16 @@ def _beyond(course: Course, speed2: FloatArray) -> list[str]:
     mean = 0.5 * (speed[1:] + speed[:-1])
     over = force - tractive_limit_n(course.data, mean)
     under = -force - electric_limit_n(course.data, mean) - course.data.friction_effort_n
-    told = []
+    sentences = []
     for excess, what in ((over, "tractive effort"), (under, "braking effort")):
         worst = int(np.argmax(excess))
         # a few per cent are noise of the speed
         if excess[worst] > 0.1 * course.data.traction.constant_n:
-            told.append(
+            sentences.append(
                 f"At {course.position_m[worst]:.0f} m the measured speed takes {excess[worst] / N_PER_KN:.3g} kN more "
                 f"{what} than the scenario's vehicle has."
             )
-    return told
+    return sentences
 
 
 def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -> Trajectory | None:
@@ -328,7 +310,7 @@ def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -
     effort = np.where(mean_speed > 0, effort, 0.0)
     driven, braked = np.maximum(effort, 0.0), np.maximum(-effort, 0.0)
     electric = np.minimum(braked, modelled.largest_braking_n - course.data.friction_effort_n)
-    # a recorder that tells of a brake beside the effort leaves open how strong it was: the model fills it in
+    # a recorder of a brake beside the effort leaves open how strong it was: the model fills it in
     unmeasured = 0.0 if recording.brake_applied is None else modelled.friction_braking_n
     friction = np.maximum(braked - electric, unmeasured)
     auxiliary = course.data.auxiliary_power_w

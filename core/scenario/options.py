@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part, require_effect
-from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal
+from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal
 
 LOOP_STEP_S = 0.001
 """Step of the integration in closed loop where a scenario names none [s]."""

@@ -18,7 +18,7 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
-from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.simulation.actual_vehicle import at_voltage, changed
 from railjoule.core.simulation.leg import SAME_PLACE_M
 

@@ -13,7 +13,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
-from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
+from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulation.actual_vehicle import voltage_notes
 from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
 from railjoule.core.studies.labelled import label_rows

@@ -24,8 +24,7 @@ from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.parquet import NEEDED, has_parquet
 from railjoule.core.scenario import parse_scenario, preset_names
-from railjoule.core.scenario.text_file import read_text
-from railjoule.core.scenario.toml_text import read_toml
+from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategy import STRATEGIES

@@ -4,8 +4,7 @@ import re
 from pathlib import PurePath
 
 from railjoule.core import RailjouleError, ScenarioError
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-from railjoule.core.scenario.toml_text import TomlError
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, TomlError
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import LONGEST_TEXT
 

@@ -32,7 +32,7 @@ def test_a_move_reads_no_file_and_makes_its_scenario_once(session: Session, monk
         raise AssertionError("a file was read")
 
     monkeypatch.setattr(Scenario, "with_", counted)
-    monkeypatch.setattr("railjoule.core.scenario.files.parse_scenario", refuse)
+    monkeypatch.setattr("railjoule.core.scenario.document.parse_scenario", refuse)
     for time_s in (140.0, 141.0):
         session.shell.sidebar.travel_time.value = time_s
         assert session.state.runs.scenario.travel_time_s == time_s

@@ -22,8 +22,7 @@ from railjoule.core.drive.induction.power import (
 from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.drive.line_power import resistor_power
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario.drive import Induction
-from railjoule.core.scenario.machine import InductionMachine
+from railjoule.core.scenario.drive import Induction, InductionMachine
 from railjoule.core.units import H_PER_MH
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "gear", "standstill_brake")

@@ -7,8 +7,8 @@ import param
 
 from railjoule.core import Scenario
 from railjoule.core.imports import ImportedLine
-from railjoule.core.imports.source_file import counted
 from railjoule.core.imports.vehicle import ImportedVehicle
+from railjoule.core.scenario._sentences import counted
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module

@@ -11,10 +11,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification import Fit, HeldOut, fit_runs, hold_out
 from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
-from railjoule.core.imports.source_file import shown_list
 from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, recording_of
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
+from railjoule.core.scenario._sentences import shown_list
 from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, used_table
 
 ANY_TIMETABLE = Timetable(travel_time_s=100.0)

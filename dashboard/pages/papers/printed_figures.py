@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.core.scenario import load_scenario
-from railjoule.core.scenario.files import format_scenario
+from railjoule.core.scenario.document import format_scenario
 from railjoule.core.validation.figure import FigureData, PaperFigure
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette

@@ -4,7 +4,7 @@ from recordings import COLUMNS, as_csv, samples, true_runs
 
 from railjoule.core import load_scenario
 from railjoule.core.errors import RecordingError
-from railjoule.core.identification import draw_parameters, fit_runs, hold_out, monte_carlo_scenario, optimum_spread
+from railjoule.core.identification import fit_runs, hold_out, monte_carlo_scenario
 from railjoule.core.identification.parameters import EFFICIENCY, MASS_FACTOR, RESISTANCE, Model
 from railjoule.core.identification.posterior import resistance_deviation
 from railjoule.core.identification.speed import simulated_speed
@@ -145,12 +145,3 @@ def test_the_fit_feeds_monte_carlo(fit, scenario):
     resistance = draw(prepared.replace(**{"montecarlo.runs": 2000}))["resistance_factor"]
     assert np.std(np.log(resistance)) == pytest.approx(resistance_deviation(fit), rel=0.1)
     assert prepared.vehicle.resistance.constant_n == pytest.approx(fit.values[RESISTANCE[0]])
-
-
-def test_the_optimum_has_the_spread_of_what_the_fit_leaves_open(fit, truths, scenario):
-    timetable = truths[3].scenario.timetable
-    spread = optimum_spread(fit, scenario.model_copy(update={"timetable": timetable}), draws=30)
-    low, high = spread.interval_kwh
-    assert low < spread.mean_kwh < high
-    assert spread.mean_kwh == pytest.approx(truths[3].energy_kwh, rel=0.02)
-    assert draw_parameters(fit, 3, seed=2) == draw_parameters(fit, 3, seed=2)

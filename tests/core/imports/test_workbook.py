@@ -8,8 +8,7 @@ import pytest
 
 from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile, read_intervals
-from railjoule.core.imports.cells import MOST_COLUMNS, read_cells
-from railjoule.core.imports.workbook import LARGEST_UNPACKED_BYTES, MOST_FILES
+from railjoule.core.imports.cells import LARGEST_UNPACKED_BYTES, MOST_COLUMNS, MOST_FILES, read_cells
 
 openpyxl = pytest.importorskip("openpyxl")
 

@@ -5,7 +5,7 @@ from recordings import as_csv, samples
 from railjoule.core import RailjouleError, load_scenario, solve
 from railjoule.core.measured import RecorderFormat, load_recording, read_recording
 from railjoule.core.measured.recording import between_samples
-from railjoule.core.measured.speed_error import quantisation
+from railjoule.core.measured.speed import quantisation
 
 
 def table(rows, head="time_s,speed_kmh"):

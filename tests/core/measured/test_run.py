@@ -5,7 +5,7 @@ from recordings import as_csv, samples, with_time
 from railjoule.core import load_scenario, solve
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured import load_run, measured_run, possible_saving, read_recording
-from railjoule.core.measured.smoothing import smoothed_speed
+from railjoule.core.measured.speed import smoothed_speed
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
-from railjoule.core.scenario.toml_text import MOST_KEY_PARTS, TomlError, read_toml, require_short_keys
+from railjoule.core.scenario.text_file import MOST_KEY_PARTS, TomlError, read_toml, require_short_keys
 
 LONG = ".".join("a" * (MOST_KEY_PARTS + 1))
 SHORT = ".".join("a" * MOST_KEY_PARTS)
