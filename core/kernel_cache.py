@@ -35,7 +35,7 @@ OTHER_LOCATORS = "UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocat
 
 
 class Source(NamedTuple):
-    """What a source file contributes to the key of a kernel."""
+    """The part of a source file in the key of a kernel."""
 
     tree: str
     """Hash of its syntax tree without docstrings."""
@@ -44,7 +44,7 @@ class Source(NamedTuple):
 
 
 def cache_root() -> Path:
-    """Return a folder for cached files that this user, and no other, can write to."""
+    """Return a folder for cached files that only this user can write to."""
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
     base = os.environ.get(variable)
     return (Path(base) if base else Path.home() / ".cache") / "railjoule"
@@ -172,9 +172,8 @@ def _path(module: str) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
-@cache
-def module_hash(module: str) -> str:
-    """Return a hash of the code of a module and of all modules of the core that it imports, directly or not."""
+def module_files(module: str) -> list[Path]:
+    """Return the files of a module and of all modules of the core that it imports, directly or not."""
     seen: set[Path] = set()
     due = [_path(module)]
     while due:
@@ -182,8 +181,15 @@ def module_hash(module: str) -> str:
         if path is not None and path not in seen:
             seen.add(path)
             due += map(_path, _source(path).imports)
+    return sorted(seen)
+
+
+@cache
+def module_hash(module: str) -> str:
+    """Return a hash of the code of `module_files`."""
+    trees = [f"{path.relative_to(CORE).as_posix()} {_source(path).tree}\n" for path in module_files(module)]
     _store().save()
-    return _digest("".join(f"{path.relative_to(CORE).as_posix()} {_source(path).tree}\n" for path in sorted(seen)))
+    return _digest("".join(trees))
 
 
 class KernelLocator(_CacheLocator):
@@ -204,7 +210,7 @@ class KernelLocator(_CacheLocator):
         return self._hash
 
     def get_disambiguator(self) -> str:
-        """Return a text that tells kernels of one name in one module apart: there are none."""
+        """Return a text that distinguishes kernels of one name in one module: there are none."""
         return ""
 
     @classmethod

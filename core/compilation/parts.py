@@ -1,15 +1,25 @@
-"""Small runs that use all kernels, in the parts in which helper processes compile them."""
+"""Small runs that use all kernels, in parts, and the helper process that compiles these parts.
+
+The process reads the names of parts, one per line, and prints a line for each kernel and each part.
+"""
 
 import contextlib
+import os
+import queue
+import sys
+import threading
 from collections.abc import Callable, Mapping
 from functools import cache, partial
+from typing import Any
 
 import numpy as np
+from numba.core import event
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.advice import advise
 from railjoule.core.bounds.minimum import FREE_CENTRING, TOLERANCE
-from railjoule.core.compilation.order import Part
+from railjoule.core.compilation.background import KERNEL_LINE, PART_LINE, Part
+from railjoule.core.compiled import MODE
 from railjoule.core.continuous_bound.bound import continuous_bound
 from railjoule.core.interior_point.solver import Optimum, minimise_energy
 from railjoule.core.motion import build_course
@@ -24,6 +34,8 @@ from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
 from railjoule.core.studies.storage import saving_over_size
 
+NICENESS = 10
+"""On few cores, the process that computes has priority."""
 FIRST = "metro-with-limit"
 """The scenario with which a page opens."""
 SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
@@ -31,7 +43,7 @@ SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
 METRO = "kharkiv-like-40kmh"
 """A run for the kernels of maps, regulators and storages."""
 COARSE_MESH_M = 30.0
-"""Of runs that are there for their kernels alone, in half the time; coarser ones leave kernels of switching unused."""
+"""Mesh of runs that only compile their kernels, in half the time; coarser ones do not use all kernels of switching."""
 CLOSED_LOOP = "tram-950m"
 """A short run for the kernels of the closed loop."""
 
@@ -139,3 +151,38 @@ PARTS: Mapping[Part, Callable[[], object]] = {
     "phases": partial(drive_strategy, "phases"),
     "enoc": partial(drive_strategy, "enoc"),
 }
+
+
+class _PrintKernels(event.Listener):
+    """Prints a line for each kernel that has been compiled."""
+
+    def on_start(self, _event: object) -> None:
+        """Do nothing."""
+
+    def on_end(self, _event: object) -> None:
+        """Print the line."""
+        print(KERNEL_LINE, flush=True)
+
+
+def main() -> None:
+    """Compile parts until the other end of the pipe is closed, then end immediately."""
+    if hasattr(os, "nice"):
+        os.nice(NICENESS)
+    MODE.is_compiled = True
+    due: queue.Queue[Any] = queue.Queue()
+
+    def read() -> None:
+        for line in sys.stdin:
+            due.put(line.strip())
+        # in the middle of a part too: the process that asked has ended
+        os._exit(0)
+
+    threading.Thread(target=read, daemon=True).start()
+    with event.install_listener("numba:compile", _PrintKernels()):
+        while True:
+            PARTS[due.get()]()
+            print(PART_LINE, flush=True)
+
+
+if __name__ == "__main__":
+    main()

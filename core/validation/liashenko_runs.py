@@ -39,7 +39,7 @@ class ComparedTable:
     load_change : array of shape (k,)
         Energy of the plan for each load over that of the plan [%].
     delay_s, stop_error_m : array of shape (m, k)
-        As in `SensitivityTable`.
+        As in `StudyTable`.
     """
 
     place: str
@@ -124,7 +124,7 @@ def compared_table(place: str) -> ComparedTable:
         printed=np.array(entry["overconsumption_percent"]),
         by_plan=100 * table.overconsumption.T,
         by_load=100 * table.over_replanned.T,
-        load_change=100 * share_above(table.replanned_kwh, table.planned_kwh),
+        load_change=100 * share_above(table.replanned_kwh, table.planned_energy_kwh),
         delay_s=table.delay_s.T,
         stop_error_m=table.stop_error_m.T,
     )

@@ -210,16 +210,14 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     scenario = load(file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         if name == "sensitivity":
-            table = sensitivity(scenario, executor=executor).to_dataset()
+            table = sensitivity(scenario, executor=executor).to_xarray()
         elif name == "montecarlo":
-            table = monte_carlo(scenario, executor).to_dataset()
+            table = monte_carlo(scenario, executor).to_xarray()
         elif name == "braking":
-            table = study_braking_sensors(scenario, executor).to_dataset()
+            table = study_braking_sensors(scenario, executor).table.to_xarray()
         else:
             task = prepare_task(scenario)
-            frontier = energy_time_frontier(task, frontier_times(task), executor=executor)
-            table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
-            table.attrs["notes"] = " ".join(frontier.notes)
+            table = energy_time_frontier(task, frontier_times(task), executor=executor).to_xarray()
     write_labelled_table(table, path)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
     print(f"{shortened(str(path))}: {shape}")

@@ -14,7 +14,8 @@ from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulation.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
-from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import sensitivity_steps
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
@@ -76,7 +77,7 @@ class Findings:
         What becomes of the plan under the scenario's disturbance, if it has one, or in closed loop, if it asks so.
     reality_refusal : str
         Why it could not be computed; empty where it could or was not asked for.
-    table : SensitivityTable or None
+    table : StudyTable or None
         Overconsumption over load and coordinate error.
     table_refusal : str
         Why there is no table.
@@ -93,7 +94,7 @@ class Findings:
     optima: tuple[Trajectory, ...] = ()
     reality: Reality | None = None
     reality_refusal: str = ""
-    table: SensitivityTable | None = None
+    table: StudyTable | None = None
     table_refusal: str = ""
     enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE

@@ -8,9 +8,8 @@ from railjoule.core import Scenario, Trajectory, load_scenario, solve
 from railjoule.core.energy import share_above
 from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.strategies import prepare_task
-from railjoule.core.studies.plain_driving import one_speed_run
 from railjoule.core.studies.steady import PhaseCurve, SteadySpeeds, phase_plane, steady_speeds
-from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times
+from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times, one_speed_run
 
 BASE = "liashenko-0"
 """A metro train of five cars with a constant efficiency, whose speeds follow from a formula."""

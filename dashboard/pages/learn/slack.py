@@ -10,8 +10,8 @@ from typing import Any
 from railjoule.core import Scenario, ScenarioError, load_scenario
 from railjoule.core.energy import share_above
 from railjoule.core.strategies.line_parts import shortest_times_s, stop_nodes
-from railjoule.core.studies.leg_tables import LegTable, leg_tables
-from railjoule.core.studies.whole_line import Leg, WholeLine, shared_line
+from railjoule.core.studies.table import StudyTable
+from railjoule.core.studies.whole_line import Leg, WholeLine, leg_tables, shared_line
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look import words
@@ -187,14 +187,14 @@ def _worth(share: float) -> str:
     return f"{told}: on this line it does not pay. A few more passengers change more."
 
 
-def _leg(name: str, number: int, table: LegTable) -> dict[str, Any]:
+def _leg(name: str, number: int, table: StudyTable) -> dict[str, Any]:
     return {
         "from": NAMES[number],
         "to": NAMES[number + 1],
         "length_m": LENGTHS_M[name][number],
         "shortest_s": table.shortest_time_s,
-        "energy_kwh": (table.energy_j / J_PER_KWH).tolist(),
-        "price_wh_s": (table.price_of_time_w / J_PER_WH).tolist(),
+        "energy_kwh": table["energy_kwh"].tolist(),
+        "price_wh_s": table["price_of_time_wh_per_s"].tolist(),
     }
 
 

@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.energy_flow import BRAKES
+from railjoule.core.energy_along import BRAKES
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.units import J_PER_KWH, W_PER_KW
 from railjoule.dashboard.charts.chart import Axis, Chart

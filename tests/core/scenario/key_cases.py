@@ -53,7 +53,7 @@ def in_closed_loop(scenario: Scenario) -> Numbers:
 def by_chance(scenario: Scenario) -> Numbers:
     """Return the draws of a Monte Carlo study and their runs."""
     table = monte_carlo(scenario)
-    return [*table.drawn.values(), table.energy_kwh, table.delay_s, table.stop_error_m]
+    return list(table.columns.values())
 
 
 def timetable(scenario: Scenario) -> Numbers:

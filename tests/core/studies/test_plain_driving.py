@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario, solve
-from railjoule.core.studies.plain_driving import one_speed_run
+from railjoule.core.studies.tradeoff import one_speed_run
 
 
 def test_it_holds_one_speed_takes_the_time_and_costs_more():

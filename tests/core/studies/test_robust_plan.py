@@ -136,7 +136,7 @@ def test_settings_out_of_bounds_are_refused(probability, candidates, sentence):
 
 
 def test_the_candidates_are_a_labelled_table(found):
-    table = found.to_dataset()
+    table = found.to_table().to_xarray()
     assert table.sizes == {"candidate": 13}
     assert table.is_chosen.values.sum() == 1
     assert table.reserve_s.attrs["units"] == "s"

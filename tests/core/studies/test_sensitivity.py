@@ -9,7 +9,7 @@ from railjoule.core.studies import sensitivity, sensitivity_steps
 
 @pytest.fixture(scope="module")
 def table():
-    return sensitivity(load_scenario("liashenko-i")).to_dataset()
+    return sensitivity(load_scenario("liashenko-i")).to_xarray()
 
 
 def test_cells_are_single_simulations(table):

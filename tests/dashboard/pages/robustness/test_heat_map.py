@@ -64,11 +64,12 @@ def test_beside_a_plan_that_gives_energy_back_cells_tell_kilowatt_hours() -> Non
     """Over so long a time the train rolls to its end and gives back what it brakes: no share of that means anything."""
     scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
     table = sensitivity(scenario, [0.5, 1.0], [0.0, 10.0], both_directions=False)
-    assert table.planned_kwh < 0
+    assert table.planned_energy_kwh < 0
     for measure in (MEASURES["over_replanned"], MEASURES["overconsumption"]):
         assert all(text.endswith(" kWh") for text in measure.texts(table))
     assert (
-        MEASURES["overconsumption"].texts(table)[0] == comparisons.above(table.energy_kwh[0, 0], table.planned_kwh).cell
+        MEASURES["overconsumption"].texts(table)[0]
+        == comparisons.above(table.energy_kwh[0, 0], table.planned_energy_kwh).cell
     )
 
 

@@ -6,9 +6,9 @@ import sys
 
 import pytest
 
-from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, run_study, study_of, table_of
-from railjoule.core.studies.sweep import cluster as module
-from railjoule.core.studies.sweep.cluster import ClusterError, cluster
+from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, make_study, run_study
+from railjoule.dashboard.command import cluster as module
+from railjoule.dashboard.command.cluster import ClusterError, cluster
 from tests.builders import HILLS, plain_scenario
 from tests.core.studies.sweep.test_file import same
 from tests.local_cluster import started_cluster
@@ -18,7 +18,7 @@ OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 20
 
 
 def study(rows=ROWS):
-    return study_of(plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0}), OVER, rows)
+    return make_study(plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0}), OVER, rows)
 
 
 @pytest.mark.nightly
@@ -35,7 +35,7 @@ def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():
 
         run_study(results, executor=executor, workers=count, progress=kill)
         assert len(workers) == 1
-    same(table_of(results), table_of(here))
+    same(results.to_table(), here.to_table())
 
 
 @pytest.mark.nightly
@@ -58,14 +58,14 @@ def test_a_lost_scheduler_ends_a_study_in_a_sentence_and_what_is_done_goes_on_el
     ("address", "words"),
     [("tcp://127.0.0.1:9", "does not answer within 0.5 s"), ("nowhere at all", "does not answer")],
 )
-def test_a_cluster_that_cannot_be_reached_is_told(monkeypatch, address, words):
+def test_a_cluster_that_cannot_be_reached_is_reported(monkeypatch, address, words):
     monkeypatch.setattr(module, "CONNECTING_S", 0.5)
     with pytest.raises(ClusterError, match=words), cluster(address):
         pass
 
 
 @pytest.mark.parametrize("count", [0, 1])
-def test_a_cluster_without_workers_is_told_before_the_study_and_in_it(monkeypatch, count):
+def test_a_cluster_without_workers_is_reported_before_the_study_and_in_it(monkeypatch, count):
     monkeypatch.setattr(module, "WAITING_S", 0.5)
     with (
         started_cluster(count) as (address, _scheduler, workers),
