@@ -1,5 +1,5 @@
 // A train driven by hand, cell by cell of its course, with the rules of the library: core/motion/cell_step, the account
-// of core/physics/account for a constant efficiency, and the train protection of core/simulation/by_hand.
+// of core/physics/account for a constant efficiency, and the train protection of core/simulation/manual.
 
 export const POWER = 0;
 export const COAST = 1;
@@ -83,7 +83,7 @@ export const with_cell = (course, sum, i, from2, to2, share = 1) => {
 
 export const net_energy = (sum) => sum.drawn - sum.returned + sum.auxiliary;
 
-// --- a run that is drawn: core/simulation/drawn, with the passes of core/motion/passes
+// --- a run that is drawn: core/simulation/manual, with the passes of core/motion/passes
 
 const HALVINGS = 60;
 // The force at the wheels [N] that leads from one square of speed to another in a cell; braking is negative.

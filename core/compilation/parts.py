@@ -28,7 +28,6 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.simulation.following import simulate_following
-from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
@@ -111,7 +110,8 @@ def drive_metro() -> None:
 def drive_regulators() -> None:
     """Use the kernels of the regulators of speed limits."""
     for regulator in ("coast", "literal"):
-        drive_under_limits(coarse(METRO), [45.0, 30.0], regulator)
+        limits = {"search.limits_kmh": [45.0, 30.0], "search.regulator": regulator}
+        run_strategy(prepare_task(coarse(METRO).replace(**limits)), "speed_limits")
 
 
 def drive_maps() -> None:

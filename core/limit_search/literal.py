@@ -1,22 +1,22 @@
-"""The printed regulator in steps of time: a relay with a dead zone whose effort changes at a limited rate.
+"""The literal regulator in steps of time: a relay with a dead zone whose effort changes at a limited rate.
 
 Below V - dV it asks for full effort, above V + dV for full braking, between them for none; (5) leaves out the half of
 that zone above V, where none is taken. Effort rises at the fastest rate up to a speed V_min and at a share of it above;
 it falls, and the brake rises, at the fastest (6). Between steps of time effort is constant, and speed is integrated by
-the fourth-order rule of Runge and Kutta. Where such a relay switches, and how often, depends on its step: steps
-of 0.1 s and of 0.002 s differ by some percent in energy.
+the fourth-order rule of Runge and Kutta. The switching of such a relay depends on its step: steps of 0.1 s and of
+0.002 s differ by some percent in energy.
 
-What the paper leaves open is that of a train that can be driven:
+The paper leaves these rules open; railjoule uses those of a train that can be driven:
 
 - The line's own limits are kept a dead zone below, for a relay swings about its mark by as much.
 - For them and for its stop the train brakes along the curve of `railjoule.core.limit_search.regulation`, which asks for
   no more than its brakes give at each speed and gradient. It begins once it would be above that curve after the time in
   which its effort falls to none, or in which it builds up the brake, and one step of time, for it decides once a step.
 - Efforts and accelerations stay within their limits.
-- A constant effort within the limits of the brake leads from the last step to rest at the end of the line. Where the
-  regulator comes too fast for that, there is no run.
+- A constant effort within the limits of the brake leads from the last step to rest at the end of the line. There is
+  no run if the regulator comes too fast for that.
 
-Source: Shtompel, Khvorost 2025, (2), (4)-(6); the rules above are ours.
+Source: Shtompel, Khvorost 2025, (2), (4)-(6).
 """
 
 import math
@@ -37,7 +37,7 @@ from railjoule.core.physics.resistance import running_resistance
 # more it brakes earlier where brakes are weak; where they are not, the deceleration asked for decides, and nothing
 # changes.
 BRAKE_RESERVE = 0.1
-"""Share of the brakes' efforts and of the vehicle's largest deceleration that the curve leaves, an option of ours."""
+"""Share of the brakes' efforts and of the vehicle's largest deceleration that the curve leaves; assumed."""
 # one comparison at the end would not do: the train is the fastest where it begins to slow down, and may come to rest
 # before the brake is built up
 RAMP_POINTS = 8
@@ -46,7 +46,7 @@ GOES_ON, ARRIVED, STANDS, OVERSHOOTS = range(4)
 
 
 class Relay(NamedTuple):
-    """How the printed regulator is set.
+    """Settings of the literal regulator.
 
     Parameters
     ----------
@@ -72,12 +72,12 @@ class Relay(NamedTuple):
 def literal_regulation(
     course: Course, stop_deceleration_ms2: float, dead_zone_ms: float
 ) -> tuple[Regulation, FloatArray]:
-    """Return what the line asks of the printed regulator, and its braking curve at the nodes [m2/s2].
+    """Return the line's limits for the literal regulator, and its braking curve at the nodes [m2/s2].
 
     Parameters
     ----------
     course : Course
-        What the train obeys.
+        Train and line.
     stop_deceleration_ms2 : float
         Of braking ahead [m/s2].
     dead_zone_ms : float
@@ -91,13 +91,13 @@ def literal_regulation(
         bound_speed2=np.maximum(np.sqrt(regulation.bound_speed2) - dead_zone_ms, 0.0) ** 2,
     )
     weaker = data._replace(braking=data.braking.lowered(BRAKE_RESERVE), friction_effort_n=left * data.friction_effort_n)
-    # no sections: for those the printed regulator does not brake ahead
+    # no sections: for those the literal regulator does not brake ahead
     curve, _ = braking_curves(weaker, regulation, np.empty(0), np.array([np.inf]))
     return regulation, curve
 
 
 class Motion(NamedTuple):
-    """Where a train is after a step of time.
+    """The state of a train after a step of time.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Motion(NamedTuple):
     braking : bool
         Whether the regulator follows the braking curve.
     request : int
-        What it requests: 1 driving, 0 none, -1 braking.
+        Requested effort: 1 driving, 0 none, -1 braking.
     cell, section : int
         In which the train is.
     """
@@ -122,7 +122,7 @@ class Motion(NamedTuple):
 
 @njit(cache=True)
 def _resisting_n(course: CourseData, number: int, speed: float) -> float:
-    """Return what resists the train in a cell [N]."""
+    """Return the resistance to the train in a cell [N]."""
     a, b, c = course.resistance_constant_n, course.resistance_linear, course.resistance_quadratic[number]
     resisting: float = course.line_force_n[number] + running_resistance(a, b, c, speed, speed * speed)
     return resisting
@@ -263,7 +263,7 @@ def _advance(
     relay: Relay,
     motion: Motion,
 ) -> tuple[Motion, int]:
-    """Return where a train is after a step of time, and whether it goes on from there or how the trip ends."""
+    """Return the state of a train after a step of time, and whether it goes on from there or how the trip ends."""
     place, speed, cell, section = motion.place_m, motion.speed_ms, motion.cell, motion.section
     while cell < regulation.top_speed2.shape[0] - 1 and regulation.position_m[cell + 1] <= place:
         cell += 1
@@ -307,12 +307,12 @@ def literal_trip(
     speed2: FloatArray,
     effort_n: FloatArray,
 ) -> tuple[int, float, int, int]:
-    """Drive once as printed; fill places [m] and squares of speed [m2/s2], one for each step of time that moves.
+    """Drive once with the relay; fill places [m] and squares of speed [m2/s2], one for each step of time that moves.
 
     Parameters
     ----------
     course, regulation : CourseData, Regulation
-        What the train obeys, and a regulator that does not brake ahead for sections.
+        Train and line, and a regulator that does not brake ahead for sections.
     curve_speed2 : array of shape (n + 1,)
         Squares of speed from which braking keeps the line's limits and stops, at the nodes [m2/s2].
     borders_m : array of shape (k - 1,)
@@ -322,7 +322,7 @@ def literal_trip(
     relay : Relay
         How the regulator is set.
     position_m, speed2, effort_n : array of shape (m,)
-        What is filled; efforts [N] of the steps that lead to the nodes.
+        Filled; efforts [N] of the steps that lead to the nodes.
 
     Returns
     -------

@@ -1,9 +1,9 @@
 """A task as a search for limits sees it, and one evaluation of it.
 
 The ideal regulators brake or coast within cells, so that every vector of limits has a factor with which its trip takes
-the allowed time. The printed relay has none that does so exactly: its time jumps by some hundredths of a second with
-its switches. Its vectors begin where the ideal regulator that brakes keeps the time, and are scaled by its own runs
-until one ends shortly before the window of (14) does.
+the allowed time. The literal regulator has none that does so exactly: its time jumps by some hundredths of a second
+with its switches. Its vectors begin where the ideal regulator that brakes keeps the time, and are scaled by its own
+runs until one ends shortly before the window of (14) does.
 
 Source: Shtompel, Khvorost 2025, (14), (15).
 """
@@ -11,6 +11,7 @@ Source: Shtompel, Khvorost 2025, (14), (15).
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -51,8 +52,32 @@ class Evaluation:
     energy_j: float
 
 
+class SetSpeedRun(NamedTuple):
+    """A run under set speeds of sections.
+
+    Parameters
+    ----------
+    course : Course
+        Over its own nodes, with its dwells.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    boundaries_m : array of shape (k - 1,)
+        Between them [m].
+    switches : int
+        Changes of the literal regulator between driving, no effort and braking; 0 with other regulators.
+    """
+
+    course: Course
+    speed2: FloatArray
+    limits_ms: FloatArray
+    boundaries_m: FloatArray
+    switches: int = 0
+
+
 RelayDrive = Callable[[FloatArray, FloatArray], tuple[float, float]]
-"""Time [s] and net energy at the line [J] of the printed relay's run under limits [m/s] with boundaries [m]."""
+"""Time [s] and net energy at the line [J] of the literal regulator's run under limits [m/s] with boundaries [m]."""
 WINDOW_END_SHARE = 1e-3
 """A run of the relay is late enough where it ends by less than this share of its time before the window does."""
 MOST_RELAY_RUNS = 8
@@ -63,7 +88,7 @@ STEEPEST, FLATTEST = 2.0, 0.2
 
 @dataclass(frozen=True, eq=False)
 class RelayRuns:
-    """Runs of the printed relay within a window of time.
+    """Runs of the literal regulator within a window of time.
 
     Parameters
     ----------
@@ -108,7 +133,7 @@ class LimitProblem:
     Parameters
     ----------
     course : Course
-        What the train obeys.
+        Train and line.
     regulation : Regulation
         The same for its regulator.
     least_ms, most_ms : float
@@ -116,7 +141,7 @@ class LimitProblem:
     running_time_s : float
         The longest time that a trip may take [s].
     relay : RelayRuns, optional
-        The printed relay, where vectors are judged by its runs.
+        The literal regulator, where vectors are judged by its runs.
     """
 
     course: Course
@@ -127,7 +152,7 @@ class LimitProblem:
     relay: RelayRuns | None = None
 
     def evaluate(self, stage: str, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
-        """Return what becomes of limits [m/s] and boundaries [m], scaled until the trip takes the allowed time."""
+        """Return the trip under limits [m/s] and boundaries [m], scaled until it takes the allowed time."""
         scaled, time, energy, _ = scale_to_time(
             self.course.data, self.regulation, boundaries_m, limits_ms, self.least_ms, self.most_ms, self.running_time_s
         )

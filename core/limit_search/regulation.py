@@ -1,8 +1,8 @@
-"""What a regulator obeys: the line's own limits and stops with the braking curves before them, and section limits.
+"""Limits for a regulator: those of line and stops with the braking curves before them, and set speeds of sections.
 
-Limits of sections hold for the front of the train. Those of the line are kept at any price, by braking ahead at a
-constant deceleration, no more than a braking curve of the vehicle has anywhere; a regulator that brakes keeps those of
-the sections alike, one that coasts does not brake for them.
+Set speeds hold for the front of the train. Limits of the line are kept in any case, by braking ahead at a constant
+deceleration, no more than a braking curve of the vehicle has anywhere; a regulator that brakes keeps the set speeds in
+the same way, a coasting one does not brake for them.
 """
 
 from typing import NamedTuple
@@ -45,7 +45,7 @@ class Regulation(NamedTuple):
 
 
 def regulation_of(course: Course, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
-    """Return what a course asks of a regulator that `brakes` for sections or coasts."""
+    """Return the limits of a course for a regulator that `brakes` for sections or coasts."""
     data = course.data
     bound = data.largest_speed2.copy()
     fixed = data.fixed_speed2 >= 0
@@ -79,9 +79,9 @@ def braking_curves(
     Parameters
     ----------
     course : CourseData
-        What the train obeys.
+        Train and line.
     regulation : Regulation
-        The same for a regulator.
+        Their limits for a regulator.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
     limits_ms : array of shape (k,)
@@ -98,7 +98,7 @@ def braking_curves(
     curve, fall = np.empty(n + 1), np.empty(n)
     curve[n] = regulation.bound_speed2[n]
     section = limits_ms.shape[0] - 1
-    # backwards, as what a place allows depends on what lies ahead alone
+    # backwards, as the speed at a place depends only on the limits ahead
     if regulation.brakes:
         curve[n] = min(curve[n], limits_ms[section] * limits_ms[section])
     for i in range(n - 1, -1, -1):

@@ -25,14 +25,14 @@ from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, Lim
 
 SAMPLES_PER_SECTION, MOST_SAMPLES = 64, 256
 REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS, STARTS = 60, 240, 2
-"""What a search may look at, options of ours for a search of less than a second; a test holds what it finds for two
-sections against 800 ratios of their limits."""
+"""Numbers of evaluations, chosen for a search of less than a second; a test compares its result for two sections with
+800 ratios of their limits."""
 RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
-"""Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of ours."""
+"""Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of railjoule."""
 # any number that no trip needs
 INFEASIBLE_J = 1e30
 RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
-"""Where the simplex ends, in logarithms of ratios and as a share of the energy."""
+"""Tolerances of the simplex, in logarithms of ratios and as a share of the energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class LimitSearch:
     evaluations : tuple of Evaluation
         Everything it looked at, in order.
     best : Evaluation
-        What costs least of it.
+        The one of least energy.
     runs : tuple of LimitSearch
         The searches of the inter-station runs, where each was searched by itself; the evaluations are then theirs.
     """

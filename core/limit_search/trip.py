@@ -7,7 +7,7 @@ is constant; a cell in which the regulator changes its effort is cut there, so t
 limits and borders. Its efforts may pass their limits by some thousandths in the cells that are cut, which a search does
 not mind; `railjoule.core.limit_search.whole_cells` makes a run of it.
 
-Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is ours.
+Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is railjoule's.
 """
 
 import math
@@ -85,7 +85,7 @@ def _next(
     end2: float,
     fall: float,
 ) -> tuple[float, float]:
-    """Return what share of a cell the regulator goes on as it does now, and the square of speed after it.
+    """Return the share of a cell in which the regulator keeps its control, and the square of speed after it.
 
     `wanted2` is the limit of the section, `top2` that of the line, `end2` the braking curve at the end of the cell.
     """
@@ -143,13 +143,13 @@ def trip(
     Parameters
     ----------
     course, regulation : CourseData, Regulation
-        What the train obeys.
+        Train and line, and their limits for the regulator.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
     limits_ms : array of shape (k,)
         Of the sections [m/s].
     position_m, speed2 : array of shape (m,)
-        What is filled; empty if nobody asks for it.
+        Filled; empty where they are not needed.
 
     Returns
     -------

@@ -1,1 +1,1 @@
-"""What happens when a plan meets reality."""
+"""Simulations of a plan under actual conditions: load, position errors, events, motor control, manual driving."""

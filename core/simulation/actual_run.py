@@ -1,9 +1,9 @@
 """The actual run: a plan that meets another load, a position error and events, and what each of them costs.
 
-The train follows its plan with the load that it has and its own estimate of its position, as in `following`. From the
-notice of its first event on it knows both, and goes on as in `disturbances`. The causes are added one after another in
-the order of CAUSES; each has the energy by which the run changes when it comes to those before it, so that they sum to
-the whole.
+The train follows its plan with its actual load and its own estimate of its position, as in `following`. Both are
+known from the notice of its first event on, and it goes on as in `disturbances`. The causes are added one after
+another in the order of CAUSES; each has the energy by which the run changes when it is added to those before it, so
+that they sum to the whole.
 """
 
 from collections.abc import Iterator
@@ -13,6 +13,7 @@ from typing import Literal, get_args
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance, Reaction
+from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulation.following import Following, follow, plan_for
 from railjoule.core.simulation.leg import leg_of
@@ -34,7 +35,7 @@ class Cause:
     name : str
         One of CAUSES.
     energy_j : float
-        What it adds to the causes before it; negative where it saves [J].
+        Energy beyond that of the causes before it; negative where it saves [J].
     """
 
     name: CauseName
@@ -48,7 +49,7 @@ class Cause:
 
 @dataclass(frozen=True, eq=False)
 class ActualRun:
-    """A plan and the run of the day.
+    """A plan and its actual run.
 
     Parameters
     ----------
@@ -57,15 +58,15 @@ class ActualRun:
     planned, actual : Trajectory
         The run as planned, and as driven.
     causes : tuple of Cause
-        Where the energy beyond the plan comes from, in the order of CAUSES; only what differs from the plan.
+        Sources of the energy beyond the plan, in the order of CAUSES; only those that differ from the plan.
     following : Following or None
         The run with its load and place before any event; None where nothing is followed.
     disturbed : DisturbedRun or None
         The run with its events; None where there are none.
     delay_s : float
-        Later arrival: than planned, or with events than the timetable says [s].
+        Delay of the arrival against the plan, with events against the timetable [s].
     notes : tuple of str
-        What could not be kept.
+        Sentences on stops, limits and windows that could not be kept.
     """
 
     scenario: Scenario
@@ -106,14 +107,14 @@ class ActualRun:
 
 
 def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Trajectory | None = None) -> ActualRun:
-    """Return what becomes of a scenario's plan under its disturbance, and what each cause adds.
+    """Return the actual run of a scenario's plan under its disturbance, and the energy that each cause adds.
 
     Parameters
     ----------
     scenario : Scenario
         With its disturbance: actual load, error of the place, resistance, line voltage, and events.
     reaction : str, optional
-        Who reacts to the events, in the place of what they say.
+        The one that reacts to the events, instead of their own `reaction`.
     planned : Trajectory, optional
         The plan, if it is known: that of `plan_of`.
 
@@ -127,17 +128,30 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     plan = planned or plan_of(scenario)
     run, following, disturbed = plan, None, None
     causes = []
-    for name, stage in _stages(scenario):
+    for name, disturbance, options in _stages(scenario):
         # differences of whole runs, each with one cause more: they sum to the whole by construction, but depend on
         # the order, as the causes work on one another
         before = run.energy.net_j
+        stage = scenario.model_copy(update={"disturbance": disturbance, "simulation": options})
         if name in {"stops", "events"}:
-            disturbed = _disturbed(stage, run if following is None else following.actual, following, reaction)
+            start = run if following is None else following.actual
+            if following is not None:
+                stage = _with_stops_made(stage, start, following)
+            disturbed = simulate_disturbances(stage, reaction, start)
             run = disturbed.actual
         else:
             following = follow(plan, stage)
             run = following.actual
         causes.append(Cause(name, run.energy.net_j - before))
+    delay_s = run.travel_time_s - plan.travel_time_s
+    notes: tuple[str, ...] = ()
+    if disturbed is not None:
+        delay_s = disturbed.delay_s
+        # against the timetable of the disturbed run; `delay_s` of this one includes the departure, and is shown as such
+        late = f"The train arrives {delay_s:.1f} s late."
+        notes = tuple(note for note in disturbed.notes if delay_s <= LATE_S or note != late)
+        if following is not None and scenario.simulation.target_braking:
+            notes = (*notes, FREE_REST)
     return ActualRun(
         scenario=scenario,
         planned=plan,
@@ -145,94 +159,60 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
         causes=tuple(causes),
         following=following,
         disturbed=None if disturbed is None else replace(disturbed, planned=plan),
-        delay_s=_delay_s(scenario, plan, run, disturbed),
-        notes=_notes(scenario, following, disturbed),
+        # nothing in a run depends on the time of day, so a later departure shifts all of it
+        delay_s=scenario.disturbance.departure_delay_s + delay_s,
+        notes=notes,
     )
 
 
 def plan_of(scenario: Scenario) -> Trajectory:
-    """Return the plan that a run starts from; errors as `railjoule.core.solve`.
+    """Return the plan at the start of a run; errors as `railjoule.core.solve`.
 
-    Where load or place are followed it keeps to the target braking curves as far as the scenario asks for them.
+    It keeps to the target braking curves of the scenario if load or position differ from the plan.
     """
-    if any(name not in {"stops", "events"} for name, _ in _stages(scenario)):
+    if any(name not in {"stops", "events"} for name, *_ in _stages(scenario)):
         return plan_for(scenario)
     return undisturbed_plan(scenario)
 
 
-def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Scenario]]:
-    """Yield each cause that differs from the plan with the scenario that has it and those before it."""
+def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Disturbance, SimulationOptions]]:
+    """Yield each cause that differs from the plan, with disturbance and options of it and those before it."""
     real, options = scenario.disturbance, scenario.simulation
-    # the load comes first, with a position measured well: what it costs is then the same with any odometer
+    # the load comes first, with a position measured well: its cost is then the same with any odometer
     load = real.actual_load_factor
     if load is not None and load != scenario.vehicle.load_factor:
-        measured_well = {"speed_error": 0.0, "sensor_errors_m": (0.0, 0.0, 0.0)}
-        well = scenario.model_copy(update={"simulation": options.model_copy(update=measured_well)})
-        yield "load", _with(well, Disturbance(actual_load_factor=load))
-    conditions = {"resistance_factor": real.resistance_factor, "line_voltage_factor": real.line_voltage_factor}
+        well = options.model_copy(update={"speed_error": 0.0, "sensor_errors_m": (0.0, 0.0, 0.0)})
+        yield "load", Disturbance(actual_load_factor=load), well
     followed = Disturbance(actual_load_factor=load, coordinate_error_m=real.coordinate_error_m)
     if real.coordinate_error_m != 0 or options.speed_error != 0 or any(options.sensor_errors_m):
-        yield "position", _with(scenario, followed)
+        yield "position", followed, options
+    factors = {"resistance_factor": real.resistance_factor, "line_voltage_factor": real.line_voltage_factor}
     has_other_rails = real.rail_condition not in {None, scenario.line.rail_condition}
-    if has_other_rails or any(factor != 1 for factor in conditions.values()):
-        conditions_now = {**conditions, "rail_condition": real.rail_condition}
-        yield "conditions", _with(scenario, followed.model_copy(update=conditions_now))
-    # from here on the place is that of the followed run
+    if has_other_rails or any(factor != 1 for factor in factors.values()):
+        yield "conditions", followed.model_copy(update={**factors, "rail_condition": real.rail_condition}), options
+    # from here on the position is that of the followed run
     known = real.model_copy(update={"coordinate_error_m": 0.0, "departure_delay_s": 0.0})
     if real.stops:
         nothing_else = {"speed_limits": (), "voltage_changes": (), "recuperation_changes": ()}
-        yield "stops", _with(scenario, known.model_copy(update=nothing_else))
+        yield "stops", known.model_copy(update=nothing_else), options
     if len(real.events) > len(real.stops):
-        yield "events", _with(scenario, known)
-
-
-def _with(scenario: Scenario, disturbance: Disturbance) -> Scenario:
-    return scenario.model_copy(update={"disturbance": disturbance})
-
-
-def _disturbed(
-    scenario: Scenario, driven: Trajectory, following: Following | None, reaction: Reaction | None
-) -> DisturbedRun:
-    """Return the run whose train drives another one until it learns of its events."""
-    if following is not None:
-        scenario = _with_stops_made(scenario, driven, following)
-    return simulate_disturbances(scenario, reaction, driven)
+        yield "events", known, options
 
 
 def _with_stops_made(scenario: Scenario, driven: Trajectory, following: Following) -> Scenario:
     """Return a scenario whose stations passed before the first notice lie where the train stood for them.
 
-    A train that stood short of a station would else stop there again once it knows its place.
+    A train that stood short of a station would otherwise stop there again once its position is known.
     """
     leg, line = leg_of(driven), scenario.line.in_running_order()
-    notices = [
+    noticed_m = min(
         leg.place_at(event.noticed_at_s) if event.noticed_at_s is not None else event.noticed_at_m or 0.0
         for event in scenario.disturbance.events
-    ]
-    inner, errors = line.inner_stations, following.stop_errors_m
-    made = {
-        station.position_m: station.position_m + error
-        for station, error in zip(inner, errors, strict=False)
-        if station.position_m + error <= min(notices)
-    }
+    )
+    errors = dict(zip((one.position_m for one in line.inner_stations), following.stop_errors_m, strict=False))
+    made = {place: place + error for place, error in errors.items() if place + error <= noticed_m}
     stations = tuple(
         station.model_copy(update={"position_m": made.get(station.position_m, station.position_m)})
         for station in line.stations
     )
     return scenario.model_copy(update={"line": line.model_copy(update={"stations": stations})})
-
-
-def _delay_s(scenario: Scenario, plan: Trajectory, run: Trajectory, disturbed: DisturbedRun | None) -> float:
-    # nothing in a run depends on the time of day, so a later departure shifts all of it
-    late = scenario.disturbance.departure_delay_s
-    return late + (disturbed.delay_s if disturbed is not None else run.travel_time_s - plan.travel_time_s)
-
-
-def _notes(scenario: Scenario, following: Following | None, disturbed: DisturbedRun | None) -> tuple[str, ...]:
-    """Return what could not be kept; the delay is a number of its own."""
-    if disturbed is None:
-        return ()
-    # against the timetable of the disturbed run; `delay_s` of this one counts the departure too, and is shown as such
-    late = f"The train arrives {disturbed.delay_s:.1f} s late."
-    kept = tuple(note for note in disturbed.notes if disturbed.delay_s <= LATE_S or note != late)
-    return (*kept, FREE_REST) if following is not None and scenario.simulation.target_braking else kept

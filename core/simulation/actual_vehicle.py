@@ -1,4 +1,4 @@
-"""The vehicle of the day: its actual load, its running resistance, and the line voltage and rails that it finds."""
+"""The actual vehicle: its load and running resistance, and the supply voltage and rails under actual conditions."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadrati
 
 
 def actual_vehicle(scenario: Scenario) -> Scenario:
-    """Return a scenario whose vehicle and rails are as its disturbance says.
+    """Return a scenario with the vehicle and rails of its disturbance.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
     factor, and so do the speeds of a tabulated curve of effort and the voltage of induction and synchronous motors.
@@ -95,5 +95,5 @@ def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
 
 
 def notes_on(scenario: Scenario) -> tuple[str, ...]:
-    """Return what a scenario's disturbance asks for and its vehicle does not know."""
+    """Return sentences on the parts of a disturbance that have no effect on the vehicle."""
     return voltage_notes(scenario.vehicle) if scenario.disturbance.line_voltage_factor != 1 else ()

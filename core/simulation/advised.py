@@ -1,10 +1,10 @@
-"""A driver who does what the advice says, and nothing else: open loop, without a look at the run or the clock.
+"""A driver who only follows the advice: open loop, without observing the run or the clock.
 
-He knows his train and his line as a driver does, so he can hold a speed, change it steadily, and set his brake so that
-he comes to a speed at a place. He knows nothing of the run: all numbers are those of the instructions, as printed.
+The driver is familiar with train and line, so he can hold a speed, change it steadily, and set the brake for a speed at
+a position. All numbers are those of the instructions, as printed; the run itself is unknown to him.
 
-- Full power: all the power that the train has, until the speed is reached, which he then keeps until the next
-  instruction; coasting begins at once.
+- Full power: all the power that the train has, until the speed is reached, which the driver then keeps until the next
+  instruction; coasting begins immediately.
 - Part power: a steady change of speed squared to the speed at the place.
 - Hold: the speed, by power or brakes; what differs from it fades within metres. By turns: the power named up to the
   upper speed, then coasting down to the lower one.
@@ -12,7 +12,7 @@ he comes to a speed at a place. He knows nothing of the run: all numbers are tho
   lets no train come to a stand elsewhere: slower than creeping he holds his speed.
 - Brake: a steady change of speed squared, as with part power. Fully: nearly all that the brakes have, one fraction of
   it set once where it begins, so that the speed is reached at the place.
-- Stand: as long as it says.
+- Stand: for the time of the instruction.
 """
 
 import math
@@ -57,7 +57,7 @@ STANDING_MS = 1e-3
 class Orders(NamedTuple):
     """Instructions for a moving train as arrays of shape (m,); speeds in m/s, what one does not name is not a number.
 
-    `begins_m` is infinite where the speed of full power tells when it begins.
+    `begins_m` is infinite if it begins when the speed of full power is reached.
     """
 
     action: IntArray
@@ -110,7 +110,7 @@ def drive_advice(
 
 
 def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
-    """Return nodes [m] a metre apart, at all places of line and advice, and closer at the stops."""
+    """Return nodes [m] at distances of a metre, at all places of line and advice, and closer at the stops."""
     line = scenario.line.in_running_order()
     stops = [0.0, *(station.position_m for station in line.inner_stations), line.length_m]
     named = [place for order in advice for place in (order.from_m, order.at_m) if place is not None]
@@ -155,7 +155,7 @@ def drive_cells(
     Parameters
     ----------
     course : CourseData
-        What the train obeys.
+        Train and line.
     position_m : array of shape (n + 1,)
         Nodes of the course [m], all places of the orders among them.
     orders : Orders
@@ -224,7 +224,7 @@ def _driven(
     switched: bool,
     braking: float,
 ) -> tuple[float, float, bool]:
-    """Return what a cell, or the part of it until power is switched, is left with.
+    """Return the speed at the end of a cell, or of its part until power is switched.
 
     Returns
     -------

@@ -3,9 +3,9 @@
 Reactions, as defined for Rawicki's unplanned stops:
 
 driver
-    He holds his speed, or coasts on if he was coasting, and brakes fully to stop where he must; before a limit he
-    keeps to the plan. After that the rest is planned again. Another voltage or recuperation he does not know of: he
-    keeps to the plan as far as the train can.
+    The driver holds the speed or keeps coasting, and brakes fully for the stop; before a limit he keeps to the plan.
+    After that the rest is planned again. He does not notice another voltage or recuperation, and keeps to the plan as
+    far as the train can.
 computer
     From the notice on, all of the rest is planned again, the division of time between its parts included.
 known
@@ -23,6 +23,7 @@ import numpy as np
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.motion import build_course
+from railjoule.core.motion.driving import STANDING_SPEED2, braking_envelope, drive
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
     Event,
@@ -32,18 +33,13 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, notes_on, voltage_notes
-from railjoule.core.simulation.driver import STANDING_SPEED2, braking_envelope, held_speed
-from railjoule.core.simulation.following import follow_cells
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, joined, leg_of
+from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
 from railjoule.core.simulation.replanning import Replanner, dwell_at_end
 from railjoule.core.simulation.train_state import (
     State,
-    allowed_time_s,
     event_words,
-    is_foreseeable,
     knowing,
     nodes_ahead,
-    replace_line,
     require_events_on_the_line,
 )
 from railjoule.core.strategies import run_strategy
@@ -53,6 +49,8 @@ from railjoule.core.units import MS_PER_KMH
 
 # A later arrival than this is mentioned; less is what the solvers leave of a timetable.
 LATE_S = 0.05
+FORESEEABLE = (UnplannedStop, UnplannedLimit)
+"""Events that a plan can take into account before they begin."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +60,13 @@ class DisturbedRun:
     Parameters
     ----------
     planned, actual : Trajectory
-        The plan of a train that knows of nothing, and the run.
+        The plan without the events, and the run.
     allowed_time_s : float
         Time that the timetable gives [s].
     notices : tuple of (float, float, str)
-        Where [m] and when [s] the train learned of what.
+        Position [m], time [s] and description of each notice.
     notes : tuple of str
-        What could not be kept.
+        Sentences on stops, limits and windows that could not be kept.
     """
 
     planned: Trajectory
@@ -94,7 +92,7 @@ class DisturbedRun:
 
 
 def undisturbed_plan(scenario: Scenario) -> Trajectory:
-    """Return the plan of a train that knows of no event; errors as `railjoule.core.solve`."""
+    """Return the plan without events; errors as `railjoule.core.solve`."""
     unknowing = unknowing_scenario(scenario)
     return run_strategy(prepare_task(unknowing), unknowing.strategy)
 
@@ -109,7 +107,7 @@ def simulate_disturbances(
     scenario : Scenario
         With its disturbance.
     reaction : str, optional
-        Who reacts, in the place of what the events say.
+        The one that reacts, instead of the `reaction` of the events.
     planned : Trajectory, optional
         The undisturbed plan, if it is known.
 
@@ -125,11 +123,11 @@ def simulate_disturbances(
 
 def unknowing_scenario(scenario: Scenario) -> Scenario:
     """Return a scenario in running order with the train as it is, nothing known of its events."""
-    return actual_vehicle(replace_line(scenario, scenario.line.in_running_order()))
+    return actual_vehicle(scenario.model_copy(update={"line": scenario.line.in_running_order()}))
 
 
 class _Simulation:
-    """One run while it is driven: what is known, what has been driven, what could not be kept."""
+    """One run while it is driven: events, driven legs, notes."""
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
         require_events_on_the_line(scenario)
@@ -138,14 +136,16 @@ class _Simulation:
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
         self.notices: list[tuple[float, float, str]] = []
         voltages = any(isinstance(event, VoltageChange) for event in events)
-        self.replanner = Replanner(allowed_time_s(scenario))
+        self.replanner = Replanner(scenario.travel_time_s + scenario.disturbance.accepted_delay_s)
         self.notes = self.replanner.notes
         self.notes += voltage_notes(scenario.vehicle) if voltages else notes_on(scenario)
-        self.driven: list[Leg] = []
+        self.driven: tuple[Leg, ...] = ()
 
     def run(self, planned: Trajectory) -> DisturbedRun:
-        """Drive it, with the plan of a train that knows of nothing."""
-        before = [event for event in self.events if event.reaction == "known" and is_foreseeable(event)]
+        """Drive it, with the plan without events."""
+        before: list[Event] = [
+            event for event in self.events if event.reaction == "known" and isinstance(event, FORESEEABLE)
+        ]
         # by identity: two events may be equal in all their numbers
         ahead = [event for event in self.events if not any(event is other for other in before)]
         state = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, self.unknowing)
@@ -159,70 +159,58 @@ class _Simulation:
             place, event = notice
             ahead = [other for other in ahead if other is not event]
             driven = plan.until(place)
-            self._drive(driven)
+            self.driven = append_leg(self.driven, driven)
             state = State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
             self.notices.append((place, state.time_s, event_words(event)))
             plan = self._react(plan, state, event)
             state = replace(state, scenario=plan.scenario)
-        self._drive(plan)
+        self.driven = append_leg(self.driven, plan)
         final = self.driven[-1].scenario.model_copy(update={"timetable": self.scenario.timetable})
-        actual = joined(self.driven, final, planned.strategy)
+        actual = join_legs(self.driven, final, planned.strategy)
         allowed = self.scenario.travel_time_s
         delay = actual.travel_time_s - allowed
         if delay > self.scenario.disturbance.accepted_delay_s + LATE_S:
             self.notes.append(f"The train arrives {delay:.1f} s late.")
         return DisturbedRun(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
-    def _drive(self, leg: Leg) -> None:
-        if len(leg.position_m) > 1:
-            self.driven.append(leg)
-        elif self.driven and leg.dwell_s[-1] > 0:
-            last = self.driven[-1]
-            dwell = last.dwell_s.copy()
-            dwell[-1] += leg.dwell_s[-1]
-            self.driven[-1] = replace(last, dwell_s=dwell)
-
     def _next_notice(self, plan: Leg, state: State, ahead: Sequence[Event]) -> tuple[float, Event] | None:
-        """Return where the next event becomes known on a plan, and which; None if none does before its end."""
+        """Return position and event of the next notice on a plan; None if there is none before its end."""
         found: list[tuple[float, int]] = []
         for number, event in enumerate(ahead):
-            if event.noticed_at_s is not None:
-                since = event.noticed_at_s - state.time_s
-                if since <= plan.duration_s:
-                    found.append((plan.place_at(max(since, 0.0)), number))
-            else:
+            if event.noticed_at_s is None:
                 found.append((max(event.noticed_at_m or 0.0, state.position_m), number))
-        inside = [one for one in found if one[0] < plan.position_m[-1] - SAME_PLACE_M]
-        if not inside:
-            return None
-        place, number = min(inside)
-        return place, ahead[number]
+            elif event.noticed_at_s - state.time_s <= plan.duration_s:
+                found.append((plan.place_at(max(event.noticed_at_s - state.time_s, 0.0)), number))
+        place, number = min(found, default=(np.inf, 0))
+        return (place, ahead[number]) if place < plan.position_m[-1] - SAME_PLACE_M else None
 
     def _react(self, plan: Leg, state: State, event: Event) -> Leg:
-        """Return the leg from a state to the end, as the one who reacts to an event drives it."""
+        """Return the leg from a state to the end, as driver or computer react to an event."""
         informed = knowing(state, event, self.unknowing.vehicle)
         if event.reaction != "driver":
             return self.replanner.plan(informed)
         rest = plan.beyond(state.position_m)
         if isinstance(event, UnplannedStop):
-            return self._stop_by_hand(rest, informed, event)
+            return self._stop_by_driver(rest, informed, event)
         if isinstance(event, UnplannedLimit):
-            return self._slow_by_hand(rest, informed, event)
+            return self._slow_by_driver(rest, informed, event)
         return _kept(rest, informed)
 
-    def _stop_by_hand(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
+    def _stop_by_driver(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
         nodes = nodes_ahead(state, stop.position_m)
         course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
         envelope = braking_envelope(course)
-        # too fast even for full braking: the replanning knows what to do then
+        # too fast even for full braking: the replanning handles that
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self.replanner.plan(state)
         # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
         moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * course.data.traction.constant_n
         if moves_steadily:
-            target2 = held_speed(course.data, state.speed2, abs(effort) <= 1e-6 * course.data.traction.constant_n)
+            is_coasting = abs(effort) <= 1e-6 * course.data.traction.constant_n
+            held2 = np.full(len(nodes), 0.0 if is_coasting else state.speed2)
+            target2, _ = drive(course.data, held2, state.speed2, coasts=np.full(len(nodes) - 1, is_coasting))
         else:
             target2 = np.interp(nodes, rest.position_m, rest.speed2)
         # only the braking before the stop cuts it: full braking, as a driver who is surprised does
@@ -234,7 +222,7 @@ class _Simulation:
         leg = Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stop.duration_s))
         return self.replanner.drive_and_plan(leg, state)
 
-    def _slow_by_hand(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
+    def _slow_by_driver(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
         # a leg ends at its first stop, as its course has no dwell within
         end = min(limit.to_m, float(rest.position_m[-1]))
@@ -249,7 +237,7 @@ class _Simulation:
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self.replanner.plan(state)
         target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
-        speed2, _ = follow_cells(course.data, target2, 0.0, state.speed2)
+        speed2, _ = drive(course.data, target2, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
         return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
 
@@ -262,7 +250,7 @@ def _kept(rest: Leg, state: State) -> Leg:
     for last in dict.fromkeys(ends):
         if last > first:
             course = build_course(state.scenario, position_m=rest.position_m[first : last + 1])
-            driven, stand = follow_cells(course.data, rest.speed2[first : last + 1], 0.0, float(speed2[first]))
+            driven, stand = drive(course.data, rest.speed2[first : last + 1], float(speed2[first]))
             if stand >= 0:
                 raise InfeasibleLineError(f"At {course.position_m[stand]:.0f} m the train comes to a stand.")
             speed2[first : last + 1] = driven

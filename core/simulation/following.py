@@ -6,48 +6,81 @@ position, L the response length. On the plan it stays there, beside it it comes 
 the effort that this needs as long as the real train has it. Within the launch, until the plan's first acceleration
 ends, it follows the faster of the plan at the estimated position and the plan at the distance covered, as a train
 that estimates to stand before its station would otherwise never start.
+
+The position is measured with errors, and sensors correct it before the stop: D1 sets it; from D1 to D2 the measured
+distance is compared with the known one, which calibrates speed and distance from there on; D3 sets it again.
 """
 
 import math
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import Course, build_course
-from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
+from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
-from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells, train_of
+from railjoule.core.physics.course_data import data_between
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
-from railjoule.core.simulation.driver import STANDING_SPEED2
 from railjoule.core.simulation.leg import leg_of
-from railjoule.core.simulation.odometer import Stretch, estimated_positions, stopping_position, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import N_PER_KN
 
+Position = TypeVar("Position", float, FloatArray)
 # Cells beyond a stop that the brakes did not reach, and how many: 10 km, more than any brake that works needs. A
 # shorter cell only refines where it stands, which is found within the last one anyway.
 OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000
 
 
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a course between two sensors: the estimate is `estimated_m` + `scale` (position - `from_m`).
+
+    Parameters
+    ----------
+    from_m : float
+        Its begin [m].
+    estimated_m : float
+        Estimated position there [m].
+    scale : float
+        Measured speed over the true one.
+    sensor : str
+        Which sensor it begins at: D1, D2, D3; empty at a start.
+    """
+
+    from_m: float
+    estimated_m: float
+    scale: float
+    sensor: str = ""
+
+    def estimated(self, position_m: Position) -> Position:
+        """Return the estimated position [m] at a true one [m]."""
+        return self.estimated_m + self.scale * (position_m - self.from_m)
+
+    def true(self, estimated_m: Position) -> Position:
+        """Return the true position [m] of an estimated one [m]."""
+        return self.from_m + (estimated_m - self.estimated_m) / self.scale
+
+
 @dataclass(frozen=True, eq=False)
 class Following:
-    """A plan and what became of it.
+    """A plan and the run of a train that followed it.
 
     Parameters
     ----------
     planned, actual : Trajectory
         The run as planned, and as driven.
     stop_errors_m : tuple of float
-        How far beyond each stop the train came to stand [m].
+        Overshoot at each stop, negative where the train stops short [m].
     courses : tuple of list of Stretch
-        Where the train estimated to be between one stop and the next.
+        Estimated positions between one stop and the next.
     departure_delay_s : float
         How much later than planned it left [s].
     """
@@ -91,7 +124,7 @@ def plan_for(scenario: Scenario) -> Trajectory:
 
 
 def plan_knowing_load(scenario: Scenario, load_factor: float) -> Trajectory | None:
-    """Return the plan of a train that knows its load, or None if there is none."""
+    """Return the plan with the actual load, or None if there is none."""
     known = scenario.model_copy(update={"vehicle": changed(scenario.vehicle, load_factor=load_factor)})
     try:
         return plan_for(known)
@@ -119,13 +152,13 @@ def plannable_task(scenario: Scenario) -> Task:
 
 
 def stops_of(scenario: Scenario) -> list[float]:
-    """Return where a run stops, its end included [m]."""
+    """Return the stops of a run, its end included [m]."""
     line = scenario.line.in_running_order()
     return [*(station.position_m for station in line.inner_stations), line.length_m]
 
 
 def follow(planned: Trajectory, scenario: Scenario) -> Following:
-    """Return what becomes of a plan under the disturbance of a scenario.
+    """Return the run of a train that follows a plan under the disturbance of a scenario.
 
     Parameters
     ----------
@@ -201,14 +234,14 @@ def _drive_leg(
     # a leg begins and ends at rest but where the plan itself enters or leaves the line in motion
     target2[[0, -1]] = plan2[[0, -1]]
     course = build_course(real, position_m=nodes)
-    speed2, stand = follow_cells(course.data, target2, real.simulation.response_length_m, float(plan2[0]))
+    speed2, stand = drive(course.data, target2, float(plan2[0]), response_m=real.simulation.response_length_m)
     if stand >= 0:
-        raise InfeasibleLineError(_stand_sentence(course, stand))
+        raise InfeasibleLineError(_stand_reason(course, stand))
     arrives = speed2[-1] <= STANDING_SPEED2 or plan2[-1] > STANDING_SPEED2
     return (nodes, speed2) if arrives else _overrun(nodes, speed2, real)
 
 
-def _stand_sentence(course: Course, node: int) -> str:
+def _stand_reason(course: Course, node: int) -> str:
     """Return why a train comes to a stand at a node."""
     cell = node - 1
     needed = course.gradient_force_n[cell] + course.curve_force_n[cell] + course.data.resistance_constant_n
@@ -248,60 +281,65 @@ def _launch_end(planned: Trajectory, plan_m: FloatArray, plan2: FloatArray) -> i
 
 
 def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[FloatArray, FloatArray]:
-    """Go on braking beyond a stop that the brakes did not reach."""
-    beyond = nodes[-1] + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
-    further = build_course(real, position_m=np.concatenate([nodes[-2:], beyond]))
+    """Return a leg and full braking beyond a stop that the brakes did not reach."""
+    stop = nodes[-1]
+    beyond = stop + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
     # the first cell is the last one of the leg, so that gradients and limits go on from there
-    data, speeds = further.data, [float(speed2[-1])]
-    for cell in range(1, len(beyond)):
-        after = exit_speed2(cell_of(data, cell), train_of(data), data.traction, data.braking, speeds[-1], FULL_BRAKE)
-        if after <= 0:
-            last = OVERRUN_CELL_M * speeds[-1] / (speeds[-1] - after)
-            ends = [*beyond[: cell - 1], (beyond[cell - 2] if cell > 1 else nodes[-1]) + last]
-            return np.concatenate([nodes, ends]), np.concatenate([speed2, speeds[1:], [0.0]])
-        speeds.append(after)
-    raise InfeasibleLineError(f"Beyond {nodes[-1]:.0f} m the brakes of the train with its actual load cannot stop it.")
+    data = build_course(real, position_m=np.concatenate([nodes[-2:], beyond])).data
+    braked2, distance = brake_fully(data_between(data, 1, len(beyond)), float(speed2[-1]))
+    if math.isnan(distance):
+        raise InfeasibleLineError(f"Beyond {stop:.0f} m the brakes of the train with its actual load cannot stop it.")
+    passed = beyond[beyond < stop + distance]
+    ends = np.append(passed, stop + distance)
+    return np.append(nodes, ends), np.concatenate([speed2, braked2[1 : len(passed) + 1], [0.0]])
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def follow_cells(
-    course: CourseData, target_speed2: FloatArray, response_length_m: float, initial_speed2: float = 0.0
-) -> tuple[FloatArray, int]:
-    """Return the squares of speed of a train that follows others, and the node where it comes to a stand.
+def stretches(start_m: float, stop_m: float, coordinate_error_m: float, options: SimulationOptions) -> list[Stretch]:
+    """Return the stretches of the course from one stop to the next, in order.
 
     Parameters
     ----------
-    course : CourseData
-        What the real train obeys.
-    target_speed2 : array of shape (n + 1,)
-        Squares of speed to follow [m2/s2].
-    response_length_m : float
-        Over this length an error falls to 1/e [m].
-    initial_speed2 : float
-        Square of speed at the first node [m2/s2].
-
-    Returns
-    -------
-    speed2 : array of shape (n + 1,)
-        Squares of speed [m2/s2].
-    stand : int
-        The node at which the train stands before its end; -1 if it does not.
+    start_m, stop_m : float
+        Start of the train, and its stop [m].
+    coordinate_error_m : float
+        How much further on the train estimates to be at its start [m].
+    options : SimulationOptions
+        Sensors and errors of measurement.
     """
-    n = course.cell_length_m.shape[0]
-    train, traction, braking, _ = shared_by_cells(course)
-    speed2 = np.zeros(n + 1)
-    speed2[0] = initial_speed2
-    for i in range(n):
-        cell = cell_of(course, i)
-        # without a response length the error is gone at the next node
-        remaining = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
-        request = target_speed2[i + 1] + (speed2[i] - target_speed2[i]) * remaining if i < n - 1 else target_speed2[n]
-        # after a sensor has moved the estimate back, an error below the plan can exceed its last metres per second
-        if request <= 0.0:
-            request = target_speed2[i + 1]
-        top = exit_speed2(cell, train, traction, braking, speed2[i], FULL_TRACTION)
-        low = exit_speed2(cell, train, traction, braking, speed2[i], FULL_BRAKE)
-        speed2[i + 1] = min(max(request, low, 0.0), top)
-        if speed2[i + 1] <= 0.0 and i < n - 1:
-            return speed2, i + 1
-    return speed2, -1
+    measured = 1.0 + options.speed_error
+    # sensors belong to the target braking: without it the train drives to its stop on its own estimate
+    course = [Stretch(start_m, start_m + coordinate_error_m, measured)]
+    if not options.target_braking:
+        return course
+    errors, reset, calibration = options.sensor_errors_m, options.reset_sensor_m, options.calibration_length_m
+    scale = measured
+    if reset is not None and stop_m - reset + errors[0] > start_m:
+        first = stop_m - reset + errors[0]
+        course.append(Stretch(first, stop_m - reset, scale, "D1"))
+        # D2 calibrates only a train that comes to it after D1: errors of the sensors may reverse their order
+        second = stop_m - reset + (calibration or 0.0) + errors[1]
+        if calibration is not None and second > first:
+            # what the distance between the sensors should measure, over what it measured
+            scale *= calibration / (measured * (second - first))
+            course.append(Stretch(second, course[-1].estimated(second), scale, "D2"))
+    if options.stop_sensor_m is not None and stop_m - options.stop_sensor_m + errors[2] > course[-1].from_m:
+        course.append(Stretch(stop_m - options.stop_sensor_m + errors[2], stop_m - options.stop_sensor_m, scale, "D3"))
+    return course
+
+
+def stopping_position(course: list[Stretch], stop_m: float) -> float:
+    """Return the position of a train whose estimate is the stop [m]: after the last sensor that it passes."""
+    for stretch, after in zip(course, [*course[1:], None], strict=True):
+        position = stretch.true(stop_m)
+        if after is None or position <= after.from_m:
+            return position
+    raise AssertionError("the last stretch has no end")
+
+
+def estimated_positions(course: list[Stretch], position_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the estimated positions [m] and the scales of the measured speed at true positions [m]; as many."""
+    starts = np.array([stretch.from_m for stretch in course])
+    index = np.clip(np.searchsorted(starts, position_m, side="right") - 1, 0, len(course) - 1)
+    offset = np.array([stretch.estimated_m for stretch in course])[index]
+    scale = np.array([stretch.scale for stretch in course])[index]
+    return offset + scale * (position_m - starts[index]), scale

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,18 @@ from railjoule.core.trajectory import Trajectory, make_trajectory
 # Nodes closer than this are one: positions of events and stations come through several sums, and a cell so short would
 # be all rounding.
 SAME_PLACE_M = 1e-6
+CELL_FIELDS = (
+    "tractive_effort_n",
+    "electric_braking_n",
+    "friction_braking_n",
+    "largest_effort_n",
+    "largest_braking_n",
+    "line_power_w",
+    "current_a",
+    "line_current_a",
+    "gradient_permille",
+)
+"""Fields of a trajectory with one value a cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +63,7 @@ class Leg:
         return float(self.arrival_s[-1] + self.dwell_s[-1])
 
     def place_at(self, time_s: float) -> float:
-        """Return where the train is at a time from the leg's start [m]; in a dwell, where it stands."""
+        """Return the position of the train at a time from the leg's start [m]."""
         arrival = self.arrival_s
         node = int(np.searchsorted(arrival, time_s, side="right")) - 1
         if node >= len(arrival) - 1:
@@ -69,24 +82,20 @@ class Leg:
 
     def until(self, place_m: float) -> "Leg":
         """Return the part up to a place [m], its dwell there included."""
-        last = int(np.searchsorted(self.position_m, place_m + SAME_PLACE_M, side="right")) - 1
-        if place_m - self.position_m[last] <= SAME_PLACE_M:
-            return replace(
-                self,
-                position_m=self.position_m[: last + 1],
-                speed2=self.speed2[: last + 1],
-                dwell_s=self.dwell_s[: last + 1],
-            )
+        count = int(np.searchsorted(self.position_m, place_m + SAME_PLACE_M, side="right"))
+        nodes = Leg(self.scenario, self.position_m[:count], self.speed2[:count], self.dwell_s[:count])
+        if place_m - nodes.position_m[-1] <= SAME_PLACE_M:
+            return nodes
         speed2 = np.interp(place_m, self.position_m, self.speed2)
-        return replace(
-            self,
-            position_m=np.append(self.position_m[: last + 1], place_m),
-            speed2=np.append(self.speed2[: last + 1], speed2),
-            dwell_s=np.append(self.dwell_s[: last + 1], 0.0),
+        return Leg(
+            self.scenario,
+            np.append(nodes.position_m, place_m),
+            np.append(nodes.speed2, speed2),
+            np.append(nodes.dwell_s, 0.0),
         )
 
     def beyond(self, place_m: float) -> "Leg":
-        """Return what is left of it from a place [m] on, without the dwell there."""
+        """Return the part from a place [m] on, without the dwell there."""
         beyond = self.position_m > place_m + SAME_PLACE_M
         return replace(
             self,
@@ -129,35 +138,37 @@ def leg_of(run: Trajectory) -> Leg:
     return Leg(run.scenario, run.position_m[kept], run.speed_ms[kept] ** 2, dwell[kept])
 
 
-def joined(legs: Sequence[Leg], scenario: Scenario, strategy: str) -> Trajectory:
+def append_leg(legs: Sequence[Leg], leg: Leg) -> tuple[Leg, ...]:
+    """Return legs and one more; one without length adds its dwell to the last."""
+    if len(leg.position_m) > 1:
+        return (*legs, leg)
+    if not legs or leg.dwell_s[-1] <= 0:
+        return tuple(legs)
+    last = legs[-1]
+    longer = replace(last, dwell_s=np.append(last.dwell_s[:-1], last.dwell_s[-1] + leg.dwell_s[-1]))
+    return (*legs[:-1], longer)
+
+
+def join_legs(legs: Sequence[Leg], scenario: Scenario, strategy: str) -> Trajectory:
     """Return one trajectory of legs that follow one another, whose vehicles may differ."""
-    whole = reduce(_two_joined, (leg.trajectory(strategy) for leg in legs))
+    whole = reduce(_join_two, (leg.trajectory(strategy) for leg in legs))
     return replace(whole, scenario=scenario)
 
 
-def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
+def _join_two(one: Trajectory, other: Trajectory) -> Trajectory:
     """Return two trajectories as one; the second begins where and when the first ends."""
-
-    def cells(name: str) -> FloatArray:
-        return frozen_array(np.append(getattr(one, name), getattr(other, name)))
-
+    pairs = {name: (getattr(one, name), getattr(other, name)) for name in CELL_FIELDS}
     # a drive without a current on one side leaves none for the whole: half a curve would look like zero
-    has_current = one.current_a is not None and other.current_a is not None
-    has_line_current = one.line_current_a is not None and other.line_current_a is not None
+    cells: dict[str, Any] = {
+        name: None if pair[0] is None or pair[1] is None else frozen_array(np.append(*pair))
+        for name, pair in pairs.items()
+    }
     return replace(
         one,
         position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
         speed_ms=frozen_array(np.append(one.speed_ms, other.speed_ms[1:])),
         time_s=frozen_array(np.append(one.time_s, one.time_s[-1] + other.time_s[1:])),
         line_energy_j=frozen_array(np.append(one.line_energy_j, one.line_energy_j[-1] + other.line_energy_j[1:])),
-        tractive_effort_n=cells("tractive_effort_n"),
-        electric_braking_n=cells("electric_braking_n"),
-        friction_braking_n=cells("friction_braking_n"),
-        largest_effort_n=cells("largest_effort_n"),
-        largest_braking_n=cells("largest_braking_n"),
-        line_power_w=cells("line_power_w"),
-        current_a=cells("current_a") if has_current else None,
-        line_current_a=cells("line_current_a") if has_line_current else None,
-        gradient_permille=cells("gradient_permille"),
         energy=total_energy([one.energy, other.energy]),
+        **cells,
     )

@@ -1,7 +1,7 @@
-"""A run that plays: events are set while the train drives, and the rest is planned again from its state.
+"""A live run: events are set while the train drives, and the rest is planned again from its state.
 
 The train keeps to its plan until something is set; each function returns a new `LiveRun` and changes none. An on-board
-computer has little time for a plan, so that a plan ahead is made by `railjoule.core.simulation.quick_plan`.
+computer has little time for a plan, so that a plan ahead is made by `railjoule.core.simulation.replanning`.
 
 A red signal is a stop whose end is known, or open until it is cleared. The plan expects an open one to stay red for as
 long as the stop lasts; once that has passed, for as long again.
@@ -15,6 +15,7 @@ import numpy as np
 
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.motion import build_course
+from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
     Disturbance,
@@ -30,12 +31,10 @@ from railjoule.core.simulation.disturbances import (
     undisturbed_plan,
     unknowing_scenario,
 )
-from railjoule.core.simulation.driver import STANDING_SPEED2, fully_braked
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, joined, leg_of
-from railjoule.core.simulation.quick_plan import plan_quickly, strategy_for_all_lines
+from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
+from railjoule.core.simulation.replanning import plan_quickly, strategy_for_all_lines
 from railjoule.core.simulation.train_state import (
     State,
-    allowed_time_s,
     event_words,
     knowing,
     nodes_ahead,
@@ -49,23 +48,23 @@ TABLES: dict[type[Event], str] = {
     VoltageChange: "voltage_changes",
     RecuperationChange: "recuperation_changes",
 }
-"""Kinds of events, and where they stand in a disturbance."""
+"""Fields of a disturbance by the kind of their events."""
 LEAST_WAIT_S = 1.0
-"""A signal that is still red when its stop was to end stays so for at least this long [s]."""
+"""Shortest further wait at a signal that is still red at the expected end of its stop [s]."""
 
 
 @dataclass(frozen=True)
 class LiveEvent:
-    """An event that was set, as far as it is over.
+    """An event of a live run.
 
     Parameters
     ----------
     event : Event
-        With the place at which the train learned of it.
+        The event, noticed at the position of the train.
     is_open : bool
         Whether it is a red signal without a known end.
     stood_at_m : float or None
-        Place at which the train has stood for it, once it has left [m].
+        Position of the stand for it, once the train has left [m].
     """
 
     event: Event
@@ -80,18 +79,18 @@ class LiveEvent:
 
 @dataclass(frozen=True, eq=False)
 class LiveRun:
-    """A run while it plays.
+    """A live run at one instant.
 
     Parameters
     ----------
     scenario : Scenario
-        In running order, with nothing known of any event.
+        In running order, without events.
     planned : Trajectory
         The plan before the start.
     driven : tuple of Leg
         The parts driven before the present plan.
     since : State
-        The state from which the present plan is made; at a stop, when the train arrived or was planned again.
+        The state at the start of the present plan; at a stop, that of the arrival or of the last replanning.
     plan : Leg
         From there to the end.
     ahead : Trajectory
@@ -206,7 +205,7 @@ class LiveRun:
 
 def start_run(scenario: Scenario) -> LiveRun:
     """Return a run before its start, on time and aware of its place; errors as `undisturbed_plan`."""
-    # the vehicle then has the load, resistance and voltage of the day
+    # the vehicle then has its actual load, resistance and voltage
     accepted = Disturbance(accepted_delay_s=scenario.disturbance.accepted_delay_s)
     nominal = unknowing_scenario(scenario).model_copy(update={"disturbance": accepted})
     planned = undisturbed_plan(nominal)
@@ -270,9 +269,9 @@ def wait_longer(run: LiveRun) -> LiveRun:
 
 def finished_run(run: LiveRun) -> DisturbedRun:
     """Return the run to its end by its present plan, as `simulate_disturbances` does."""
-    legs = _with_leg(run.driven, run.plan)
+    legs = append_leg(run.driven, run.plan)
     timetabled = legs[-1].scenario.model_copy(update={"timetable": run.scenario.timetable})
-    actual = joined(legs, timetabled, run.planned.strategy)
+    actual = join_legs(legs, timetabled, run.planned.strategy)
     return DisturbedRun(run.planned, actual, run.scenario.travel_time_s, run.notices, run.notes)
 
 
@@ -288,16 +287,15 @@ def known_run(run: LiveRun) -> DisturbedRun:
 
 def events_to_keep(run: LiveRun) -> tuple[Event, ...]:
     """Return the events as a scenario has them: stops with the time for which the train stands by its present plan."""
-    legs = _with_leg(run.driven, run.plan)
+    legs = append_leg(run.driven, run.plan)
     return tuple(_with_duration(run, one, legs) for one in run.events)
 
 
 def with_events(scenario: Scenario, events: Iterable[Event]) -> Scenario:
     """Return a scenario whose disturbance has these events and no others."""
-    tables: dict[str, list[Event]] = {name: [] for name in TABLES.values()}
-    for event in events:
-        tables[TABLES[type(event)]].append(event)
-    disturbance = scenario.disturbance.model_copy(update={name: tuple(found) for name, found in tables.items()})
+    given = list(events)
+    tables = {name: tuple(event for event in given if type(event) is kind) for kind, name in TABLES.items()}
+    disturbance = scenario.disturbance.model_copy(update=tables)
     return scenario.model_copy(update={"disturbance": disturbance})
 
 
@@ -319,7 +317,7 @@ def _braking_distance_m(run: LiveRun) -> float:
     """Return the way to a stand under full braking [m], up to the end of the line at most."""
     state = run.state
     nodes = nodes_ahead(state, state.scenario.line.length_m)
-    _, distance = fully_braked(build_course(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
+    _, distance = brake_fully(build_course(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
     return float(nodes[-1] - nodes[0]) if np.isnan(distance) else distance
 
 
@@ -336,13 +334,13 @@ def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> L
     )
     state = replace(run.state, scenario=_informed(run, events))
     leaving = replace(state, time_s=state.time_s + dwell_s)
-    leg, strategy, notes = plan_quickly(leaving, allowed_time_s(run.scenario))
+    leg, strategy, notes = plan_quickly(leaving, run.scenario.travel_time_s + run.scenario.disturbance.accepted_delay_s)
     plan = replace(leg, dwell_s=np.append(leg.dwell_s[0] + dwell_s, leg.dwell_s[1:]))
     # a cut cell is counted as the whole run counts it
     spent_j = run.spent_j + cut.trajectory(strategy).energy.net_j if len(cut.position_m) > 1 else run.energy_j
     return replace(
         run,
-        driven=_with_leg(run.driven, cut),
+        driven=append_leg(run.driven, cut),
         since=state,
         plan=plan,
         ahead=plan.trajectory(strategy),
@@ -370,17 +368,6 @@ def _informed(run: LiveRun, events: tuple[LiveEvent, ...]) -> Scenario:
             event = event.model_copy(update={"position_m": place})
         state = knowing(state, event, run.scenario.vehicle)
     return state.scenario
-
-
-def _with_leg(legs: tuple[Leg, ...], leg: Leg) -> tuple[Leg, ...]:
-    """Return legs and one more; one without length adds its stand to the last."""
-    if len(leg.position_m) > 1:
-        return (*legs, leg)
-    if not legs or leg.dwell_s[-1] <= 0:
-        return legs
-    last = legs[-1]
-    longer = replace(last, dwell_s=np.append(last.dwell_s[:-1], last.dwell_s[-1] + leg.dwell_s[-1]))
-    return (*legs[:-1], longer)
 
 
 def _with_duration(run: LiveRun, one: LiveEvent, legs: tuple[Leg, ...]) -> Event:

@@ -1,4 +1,4 @@
-"""The state of a moving train: where it is, how fast, what it knows, and what is left of its line and its time."""
+"""The state of a moving train, and the rest of its line and its time."""
 
 import math
 from dataclasses import dataclass, replace
@@ -9,7 +9,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.mesh import line_mesh
-from railjoule.core.scenario import Line, Scenario, Vehicle
+from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.disturbance import (
     Event,
     RecuperationChange,
@@ -39,45 +39,41 @@ class State:
 
 
 def event_words(event: Event) -> str:
-    """Return what an event is, in a few words."""
-    if isinstance(event, UnplannedStop):
-        return f"stop of {event.duration_s:g} s at {event.position_m:g} m"
-    if isinstance(event, UnplannedLimit):
-        return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
-    if isinstance(event, VoltageChange):
-        return f"supply voltage {100 * event.line_voltage_factor:g} %"
+    """Return a short description of an event."""
+    match event:
+        case UnplannedStop():
+            return f"stop of {event.duration_s:g} s at {event.position_m:g} m"
+        case UnplannedLimit():
+            return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
+        case VoltageChange():
+            return f"supply voltage {100 * event.line_voltage_factor:g} %"
     assert isinstance(event, RecuperationChange)
     return f"recuperation {100 * event.recuperation_factor:g} %"
 
 
-def replace_line(scenario: Scenario, line: Line) -> Scenario:
-    """Return a scenario with another line."""
-    return scenario.model_copy(update={"line": line})
-
-
-def is_foreseeable(event: Event) -> bool:
-    """Return whether a plan can take an event into account before it begins."""
-    return isinstance(event, UnplannedStop | UnplannedLimit)
+def change_line(scenario: Scenario, **fields: object) -> Scenario:
+    """Return a scenario with other fields of its line, which were validated before."""
+    return scenario.model_copy(update={"line": scenario.line.model_copy(update=fields)})
 
 
 def knowing(state: State, event: Event, nominal: Vehicle) -> State:
     """Return a state in which an event is known; `nominal` is the vehicle before any event."""
-    scenario, line = state.scenario, state.scenario.line
-    if isinstance(event, UnplannedStop):
-        added = Station(position_m=event.position_m, dwell_s=event.duration_s)
-        stations = tuple(sorted((*line.stations, added), key=lambda station: station.position_m))
-        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"stations": stations})))
-    # limits may overlap: the lowest holds, so one more does no harm
-    if isinstance(event, UnplannedLimit):
-        limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
-        limits = (*line.speed_limits, limit)
-        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"speed_limits": limits})))
-    vehicle, recuperation = scenario.vehicle, scenario.vehicle.drive.recuperation_factor
-    if isinstance(event, VoltageChange):
-        # over the nominal voltage, whatever it was before
-        vehicle = at_voltage(nominal, event.line_voltage_factor)
-    elif isinstance(event, RecuperationChange):
-        recuperation = event.recuperation_factor
+    scenario, line, vehicle = state.scenario, state.scenario.line, state.scenario.vehicle
+    recuperation = vehicle.drive.recuperation_factor
+    match event:
+        case UnplannedStop():
+            added = Station(position_m=event.position_m, dwell_s=event.duration_s)
+            stations = sorted((*line.stations, added), key=lambda station: station.position_m)
+            return replace(state, scenario=change_line(scenario, stations=tuple(stations)))
+        case UnplannedLimit():
+            # limits may overlap: the lowest holds, so one more does no harm
+            limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
+            return replace(state, scenario=change_line(scenario, speed_limits=(*line.speed_limits, limit)))
+        case VoltageChange():
+            # over the nominal voltage, whatever it was before
+            vehicle = at_voltage(nominal, event.line_voltage_factor)
+        case RecuperationChange():
+            recuperation = event.recuperation_factor
     vehicle = changed(vehicle, drive=vehicle.drive.model_copy(update={"recuperation_factor": recuperation}))
     return replace(state, scenario=scenario.model_copy(update={"vehicle": vehicle}))
 
@@ -92,25 +88,15 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
     )
     # where no time is left, a timetable that nobody can keep: the caller then drives the fastest
     left = max(allowed_time_s - state.time_s, 1e-3)
-    return state.scenario.model_copy(
-        update={
-            "line": line.model_copy(update={"stations": ahead}),
-            # the state is the start, with a speed of its own; the end stays what it is
-            "timetable": Timetable(travel_time_s=left, exit_speed_kmh=state.scenario.timetable.exit_speed_kmh),
-        }
-    )
-
-
-def allowed_time_s(scenario: Scenario) -> float:
-    """Return the time of a whole run with the accepted delay [s]."""
-    return scenario.travel_time_s + scenario.disturbance.accepted_delay_s
+    # the state is the start, with a speed of its own; the end stays as it is
+    timetable = Timetable(travel_time_s=left, exit_speed_kmh=state.scenario.timetable.exit_speed_kmh)
+    return change_line(state.scenario, stations=ahead).model_copy(update={"timetable": timetable})
 
 
 def without_windows(scenario: Scenario) -> Scenario:
     """Return a scenario whose stations have no windows of arrival."""
     free = {"earliest_arrival_s": None, "latest_arrival_s": None}
-    stations = tuple(station.model_copy(update=free) for station in scenario.line.stations)
-    return replace_line(scenario, scenario.line.model_copy(update={"stations": stations}))
+    return change_line(scenario, stations=tuple(station.model_copy(update=free) for station in scenario.line.stations))
 
 
 def _from_now(station: Station, time_s: float, is_end: bool) -> Station:
@@ -143,17 +129,14 @@ def require_events_on_the_line(scenario: Scenario) -> None:
                 f"disturbance.{name} = {value:g} must be 0 in a run with stops, limits or other voltages: it is "
                 "simulated only for followed plans."
             )
-    for index, stop in enumerate(disturbance.stops):
-        if stop.position_m > length - SHORTEST_DISTANCE_M:
+    begins = [
+        *((f"stops[{k}].position_m", stop.position_m, SHORTEST_DISTANCE_M) for k, stop in enumerate(disturbance.stops)),
+        *((f"speed_limits[{k}].from_m", one.from_m, 0.0) for k, one in enumerate(disturbance.speed_limits)),
+    ]
+    for name, place_m, least_m in begins:
+        if place_m > length - least_m or place_m == length:
             raise ScenarioError(
-                f"disturbance.stops[{index}].position_m = {stop.position_m:g} must lie before the end of the line "
-                f"at {length:g} m."
-            )
-    for index, limit in enumerate(disturbance.speed_limits):
-        if limit.from_m >= length:
-            raise ScenarioError(
-                f"disturbance.speed_limits[{index}].from_m = {limit.from_m:g} must lie before the end of the line "
-                f"at {length:g} m."
+                f"disturbance.{name} = {place_m:g} must lie before the end of the line at {length:g} m."
             )
     # closer than this, two stops would leave no course between them
     places = [stop.position_m for stop in disturbance.stops]

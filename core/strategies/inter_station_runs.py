@@ -13,12 +13,11 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation
+from railjoule.core.limit_search.problem import Evaluation, SetSpeedRun
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.motion import build_course
 from railjoule.core.strategies.line_parts import arrival_name, inner_stations, part_of, parts_between, stop_nodes
 from railjoule.core.strategies.literal_regulator import literal_run
-from railjoule.core.strategies.set_speed_run import SetSpeedRun
 from railjoule.core.task import Task
 
 
@@ -47,14 +46,13 @@ def require_slack(task: Task, runs: Sequence[Task]) -> None:
 
 
 def drive_literal_runs(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
-    """Return the runs of the printed regulator from stop to stop as one; arguments and errors as `literal_run`."""
+    """Return the runs of the literal regulator from stop to stop as one; arguments and errors as `literal_run`."""
     runs = []
     for part in inter_station_runs(task):
         first, last = part.course.position_m[[0, -1]]
         sections = slice(np.searchsorted(boundaries_m, first, "right"), np.searchsorted(boundaries_m, last) + 1)
         inside = boundaries_m[(boundaries_m > first) & (boundaries_m < last)]
-        run = literal_run(part, limits_ms[sections], inside)
-        runs.append(SetSpeedRun(run.course, run.speed2, limits_ms[sections], inside, run.switches))
+        runs.append(literal_run(part, limits_ms[sections], inside))
     # as given: a station need not be a border
     return join_runs(task, runs)._replace(limits_ms=limits_ms, boundaries_m=boundaries_m)
 

@@ -1,4 +1,4 @@
-"""The run of the printed regulator, as one that the train can drive, or why there is none.
+"""The run of the literal regulator, as one that the train can drive, or a refusal with its reason.
 
 Between its steps of time the regulator sees the forces of the line in the mean over the cells of the mesh. Over the
 steps themselves they differ a little, and so do efforts: the run follows the speeds of the regulator as closely as the
@@ -6,7 +6,6 @@ limits of efforts and accelerations allow, and where it asks for nothing, the tr
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,9 @@ from railjoule.core.limit_search.literal import (
     literal_regulation,
     literal_trip,
 )
-from railjoule.core.limit_search.whole_cells import followed
+from railjoule.core.limit_search.problem import SetSpeedRun
 from railjoule.core.motion import Course, build_course
+from railjoule.core.motion.driving import drive
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.plain_line import check_accelerations, require_no_neutral_sections
 from railjoule.core.task import Task
@@ -39,26 +39,8 @@ PASSED_SHARE = 1e-6
 """A limit of speed counts as passed where it is exceeded by more than this share, as in the check of a run."""
 
 
-class LiteralRun(NamedTuple):
-    """What the printed regulator drives.
-
-    Parameters
-    ----------
-    course : Course
-        With a node after each step of time, and its standing time at the start.
-    speed2 : array of shape (n + 1,)
-        Squares of speed at the nodes [m2/s2].
-    switches : int
-        How often it changes between driving, nothing and braking.
-    """
-
-    course: Course
-    speed2: FloatArray
-    switches: int
-
-
-def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> LiteralRun:
-    """Return the run of the printed regulator.
+def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
+    """Return the run of the literal regulator.
 
     Parameters
     ----------
@@ -89,18 +71,24 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
         raise StrategyRefusedError(_failure(task, status, position[nodes - 1], speed2[nodes - 1]))
     places, wanted2, coasts = _joined(position[:nodes], speed2[:nodes], effort[:nodes])
     course = build_course(task.scenario, float(np.sqrt(speed2[0])), 0.0, position_m=places)
-    driven2 = followed(course.data, wanted2, coasts)
-    _require_arrival(task, course, driven2)
+    # not into a stand, nor past the speed that is prescribed at the end
+    coasts[0] &= wanted2[0] > 0.0
+    coasts[-1] = False
+    driven2, stand = drive(course.data, wanted2, float(wanted2[0]), coasts=coasts)
+    if stand >= 0 or driven2[-1] < 0.0:
+        raise StrategyRefusedError(_failure(task, STANDS, float(course.position_m[stand - 1]), 0.0))
+    if driven2[-1] > 0.0:
+        raise StrategyRefusedError(_overshoot(task, float(course.position_m[-1]), float(driven2[-1])))
     _require_limits(task, course, driven2)
     check_accelerations(course, driven2)
     # the time in which effort grows at the start has no distance: the run has it as a dwell
     dwell = np.zeros(len(course.position_m))
     dwell[0] = standing
-    return LiteralRun(replace(course, dwell_s=frozen_array(dwell)), driven2, switches)
+    return SetSpeedRun(replace(course, dwell_s=frozen_array(dwell)), driven2, limits_ms, boundaries_m, switches)
 
 
 def require_literal(task: Task) -> None:
-    """Refuse a task that the printed regulator cannot drive at all; errors as `literal_run`."""
+    """Refuse a task that the literal regulator cannot drive at all; errors as `literal_run`."""
     require_no_neutral_sections(task)
     if (task.course.data.fixed_speed2[1:-1] == 0.0).any():
         raise StrategyRefusedError(
@@ -113,11 +101,16 @@ def require_literal(task: Task) -> None:
             "needs a train without a permitted deceleration (vehicle.braking.permitted_deceleration) for the literal "
             "regulator."
         )
-    _require_few_steps(task.scenario.search.time_step_s, task.running_time_s)
+    most, step_s = current_budget().cell_count, task.scenario.search.time_step_s
+    if task.running_time_s > most * step_s:
+        raise StrategyRefusedError(
+            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
+            f"{task.running_time_s / step_s:,.0f}. Use {rounded_up(task.running_time_s / most):g} s or more."
+        )
 
 
 def literal_cost(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[float, float]:
-    """Return time [s] and net energy at the line [J] of the printed regulator's run, infinite where it drives none.
+    """Return time [s] and net energy at the line [J] of the literal regulator's run, infinite where it drives none.
 
     Arguments as for `literal_run`.
     """
@@ -137,16 +130,6 @@ def _relay(options: SearchOptions) -> Relay:
         options.effort_rate_share,
         options.time_step_s,
     )
-
-
-def _require_few_steps(step_s: float, running_time_s: float) -> None:
-    """Refuse a step of time that makes more cells of the printed regulator's run than the current budget has."""
-    most = current_budget().cell_count
-    if running_time_s > most * step_s:
-        raise StrategyRefusedError(
-            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
-            f"{running_time_s / step_s:,.0f}. Use {rounded_up(running_time_s / most):g} s or more."
-        )
 
 
 def _joined(
@@ -193,16 +176,6 @@ def _overshoot(task: Task, place_m: float, speed2: float) -> str:
         f"passes the end of the line by {beyond:.2g} m {_with_step(task)}, even with all its brakes from "
         f"{np.sqrt(speed2) / MS_PER_KMH:.2g} km/h at {end_m - place_m:.2g} m before it."
     )
-
-
-def _require_arrival(task: Task, course: Course, speed2: FloatArray) -> None:
-    """Refuse a run that does not come to rest at the end of the line."""
-    if speed2[-1] == 0.0:
-        return
-    if speed2[-1] < 0.0:
-        last = int(np.argmax(speed2 < 0.0)) - 1 if (speed2[:-1] < 0.0).any() else len(speed2) - 2
-        raise StrategyRefusedError(_failure(task, STANDS, float(course.position_m[last]), 0.0))
-    raise StrategyRefusedError(_overshoot(task, float(course.position_m[-1]), float(speed2[-1])))
 
 
 def _require_limits(task: Task, course: Course, speed2: FloatArray) -> None:

@@ -5,13 +5,12 @@ A task may be that of a whole line or of one inter-station run, a part of its no
 
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, limit_problem
+from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, SetSpeedRun, limit_problem
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
 from railjoule.core.motion import Course, build_course
@@ -30,39 +29,15 @@ HALVINGS_AT_STOPS = 6
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
 
 
-class SetSpeedRun(NamedTuple):
-    """A run under limits.
-
-    Parameters
-    ----------
-    course : Course
-        Over its own nodes, with its dwells.
-    speed2 : array of shape (n + 1,)
-        Squares of speed at the nodes [m2/s2].
-    limits_ms : array of shape (k,)
-        Of the sections [m/s].
-    boundaries_m : array of shape (k - 1,)
-        Between them [m].
-    switches : int
-        How often the printed relay changes between driving, nothing and braking; 0 with the others.
-    """
-
-    course: Course
-    speed2: FloatArray
-    limits_ms: FloatArray
-    boundaries_m: FloatArray
-    switches: int = 0
-
-
 def build_limit_problem(task: Task) -> LimitProblem:
     """Return the problem that the search of a task solves: trips within the latest time that its window allows.
 
-    The printed relay is searched with its own runs.
+    The literal regulator is searched with its own runs.
 
     Raises
     ------
     StrategyRefusedError
-        If the line has neutral sections, or the printed relay does not take the task.
+        If the line has neutral sections, or the literal regulator does not take the task.
     """
     options = task.scenario.search
     earliest_s, latest_s = ((1 + sign * options.time_window) * task.running_time_s for sign in (-1, 1))
@@ -74,7 +49,7 @@ def build_limit_problem(task: Task) -> LimitProblem:
 
 
 def problem_within(task: Task, running_time_s: float) -> LimitProblem:
-    """Return the problem of a task with an ideal regulator within a time [s]; the printed relay's ideal brakes."""
+    """Return the problem of a task with an ideal regulator within a time [s]; the literal regulator's ideal brakes."""
     require_no_neutral_sections(task)
     options, vehicle = task.scenario.search, task.scenario.vehicle
     stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
@@ -107,7 +82,7 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
         If the regulator drives no run that the train can, or comes too late.
     """
     if task.scenario.search.regulator == "literal":
-        return drive_literal(task, best.limits_ms, best.boundaries_m)
+        return literal_run(task, best.limits_ms, best.boundaries_m)
     # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
     finer, best = _over_corners(task, problem, best, whole_cells=False)
     cells, best = _over_corners(task, finer, best, whole_cells=True)
@@ -117,12 +92,6 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
     if not np.isfinite(best.energy_j):
         raise StrategyRefusedError(_too_late(task, cells, best.running_time_s))
     return SetSpeedRun(cells.course, speed2, best.limits_ms, best.boundaries_m)
-
-
-def drive_literal(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
-    """Return the run of the printed regulator; arguments and errors as `literal_run`."""
-    run = literal_run(task, limits_ms, boundaries_m)
-    return SetSpeedRun(run.course, run.speed2, limits_ms, boundaries_m, run.switches)
 
 
 def _over_corners(
@@ -207,7 +176,7 @@ def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
 
 
 def run_notes(task: Task, run: SetSpeedRun) -> tuple[str, ...]:
-    """Return the set speeds of a run as a sentence, and one on the printed relay."""
+    """Return the set speeds of a run as a sentence, and one on the literal regulator."""
     limits = ", ".join(f"{limit / MS_PER_KMH:.1f}" for limit in run.limits_ms)
     borders = ", ".join(f"{border:.0f}" for border in run.boundaries_m)
     words = f"Set speeds: {limits} km/h, changing at {borders} m." if borders else f"Set speed: {limits} km/h."

@@ -15,7 +15,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import bounded
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.limit_search.problem import LEAST_SECTION_M, LimitProblem
+from railjoule.core.limit_search.problem import LEAST_SECTION_M, LimitProblem, SetSpeedRun
 from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Scenario
@@ -31,7 +31,6 @@ from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.strategies.plain_line import require_no_passing_points
 from railjoule.core.strategies.set_speed_run import (
     LEAST_LIMIT_KMH,
-    SetSpeedRun,
     build_limit_problem,
     drive_limits,
     no_limits_reason,
@@ -71,7 +70,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     require_no_passing_points(task)
     if options.limits_kmh is not None:
         is_literal = options.regulator == "literal"
-        limits = _given_limits(task.scenario, len(borders) + 1)
+        limits = _given_limits(task.scenario)
         problem = problem_within(task, task.running_time_s)
         given = problem.as_given(limits, borders)
         run = drive_literal_runs(task, limits, borders) if is_literal else drive_limits(task, problem, given)
@@ -164,25 +163,15 @@ def _require_few_sections(stops_m: tuple[float, ...], borders_m: FloatArray) -> 
             )
 
 
-def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
+def _given_limits(scenario: Scenario) -> FloatArray:
     """Return the limits that a scenario gives [m/s]."""
     most, given = scenario.vehicle.traction.max_speed_kmh, scenario.search.limits_kmh
     assert given is not None
-    if len(given) != sections:
-        raise ScenarioError(f"search.limits_kmh has {len(given)} entries for {sections} sections.")
     for index, limit in enumerate(given):
         if not LEAST_LIMIT_KMH <= limit <= most:
             bound = f"at least {LEAST_LIMIT_KMH:g}" if limit < LEAST_LIMIT_KMH else f"at most the vehicle's {most:g}"
             raise ScenarioError(f"search.limits_kmh[{index}] = {limit:g} must be {bound}.")
     return np.array(given) * MS_PER_KMH
-
-
-def literal_trajectory(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> Trajectory:
-    """Return the run of the printed regulator under limits.
-
-    Arguments and errors as `railjoule.core.strategies.literal_regulator.literal_run`.
-    """
-    return _made(task, drive_literal_runs(task, limits_ms, boundaries_m))
 
 
 def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Trajectory:
@@ -200,9 +189,9 @@ def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Traje
 def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
     samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
     moved = " and section ends" if free else ""
-    alone = ", each inter-station run by itself" if found.runs else ""
+    each = ", each inter-station run by itself" if found.runs else ""
     return (
-        f"{len(found.evaluations)} combinations of set speeds{moved} tried{alone}, the first {samples} evenly spread; "
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
         "not a proof.",
     )
 

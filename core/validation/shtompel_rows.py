@@ -15,11 +15,11 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.synchronous.drive import EfficiencyMaps, efficiency_maps, torque_envelope
 from railjoule.core.energy import share_above
+from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.limit_search.search import INFEASIBLE_J, LimitSearch
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
-from railjoule.core.simulation.regulator import literal_spread
-from railjoule.core.strategies import solve
+from railjoule.core.strategies import run_strategy, solve
 from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import speed_limits_with_search
 from railjoule.core.studies.storage import storage_need
@@ -176,12 +176,22 @@ def spread() -> tuple[Row, ...]:
     """Return the printed regulator's energies and times with different steps of time."""
     limits = [limit / MS_PER_KMH for limit in search_run(40, "literal").best.limits_ms]
     rows = []
-    for run in literal_spread(kharkiv_scenario(40), limits, TIME_STEPS_S):
-        case = f"40 km/h, steps of {run.time_step_s:g} s"
-        refusal = f"No run: it {run.refusal}" if run.refusal else ""
-        rows.append(Row(case, "energy", "kWh", None, run.energy_kwh, refusal))
-        rows.append(Row(case, "time", "s", None, run.travel_time_s, refusal))
+    for step in TIME_STEPS_S:
+        try:
+            run = literal_run(limits, step)
+            found, refusal = (run.energy_kwh, run.travel_time_s), ""
+        except StrategyRefusedError as error:
+            found, refusal = (np.nan, np.nan), f"No run: it {error}"
+        case = f"40 km/h, steps of {step:g} s"
+        rows.append(Row(case, "energy", "kWh", None, found[0], refusal))
+        rows.append(Row(case, "time", "s", None, found[1], refusal))
     return tuple(rows)
+
+
+def literal_run(limits_kmh: list[float], time_step_s: float) -> Trajectory:
+    """Return the run of the printed regulator at 40 km/h; raises StrategyRefusedError where it drives none."""
+    search = {"search.limits_kmh": limits_kmh, "search.regulator": "literal", "search.time_step_s": time_step_s}
+    return run_strategy(prepare_task(kharkiv_scenario(40).replace(**search)), "speed_limits")
 
 
 @cache

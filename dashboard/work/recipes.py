@@ -5,7 +5,7 @@ from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.motion import build_course
-from railjoule.core.simulation.by_hand import drive_by_hand, read_commands
+from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 
@@ -54,7 +54,7 @@ def _run(recipe: Recipe) -> Trajectory:
         return simple_run(scenario, recipe.simple)
     if recipe.driven:
         course = build_course(scenario)
-        return drive_by_hand(scenario, course, read_commands(recipe.driven, course.cell_count))
+        return drive_manually(scenario, course, read_commands(recipe.driven, course.cell_count))
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.core.simulation.by_hand import drive_by_hand, read_commands
+from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson
@@ -532,7 +532,7 @@ def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
 def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> None:
     """Speeds, time and each part of the account, of runs that power, coast, brake, crawl and meet protection."""
     scenario, course = lesson()
-    driven = drive_by_hand(scenario, course, read_commands(text, course.cell_count))
+    driven = drive_manually(scenario, course, read_commands(text, course.cell_count))
     code = """
       const commands = m.read(a.text, a.course.length.length), speed2 = [a.course.entering2];
       let sum = m.nothing_yet();

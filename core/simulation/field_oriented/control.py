@@ -9,10 +9,10 @@ Position control makes of the reference x* a requested acceleration ad with the 
 and an observer, which also smooths the measured speed, adds the force that the train needs beside its own inertia.
 The pre-compensator cancels the lag of the loop: x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference.
 
-Currents have proportional-integral control with decoupling. Where the voltage does not suffice, it keeps its
-direction, the integrals do not grow by what is cut off, the current along the flux is reduced, and the request for the
-current across it stays within the pull-out torque. Where a limit holds the train back, the clock of the reference is
-slowed down, so that it goes on along its plan, later, and but for catching up the last metre no faster than planned.
+Currents have proportional-integral control with decoupling. A voltage beyond its limit keeps its direction, the
+integrals do not grow by the part that is cut off, the current along the flux is reduced, and the request for the
+current across it stays within the pull-out torque. The clock of the reference slows down when a limit holds the train
+back, so that it goes on along its plan, later, and except for catching up the last metre no faster than planned.
 
 Source: Ftorek et al. 2025, Figure 1; Vittek et al. 2017, "Position tracking systems for AC drives employing forced
 dynamics control".
@@ -21,10 +21,8 @@ dynamics control".
 import math
 from typing import NamedTuple
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.simulation.field_oriented.plant import Plant, shaft_torque_nm, wheel_force_n
-from railjoule.core.simulation.field_oriented.states import State
+from railjoule.core.simulation.field_oriented.plant import Plant, State, shaft_torque_nm, wheel_force_n
 
 # The gains below are assumed, as the paper prints none of them: each is a time constant of its own loop, far enough
 # from its neighbours' that the loops do not disturb one another.
@@ -57,26 +55,16 @@ ALLOWED_LAG_M, STOPPING_LAG_M = 0.1, 1.0
 SMALLEST_FLUX_FRACTION = 0.01
 
 
-class ReferenceSamples(NamedTuple):
-    """The reference as arrays.
+class ReferencePoint(NamedTuple):
+    """The reference at one instant.
 
     Parameters
     ----------
-    samples : array of shape (m, 6)
-        Position, speed, acceleration and jerk of the reference, flux linkage and its rate [m, ..., V s, V].
-    planned_m : array of shape (m,)
-        The plan's own position at the same times [m].
-    step_s : float
-        Time between two samples of both [s].
+    position_m, speed_ms, acceleration_ms2, jerk_ms3 : float
+        Position and its derivatives [m, m/s, m/s2, m/s3].
+    flux_vs, flux_rate_v : float
+        Flux linkage of the rotor and its rate [V s, V].
     """
-
-    samples: FloatArray
-    planned_m: FloatArray
-    step_s: float
-
-
-class ReferencePoint(NamedTuple):
-    """The reference at one instant; all as in `ReferenceSamples`."""
 
     position_m: float
     speed_ms: float
@@ -87,7 +75,7 @@ class ReferencePoint(NamedTuple):
 
 
 class AssumedMachine(NamedTuple):
-    """A machine as its control sees it.
+    """The control's own model of a machine.
 
     Parameters
     ----------
@@ -106,73 +94,38 @@ class AssumedMachine(NamedTuple):
     torque_per_current_nm: float
 
 
-class CurrentRequest(NamedTuple):
-    """What current control has to make.
+class Control(NamedTuple):
+    """Outputs of the control and rates of its states.
 
     Parameters
     ----------
-    flux_current_a, torque_current_a : float
-        Currents along and across the assumed flux, within their limits [A].
-    pull_out_current_a : float
-        Where the voltage gives its largest torque [A].
-    is_limited : bool
-        Whether more torque was requested than the limits allow.
+    voltage : complex
+        Of a phase of each machine [V].
+    frame_rads : float
+        Electrical angular frequency of the frame [rad/s].
+    clock_rate : float
+        Rate of the reference's clock, 0 to 1.
+    integral_rate : complex
+        Of the current control [A/s2].
+    acceleration_rate, speed_rate, load_rate : float
+        Of requested acceleration, observed speed and observed load [m/s3, m/s2, N/s].
+    flux_rate, reduction_rate : float
+        Of the assumed flux and of the reduction of the current along it [V, A/s].
+    is_current_limited, is_voltage_limited : bool
+        Whether a limit of the inverter is active.
     """
 
-    flux_current_a: float
-    torque_current_a: float
-    pull_out_current_a: float
-    is_limited: bool
-
-
-class VoltageCommand(NamedTuple):
-    """What current control makes.
-
-    Parameters
-    ----------
-    voltage_d, voltage_q : float
-        Voltages along and across the assumed flux [V].
-    integral_rate_d, integral_rate_q : float
-        Rates of the integrals [A/s2].
-    is_limited : bool
-        Whether the control requested more than there is.
-    excess : float
-        By which fraction of the limit it requested more, at most 1.
-    """
-
-    voltage_d: float
-    voltage_q: float
-    integral_rate_d: float
-    integral_rate_q: float
-    is_limited: bool
-    excess: float
-
-
-class PositionRates(NamedTuple):
-    """Rates of position control and load observer.
-
-    Parameters
-    ----------
-    requested_acceleration, observed_speed, observed_load : float
-        Rates of the states of these names [m/s3, m/s2, N/s].
-    """
-
-    requested_acceleration: float
-    observed_speed: float
-    observed_load: float
-
-
-class FluxRates(NamedTuple):
-    """Rates of the control's flux.
-
-    Parameters
-    ----------
-    assumed_flux, flux_current_reduction : float
-        Rates of the states of these names [V, A/s].
-    """
-
-    assumed_flux: float
-    flux_current_reduction: float
+    voltage: complex
+    frame_rads: float
+    clock_rate: float
+    integral_rate: complex
+    acceleration_rate: float
+    speed_rate: float
+    load_rate: float
+    flux_rate: float
+    reduction_rate: float
+    is_current_limited: bool
+    is_voltage_limited: bool
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -182,11 +135,11 @@ def reference_between(sample: ReferencePoint, next_jerk_ms3: float, since_s: flo
     Position and speed go on from the sample before with its jerk. Acceleration and jerk, which the pre-compensator
     uses, change linearly to the next sample: steps of theirs every few milliseconds would excite the currents.
     """
-    a, j, since = sample.acceleration_ms2, sample.jerk_ms3, since_s
+    v, a, j, since = sample.speed_ms, sample.acceleration_ms2, sample.jerk_ms3, since_s
     jerk = j + (next_jerk_ms3 - j) * since / step_s
     return ReferencePoint(
-        position_m=sample.position_m + (sample.speed_ms + (0.5 * a + j * since / 6.0) * since) * since,
-        speed_ms=sample.speed_ms + (a + 0.5 * j * since) * since,
+        position_m=sample.position_m + (v + (0.5 * a + j * since / 6.0) * since) * since,
+        speed_ms=v + (a + 0.5 * j * since) * since,
         acceleration_ms2=a + 0.5 * (j + jerk) * since,
         jerk_ms3=jerk,
         flux_vs=sample.flux_vs,
@@ -195,44 +148,38 @@ def reference_between(sample: ReferencePoint, next_jerk_ms3: float, since_s: flo
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def clock_rate(plant: Plant, point: ReferencePoint, state: State) -> float:
-    """Return how fast the clock of the reference goes, 0 to 1: slower the farther the train is behind."""
-    # without the pre-compensator the loop lags by 3 / wp by design, which is no reason to slow the clock
-    own_lag = 0.0 if plant.precompensator else 3.0 / plant.bandwidth_rads * state.speed_ms
-    rate = 1.0 - (point.position_m - own_lag - state.position_m - ALLOWED_LAG_M) / STOPPING_LAG_M
-    return min(max(rate, 0.0), 1.0)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def target_position_m(plant: Plant, point: ReferencePoint, rate: float) -> float:
-    """Return x* [m], ahead of the reference by the lag of the loop, while its clock goes at a rate."""
-    if not plant.precompensator:
-        return point.position_m
-    # on a slowed clock d/dt is rate x d/dclock, so the n-th derivative is smaller by the n-th power of the rate
+def target_position_m(plant: Plant, point: ReferencePoint, state: State) -> tuple[float, float]:
+    """Return x* [m], and the rate of the reference's clock, 0 to 1: slower the farther the train is behind."""
     wp = plant.bandwidth_rads
+    # without the pre-compensator the loop lags by 3 / wp by design, which is no reason to slow the clock
+    own_lag = 0.0 if plant.precompensator else 3.0 / wp * state.speed_ms
+    rate = 1.0 - (point.position_m - own_lag - state.position_m - ALLOWED_LAG_M) / STOPPING_LAG_M
+    rate = min(max(rate, 0.0), 1.0)
+    if not plant.precompensator:
+        return point.position_m, rate
+    # on a slowed clock d/dt is rate x d/dclock, so the n-th derivative is smaller by the n-th power of the rate
     v, a, j = rate * point.speed_ms, rate * rate * point.acceleration_ms2, rate * rate * rate * point.jerk_ms3
-    ahead: float = 3.0 / wp * v + 3.0 / (wp * wp) * a + j / (wp * wp * wp)
-    return point.position_m + ahead
+    return point.position_m + (3.0 / wp * v + 3.0 / (wp * wp) * a + j / (wp * wp * wp)), rate
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def assumed_machine(plant: Plant, state: State, measured_ms: float) -> AssumedMachine:
-    """Return what the control makes of its own model and a measured speed [m/s]."""
+    """Return the control's own model at a measured speed [m/s]."""
     resistance = plant.rotor_resistance_factor * plant.rotor_resistance_ohm
     flux = max(state.assumed_flux_vs, SMALLEST_FLUX_FRACTION * plant.rated_flux_vs)
     rotor = plant.pole_pairs * (plant.turns_per_metre * measured_ms)
-    return AssumedMachine(
-        rotor_resistance_ohm=resistance,
-        flux_vs=flux,
-        rotor_rads=rotor,
-        frame_rads=rotor + resistance * state.current_q / flux,
-        torque_per_current_nm=1.5 * plant.pole_pairs * flux,
-    )
+    frame = rotor + resistance * state.current.imag / flux
+    return AssumedMachine(resistance, flux, rotor, frame, 1.5 * plant.pole_pairs * flux)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def requested_currents(plant: Plant, machine: AssumedMachine, point: ReferencePoint, state: State) -> CurrentRequest:
-    """Return the currents that flux and acceleration ask for, within the limits of current and voltage."""
+def requested_current(
+    plant: Plant, machine: AssumedMachine, point: ReferencePoint, state: State
+) -> tuple[complex, bool, bool]:
+    """Return the current that flux and acceleration need within its limits [A], and which limit is active.
+
+    The limits are those of the current and of the voltage, in this order.
+    """
     largest = plant.driving_current_a
     # the rotor equation in its own frame, dpsi/dt = Rr id - (Rr / Lm) psi, solved for the current that makes the flux
     flux_current = point.flux_vs / plant.magnetising_inductance_h + point.flux_rate_v / machine.rotor_resistance_ohm
@@ -241,7 +188,7 @@ def requested_currents(plant: Plant, machine: AssumedMachine, point: ReferencePo
     flux_current = max(flux_current, -math.sqrt(0.5) * largest)
     force = plant.assumed_inertia_kg * state.requested_acceleration_ms2 + state.observed_load_n
     requested = (shaft_torque_nm(plant, force) + plant.mechanical_loss_torque_nm) / machine.torque_per_current_nm
-    # the flux has the first call on the current, torque gets what the circle leaves
+    # the flux has the first call on the current, torque gets the rest of the circle
     driving = math.sqrt(max(plant.driving_current_a**2 - flux_current**2, 0.0))
     braking = -math.sqrt(max(plant.braking_current_a**2 - flux_current**2, 0.0))
     # Pull-out. In steady state, without the drop in the stator's resistance, the voltage is wc times the stator's flux:
@@ -253,62 +200,50 @@ def requested_currents(plant: Plant, machine: AssumedMachine, point: ReferencePo
         math.sqrt(0.5) * plant.max_phase_voltage_v / (max(abs(machine.frame_rads), 1e-6) * plant.leakage_inductance_h)
     )
     allowed = min(max(requested, braking, -pull_out), driving, pull_out)
-    return CurrentRequest(flux_current, allowed, pull_out, requested != allowed)
+    # a torque that stops at the pull-out current is limited by the voltage, though no voltage is cut off
+    is_limited, is_below = requested != allowed, abs(allowed) < pull_out
+    return complex(flux_current, allowed), is_limited and is_below, is_limited and not is_below
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def current_bandwidth_rads(plant: Plant) -> float:
-    """Return the bandwidth of the current control [rad/s]."""
-    return max(CURRENT_BANDWIDTH_RADS, CURRENT_BANDWIDTH_RATIO * plant.bandwidth_rads)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def current_control(plant: Plant, machine: AssumedMachine, request: CurrentRequest, state: State) -> VoltageCommand:
-    """Return the voltage that brings the currents to their request, and the rates of its integrals.
+def current_control(
+    plant: Plant, machine: AssumedMachine, request: complex, state: State
+) -> tuple[complex, complex, float]:
+    """Return the voltage that brings the current to its request, the rate of its integral, and the lack of voltage.
 
     All terms of the circuit but Ls di/dt are added from the control's own model, so that each current follows
-    di/dt = bandwidth x error + integral, without a coupling to the other.
+    di/dt = bandwidth x error + integral, without a coupling to the other. The lack is the missing fraction of the
+    limit, at most 1.
     """
-    i_d, i_q, frame = state.current_d, state.current_q, machine.frame_rads
-    l_s, fast = plant.leakage_inductance_h, current_bandwidth_rads(plant)
-    resistance = plant.stator_resistance_ohm + machine.rotor_resistance_ohm
-    flux_decay = machine.rotor_resistance_ohm / plant.magnetising_inductance_h
-    error_d, error_q = request.flux_current_a - i_d, request.torque_current_a - i_q
-    requested_d = (
-        l_s * (fast * error_d + state.integral_d) + resistance * i_d - frame * l_s * i_q - flux_decay * machine.flux_vs
+    l_s, fast = plant.leakage_inductance_h, max(CURRENT_BANDWIDTH_RADS, CURRENT_BANDWIDTH_RATIO * plant.bandwidth_rads)
+    decay = machine.rotor_resistance_ohm / plant.magnetising_inductance_h
+    impedance = complex(plant.stator_resistance_ohm + machine.rotor_resistance_ohm, machine.frame_rads * l_s)
+    error = request - state.current
+    requested = (
+        l_s * (fast * error + state.integral)
+        + impedance * state.current
+        + machine.flux_vs * complex(-decay, machine.rotor_rads)
     )
-    requested_q = (
-        l_s * (fast * error_q + state.integral_q)
-        + resistance * i_q
-        + frame * l_s * i_d
-        + machine.rotor_rads * machine.flux_vs
-    )
-    limit, amplitude = plant.max_phase_voltage_v, math.hypot(requested_d, requested_q)
-    scale = min(1.0, limit / max(amplitude, 1e-9))
-    u_d, u_q = scale * requested_d, scale * requested_q
-    # the second part takes back what the limit cut off, at the currents' own speed: without it the integrals wind up
-    return VoltageCommand(
-        voltage_d=u_d,
-        voltage_q=u_q,
-        integral_rate_d=INTEGRAL_GAIN * fast * fast * error_d + fast * (u_d - requested_d) / l_s,
-        integral_rate_q=INTEGRAL_GAIN * fast * fast * error_q + fast * (u_q - requested_q) / l_s,
-        is_limited=u_d != requested_d or u_q != requested_q,
-        excess=min(max(amplitude / limit - 1.0, 0.0), 1.0),
-    )
+    limit, amplitude = plant.max_phase_voltage_v, math.hypot(requested.real, requested.imag)
+    voltage = min(1.0, limit / max(amplitude, 1e-9)) * requested
+    # the second part takes back the voltage that the limit cut off, at the currents' own speed: without it the
+    # integrals wind up
+    integral_rate = INTEGRAL_GAIN * fast * fast * error + (fast / l_s) * (voltage - requested)
+    return voltage, integral_rate, min(max(amplitude / limit - 1.0, 0.0), 1.0)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def position_control(
     plant: Plant, machine: AssumedMachine, is_limited: bool, target_m: float, measured_ms: float, state: State
-) -> PositionRates:
-    """Return the rates of the requested acceleration and of the load observer.
+) -> tuple[float, float, float]:
+    """Return the rates of requested acceleration, observed speed and observed load [m/s3, m/s2, N/s].
 
     Parameters
     ----------
     plant, machine : Plant, AssumedMachine
-        True numbers, and what the control makes of them.
+        True numbers, and the control's own model.
     is_limited : bool
-        Whether current or voltage keep the machines from doing what was requested.
+        Whether a limit of current or voltage is active.
     target_m, measured_ms : float
         x* and the measured speed [m, m/s].
     state : State
@@ -317,7 +252,7 @@ def position_control(
     wp, wo, inertia = plant.bandwidth_rads, OBSERVER_RATIO * plant.bandwidth_rads, plant.assumed_inertia_kg
     # Friction counts against the motion as if the train ran forward always: at a stand it is part of the load
     # that the observer finds, which takes up every other difference between the assumed force and the true one too.
-    torque = machine.torque_per_current_nm * state.current_q - plant.mechanical_loss_torque_nm
+    torque = machine.torque_per_current_nm * state.current.imag - plant.mechanical_loss_torque_nm
     feasible = (wheel_force_n(plant, torque) - state.observed_load_n) / inertia
     error = measured_ms - state.observed_speed_ms
     requested = state.requested_acceleration_ms2
@@ -325,23 +260,36 @@ def position_control(
     if is_limited:
         rate += UNWINDING_RATIO * wp * (feasible - requested)
     # error dynamics (s + wo)^2: the load is constant in the observer's model, so its estimate is the integral
-    return PositionRates(
-        requested_acceleration=rate,
-        observed_speed=feasible + 2.0 * wo * error,
-        observed_load=-inertia * wo * wo * error,
-    )
+    return rate, feasible + 2.0 * wo * error, -inertia * wo * wo * error
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def flux_control(plant: Plant, machine: AssumedMachine, excess: float, state: State) -> FluxRates:
-    """Return the rates of the assumed flux, and of its weakening under an excess of requested voltage.
+def control_at(plant: Plant, point: ReferencePoint, measured_ms: float, state: State) -> Control:
+    """Return the control's answer to a reference and a measured speed [m/s].
 
-    The assumed flux obeys the rotor equation in a frame that turns with it, where it has one part only; it is the
-    state itself that decays here, not the value above its floor.
+    The assumed flux obeys the rotor equation in a frame that turns with it, where it has one part only; the state
+    itself decays, not its value above the floor.
     """
+    target, clock_rate = target_position_m(plant, point, state)
+    machine = assumed_machine(plant, state, measured_ms)
+    request, by_current, by_voltage = requested_current(plant, machine, point, state)
+    voltage, integral_rate, lack = current_control(plant, machine, request, state)
+    by_voltage = by_voltage or lack > 0.0
+    acceleration_rate, speed_rate, load_rate = position_control(
+        plant, machine, by_current or by_voltage, target, measured_ms, state
+    )
     flux_decay = machine.rotor_resistance_ohm / plant.magnetising_inductance_h
-    growth = WEAKENING_RATE * plant.driving_current_a * excess
-    return FluxRates(
-        assumed_flux=machine.rotor_resistance_ohm * state.current_d - flux_decay * state.assumed_flux_vs,
-        flux_current_reduction=growth - state.flux_current_reduction_a / WEAKENING_TIME_S,
+    growth = WEAKENING_RATE * plant.driving_current_a * lack
+    return Control(
+        voltage=voltage,
+        frame_rads=machine.frame_rads,
+        clock_rate=clock_rate,
+        integral_rate=integral_rate,
+        acceleration_rate=acceleration_rate,
+        speed_rate=speed_rate,
+        load_rate=load_rate,
+        flux_rate=machine.rotor_resistance_ohm * state.current.real - flux_decay * state.assumed_flux_vs,
+        reduction_rate=growth - state.flux_current_reduction_a / WEAKENING_TIME_S,
+        is_current_limited=by_current,
+        is_voltage_limited=by_voltage,
     )

@@ -1,4 +1,4 @@
-"""A run in closed loop: its samples, extremes, energies and notes."""
+"""A run in closed loop: signals, extremes, energies and notes."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -12,7 +12,7 @@ from railjoule.core.units import J_PER_KWH
 
 
 class Saturation(NamedTuple):
-    """A stretch of time in which a limit of the inverter held the machines back.
+    """An interval of time in which a limit of the inverter was active.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ class Saturation(NamedTuple):
     what : str
         Which limit.
     lag_m : float
-        How far the train was behind the plan at most meanwhile, negative where it was ahead [m].
+        Greatest distance of the train behind the plan in this interval, negative ahead of it [m].
     """
 
     start_s: float
@@ -32,7 +32,7 @@ class Saturation(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FieldOrientedRun:
-    """A plan and how the machines drove it; arrays of shape (n,), on the plan's clock.
+    """A plan and its run by the machines; arrays of shape (n,), on the plan's clock.
 
     The clock begins half of `reference_window_s` before the plan. Currents, flux, voltage and torque are those of one
     machine, currents along and across the flux that its control assumes; powers and energies those of all.
@@ -40,15 +40,15 @@ class FieldOrientedRun:
     Parameters
     ----------
     scenario : Scenario
-        What was simulated.
+        The simulated scenario.
     planned, actual : Trajectory
         The run as planned, and as driven.
     machines : TractionMachines
-        As they really are.
+        The true machines.
     time_s, position_m, speed_ms : array
         Time, true position and speed [s, m, m/s].
-    reference_position_m, tracking_error_m : array
-        The planned position at that time, and how far the train is behind it [m].
+    tracking_error_m : array
+        Distance of the train behind the planned position [m].
     flux_current_a, torque_current_a : array
         Currents i_d and i_q, amplitudes per phase [A].
     rotor_flux_vs : array
@@ -60,18 +60,18 @@ class FieldOrientedRun:
     torque_nm : array
         Electromagnetic torque of one machine [N m].
     line_power_w : array
-        Taken from the line, auxiliaries included [W].
+        Taken from the supply, auxiliaries included [W].
     energy_by_input_power_j : array
         Energy so far, as the integral of the machines' input power [J].
     energy_by_parts_j : array
-        The same as the sum of its parts [J].
+        Energy so far, as the sum of its parts [J].
     magnetising_so_far_j : array
-        Copper loss of the magnetising current in the stator so far; the paper's account leaves that out [J].
+        Copper loss of the magnetising current in the stator so far; the paper's energy leaves it out [J].
     parts_j : dict of str to float
-        Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, and what is stored in the
+        Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, and the energy stored in the
         magnetic fields, which is no loss [J].
     max_tracking_error_m, final_error_m : float
-        Largest distance from the planned position, and how far beyond its end the train stands [m].
+        Largest distance from the planned position, and position beyond its end at the end of the run [m].
     max_current_a : float
         Largest current of a phase [A].
     max_torque_current_a, min_torque_current_a : float
@@ -79,12 +79,11 @@ class FieldOrientedRun:
     max_phase_voltage_v : float
         Largest amplitude of the voltage [V].
     delay_s : float
-        How much later than planned it passes the point a tenth of a metre before its end [s]; where it overruns its
-        end, how much later it stands.
+        Delay at the point a tenth of a metre before the end [s]; where the train overruns its end, delay of its stand.
     saturated : tuple of Saturation
-        When limits held the machines back.
+        Intervals in which a limit was active.
     notes : tuple of str
-        Sentences on what the run shows and takes for granted.
+        Sentences on results and assumptions of the run.
     """
 
     scenario: Scenario
@@ -94,7 +93,6 @@ class FieldOrientedRun:
     time_s: FloatArray
     position_m: FloatArray
     speed_ms: FloatArray
-    reference_position_m: FloatArray
     tracking_error_m: FloatArray
     flux_current_a: FloatArray
     torque_current_a: FloatArray
@@ -118,11 +116,6 @@ class FieldOrientedRun:
     notes: tuple[str, ...]
 
     @property
-    def magnetising_loss_j(self) -> float:
-        """What the current that makes the flux loses in the stator [J]; the paper's account leaves it out."""
-        return self.parts_j["magnetising"]
-
-    @property
     def energy_by_input_power_kwh(self) -> float:
         """Energy as the integral of the machines' input power [kWh]."""
         return float(self.energy_by_input_power_j[-1]) / J_PER_KWH
@@ -134,20 +127,20 @@ class FieldOrientedRun:
 
     @property
     def magnetising_loss_kwh(self) -> float:
-        """The same as `magnetising_loss_j` [kWh]."""
-        return self.magnetising_loss_j / J_PER_KWH
+        """Loss of the magnetising current in the stator [kWh]."""
+        return self.parts_j["magnetising"] / J_PER_KWH
 
     @property
     def paper_energy_kwh(self) -> float:
-        """Energy in the paper's account, which leaves out the magnetising loss [kWh]."""
+        """Energy as in the paper, which leaves out the magnetising loss [kWh]."""
         return self.energy_by_input_power_kwh - self.magnetising_loss_kwh
 
     @property
     def stop_error_m(self) -> float:
-        """How far beyond its end the train stands [m]."""
+        """Position of the stop beyond the end of the plan [m]."""
         return self.final_error_m
 
     @property
     def overconsumption(self) -> float:
-        """Fraction by which the energy lies above that of the plan; NaN where that is no measure."""
+        """Fraction by which the energy exceeds that of the plan; NaN where that is no measure."""
         return share_above(self.actual.energy.net_j, self.planned.energy.net_j)

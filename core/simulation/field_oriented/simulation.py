@@ -1,37 +1,35 @@
-"""Drive a plan in closed loop: reference, flux, plant, and what the run shows.
+"""Drive a plan in closed loop: reference, flux, plant, and the results of the run.
 
 Source: Ftorek et al. 2025, section 2 and Figure 1.
 """
 
+import math
+
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import current_budget, rounded_up
 from railjoule.core.compilation import require_compiled
+from railjoule.core.drive.induction.machine import torque_constant
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.drive import Induction
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
-from railjoule.core.simulation.field_oriented import states as column
-from railjoule.core.simulation.field_oriented.control import ReferenceSamples
-from railjoule.core.simulation.field_oriented.driven import driven_trajectory
-from railjoule.core.simulation.field_oriented.flux import FluxPlan, plan_flux
-from railjoule.core.simulation.field_oriented.integration import (
-    TOO_LONG,
-    UNSTABLE,
-    Outcome,
-    RunSettings,
-    run_plant,
-)
-from railjoule.core.simulation.field_oriented.notes import ARRIVAL_M, accounts_note, run_notes, saturations
+from railjoule.core.simulation.field_oriented import loop
 from railjoule.core.simulation.field_oriented.plant import Plant, Track
-from railjoule.core.simulation.field_oriented.record import Record
-from railjoule.core.simulation.field_oriented.reference import PlannedMotion, Reference, make_reference
-from railjoule.core.simulation.field_oriented.rolling_back import stranded_sentence
+from railjoule.core.simulation.field_oriented.reference import (
+    Reference,
+    make_reference,
+    plan_flux,
+    planned_position_m,
+)
+from railjoule.core.simulation.field_oriented.results import ARRIVAL_M, ROLLED_BACK_M, Samples, make_run
 from railjoule.core.simulation.field_oriented.run import FieldOrientedRun
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import N_PER_KN
 
 # How many samples of a run are kept: a chart is about as many pixels wide, and energies come from all steps anyway.
 SAMPLES = 3000
@@ -43,20 +41,20 @@ NOISE_SAMPLES = 1 << 18
 
 
 def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) -> FieldOrientedRun:
-    """Return what induction machines under field-oriented control make of a plan.
+    """Simulate a plan with induction machines under field-oriented control.
 
     Parameters
     ----------
     scenario : Scenario
-        With its `[simulation]`; its disturbance may change load, resistance and line voltage.
+        With its `[simulation]`; its disturbance may change load, resistance and supply voltage.
     plan : Trajectory, optional
-        What to follow; the scenario's own strategy where absent.
+        The plan to follow; that of the scenario's own strategy where absent.
 
     Raises
     ------
     ScenarioError
-        If the drive has no induction machine, the scenario asks for what is not simulated here, or for more steps
-        of time than the current budget has.
+        If the drive has no induction machine, the scenario has features that are not simulated here, or needs more
+        steps of time than the current budget has.
     InfeasibleLineError
         If the train does not reach its end.
     SolverError
@@ -65,21 +63,21 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
         As `railjoule.core.solve` for the plan.
     """
     traction_machines(scenario.vehicle.drive)
-    _refuse_what_is_not_simulated(scenario)
+    _require_supported(scenario)
     require_compiled()
     planned = plan if plan is not None else solve(scenario)
     _require_few_steps(scenario, planned.travel_time_s)
     options, real = scenario.simulation, actual_vehicle(scenario)
     machines, course = traction_machines(real.vehicle.drive), build_course(real)
     reference = make_reference(planned, options.reference_window_s)
-    # the flux is planned for the train that the control assumes, on the voltage that the machines find
-    flux = plan_flux(reference, build_course(scenario), machines, options.flux == "least_loss")
-    record = _run(scenario, machines, course, reference, flux, PlannedMotion.of(planned))
-    actual = driven_trajectory(real, planned.strategy, course, machines, record)
-    return _described(scenario, planned, actual, machines, course, flux, record)
+    # the flux is planned for the train that the control assumes, on the voltage that the machines have
+    lowest_flux = plan_flux(reference, build_course(scenario), machines, options.flux == "least_loss")
+    samples, delay_s = _run(scenario, machines, course, reference, planned)
+    return make_run(scenario, planned, real, course, machines, lowest_flux, samples, delay_s)
 
 
-def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
+def _require_supported(scenario: Scenario) -> None:
+    """Raise ScenarioError for features that the closed loop does not simulate."""
     disturbance = scenario.disturbance
     for words, there in (
         # the loop begins with machines at rest
@@ -98,7 +96,7 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
 
 
 def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
-    """Refuse a plan that takes too long for the closed loop, or a step of time that is too short for the plan."""
+    """Raise ScenarioError for a plan that takes too long, or a step of time that is too short for it."""
     budget, step = current_budget(), scenario.simulation.loop_step_s
     if duration_s > budget.loop_time_s:
         raise ScenarioError(
@@ -113,19 +111,14 @@ def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
 
 
 def _run(
-    scenario: Scenario,
-    machines: TractionMachines,
-    course: Course,
-    reference: Reference,
-    flux: FluxPlan,
-    plan: PlannedMotion,
-) -> Record:
-    """Return the samples of a run, or raise where it has no end."""
+    scenario: Scenario, machines: TractionMachines, course: Course, reference: Reference, planned: Trajectory
+) -> tuple[Samples, float]:
+    """Return the samples of a run and the delay of its arrival [s]."""
     step = scenario.simulation.loop_step_s
-    nominal_s = reference.step_s * (len(reference.position_m) - 1)
+    nominal_s = reference.step_s * (len(reference.samples) - 1)
     longest_s = nominal_s * (1 + OVERTIME_RATIO) + OVERTIME_S
-    end = float(plan.position_m[-1])
-    settings = RunSettings(
+    end = float(planned.position_m[-1])
+    settings = loop.RunSettings(
         time_step_s=step,
         end_m=end,
         arrival_m=max(end - ARRIVAL_M, 0.5 * end),
@@ -133,92 +126,93 @@ def _run(
     )
     # the memory is what ends a run that does not arrive: the loop stops where it is full
     size = int(longest_s / step / settings.steps_per_sample) + 2
-    states, outputs = np.zeros((size, column.STATES)), np.zeros((size, column.OUTPUTS))
-    samples = _reference_samples(reference, flux, plan)
-    outcome = run_plant(
+    states, outputs, extremes = np.zeros((size, loop.STATES)), np.zeros((size, loop.OUTPUTS)), np.zeros((2, 4))
+    data = course.data
+    # copies, as the course's arrays are read-only, for which numba would compile another kernel
+    track = Track(
+        *map(np.array, (course.position_m, course.gradient_force_n, course.curve_force_n, data.resistance_quadratic))
+    )
+    ending, kept, arrived_s = loop.run_plant(
         _plant(scenario, machines, course),
-        _track(course),
-        samples,
+        track,
+        reference,
         _noise_ms(scenario, machines),
-        _start(samples, course, machines),
+        _start(reference, course, machines),
         settings,
         states,
         outputs,
+        extremes,
     )
-    kept = outcome.sample_count
-    _require_arrival(scenario, machines, course, outcome, settings, longest_s, states[:kept, column.POSITION])
+    states = states[:kept].T
+    _require_arrival(scenario, machines, course, ending, settings, longest_s, states[loop.POSITION])
     time: FloatArray = reference.start_s + step * settings.steps_per_sample * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
-    time[-1] = max(reference.start_s + states[kept - 1, column.ELAPSED], time[-2] + step)
-    delay = _delay_s(reference, plan, samples.planned_m, settings, outcome, states[kept - 1], float(time[-1]))
-    return Record(time, states[:kept], outputs[:kept], outcome.extremes, plan.position_at(time), delay)
+    time[-1] = max(reference.start_s + states[loop.ELAPSED, -1], time[-2] + step)
+    samples = Samples(
+        time, states, outputs[:kept].T, extremes, planned_position_m(planned, time) - states[loop.POSITION]
+    )
+    if states[loop.POSITION, -1] > end + ARRIVAL_M:
+        return samples, float(time[-1] - planned.time_s[-1])
+    planned_s = float(np.interp(settings.arrival_m, reference.planned_m, reference.time_s))
+    return samples, reference.start_s + arrived_s - planned_s
 
 
 def _require_arrival(
     scenario: Scenario,
     machines: TractionMachines,
     course: Course,
-    outcome: Outcome,
-    settings: RunSettings,
+    ending: int,
+    settings: loop.RunSettings,
     longest_s: float,
     position_m: FloatArray,
 ) -> None:
     """Raise where the loop was unstable, or the train did not come to its end."""
     options = scenario.simulation
-    if outcome.ending == UNSTABLE:
+    if ending == loop.UNSTABLE:
         raise SolverError(
             f"the closed loop does not stay stable with simulation.bandwidth_rads = {options.bandwidth_rads:g}, "
             f"rotor_resistance_factor = {options.rotor_resistance_factor:g} and "
             f"time_step_s = {settings.time_step_s:g}."
         )
-    if outcome.ending == TOO_LONG:
-        stranded = stranded_sentence(scenario, machines, course, position_m)
+    if ending == loop.TOO_LONG:
         raise InfeasibleLineError(
-            stranded
+            _gradient_reason(scenario, machines, course, position_m)
             or f"after {longest_s:.0f} s the train stands or creeps at {position_m[-1]:.0f} m of "
             f"{settings.end_m:.0f} m: with {machines.driving_current_a:g} A and "
             f"{machines.machine.max_phase_voltage_v:g} V its machines cannot move it on."
         )
 
 
-def _delay_s(
-    reference: Reference,
-    plan: PlannedMotion,
-    planned_m: FloatArray,
-    settings: RunSettings,
-    outcome: Outcome,
-    final_state: FloatArray,
-    stop_s: float,
-) -> float:
-    """Return how much later than planned the train arrives [s]; where it overruns its end, how much later it stands."""
-    if final_state[column.POSITION] > settings.end_m + ARRIVAL_M:
-        return stop_s - float(plan.time_s[-1])
-    planned_s = float(np.interp(settings.arrival_m, planned_m, reference.time_s))
-    return reference.start_s + outcome.arrival_s - planned_s
+def _gradient_reason(scenario: Scenario, machines: TractionMachines, course: Course, position_m: FloatArray) -> str:
+    """Return why a train rolls back or stands on a gradient; empty where its effort is enough to start there.
 
-
-def _reference_samples(reference: Reference, flux: FluxPlan, plan: PlannedMotion) -> ReferenceSamples:
-    """Return the reference as the kernel reads it; the columns stand in the order of their names in `states`."""
-    columns = {
-        column.REFERENCE_POSITION: reference.position_m,
-        column.REFERENCE_SPEED: reference.speed_ms,
-        column.REFERENCE_ACCELERATION: reference.acceleration_ms2,
-        column.REFERENCE_JERK: reference.jerk_ms3,
-        column.REFERENCE_FLUX: flux.flux_vs,
-        column.REFERENCE_FLUX_RATE: flux.rate_v,
-    }
-    # samples in rows, as the kernel reads all six numbers of one instant
-    samples = np.ascontiguousarray(np.stack([columns[name] for name in sorted(columns)], axis=1))
-    return ReferenceSamples(samples, plan.position_at(reference.time_s), reference.step_s)
-
-
-def _track(course: Course) -> Track:
-    # copies, as the course's arrays are read-only, for which numba would compile another kernel
-    return Track(
-        border_m=np.array(course.position_m),
-        gradient_force_n=np.array(course.gradient_force_n),
-        curve_force_n=np.array(course.curve_force_n),
-        resistance_quadratic=np.array(course.data.resistance_quadratic),
+    No brake is part of the loop, so a train rolls back where its machines do not hold it.
+    """
+    place = max(float(np.max(position_m)), 0.0)
+    rolls_back = place - position_m[-1] > ROLLED_BACK_M
+    cell = int(np.clip(np.searchsorted(course.position_m, place, side="right") - 1, 0, course.cell_count - 1))
+    needed = float(course.gradient_force_n[cell] + course.curve_force_n[cell]) + course.data.resistance_constant_n
+    # of a standing train, at rated flux
+    machine, amperes = machines.machine, machines.driving_current_a
+    flux_current, friction = machine.magnetising_current_a, machine.mechanical_loss_torque_nm
+    torque_per_ampere = torque_constant(machine) * flux_current
+    force_per_torque = machines.motors * machines.turns_per_metre * machines.gear_efficiency
+    torque_current = math.sqrt(max(amperes**2 - flux_current**2, 0.0))
+    effort = force_per_torque * (torque_per_ampere * torque_current - friction)
+    if effort >= needed and not rolls_back:
+        return ""
+    enough = math.hypot(flux_current, (needed / force_per_torque + friction) / torque_per_ampere)
+    key = "starting_current_a" if isinstance(scenario.vehicle.drive, Induction) else "machine.max_current_a"
+    limit = (
+        f"with {amperes:g} A and {machine.max_phase_voltage_v:g} V its machines do not hold it."
+        if effort >= needed
+        else f"with drive.{key} = {amperes:g} its machines pull with {effort / N_PER_KN:.1f} kN at most. Use more than "
+        f"{math.ceil(enough)} A, or a lighter train."
+    )
+    return (
+        f"At {place:.0f} m, on a gradient of {course.gradient_permille[cell]:.4g} per mille, the train "
+        f"{'rolls back' if rolls_back else 'comes to a stand'}: to start there takes {needed / N_PER_KN:.1f} kN, and "
+        f"{limit}"
     )
 
 
@@ -259,79 +253,15 @@ def _noise_ms(scenario: Scenario, machines: TractionMachines) -> FloatArray:
     return drawn * options.speed_noise_rads / machines.turns_per_metre
 
 
-def _start(reference: ReferenceSamples, course: Course, machines: TractionMachines) -> FloatArray:
+def _start(reference: Reference, course: Course, machines: TractionMachines) -> FloatArray:
     """Return a train that stands, with its machines magnetised and held against the gradient.
 
-    The observer already knows the gradient, as that of a train that has been held there does; else it would
+    The observer already contains the gradient, as that of a train that has been held there does; else it would
     roll back until the observer has found it.
     """
-    state = np.zeros(column.STATES)
-    first = reference.samples[0]
-    state[column.POSITION] = first[column.REFERENCE_POSITION]
-    state[column.FLUX_D] = state[column.ASSUMED_FLUX] = first[column.REFERENCE_FLUX]
-    state[column.CURRENT_D] = first[column.REFERENCE_FLUX] / machines.circuit.magnetising_inductance_h
-    state[column.OBSERVED_LOAD] = course.gradient_force_n[0]
+    state, flux = np.zeros(loop.STATES), reference.samples[0, 4]
+    state[loop.POSITION] = reference.samples[0, 0]
+    state[loop.FLUX_D] = state[loop.ASSUMED_FLUX] = flux
+    state[loop.CURRENT_D] = flux / machines.circuit.magnetising_inductance_h
+    state[loop.OBSERVED_LOAD] = course.gradient_force_n[0]
     return state
-
-
-def _described(
-    scenario: Scenario,
-    planned: Trajectory,
-    actual: Trajectory,
-    machines: TractionMachines,
-    course: Course,
-    flux: FluxPlan,
-    record: Record,
-) -> FieldOrientedRun:
-    """Return all that a run shows."""
-    stored, extremes, saturated = record.field_energy_j(machines), record.extremes, saturations(record)
-    by_parts = record.state(column.SHAFT) + record.losses_j + stored
-    end_m = float(planned.position_m[-1])
-    # the flux of the T circuit, in which data sheets and papers state it
-    flux_ratio = machines.circuit.magnetising_inductance_h / machines.machine.mutual_inductance_h
-    return FieldOrientedRun(
-        scenario=scenario,
-        planned=planned,
-        actual=actual,
-        machines=machines,
-        time_s=frozen_array(record.time_s),
-        position_m=frozen_array(record.position_m),
-        speed_ms=frozen_array(record.state(column.SPEED)),
-        reference_position_m=frozen_array(record.planned_m),
-        tracking_error_m=frozen_array(record.tracking_error_m),
-        flux_current_a=frozen_array(record.state(column.CURRENT_D)),
-        torque_current_a=frozen_array(record.state(column.CURRENT_Q)),
-        rotor_flux_vs=frozen_array(record.rotor_flux_vs / flux_ratio),
-        phase_voltage_v=frozen_array(record.outputs[:, column.VOLTAGE]),
-        voltage_limit_v=machines.machine.max_phase_voltage_v,
-        torque_nm=frozen_array(record.outputs[:, column.TORQUE]),
-        line_power_w=frozen_array(record.outputs[:, column.LINE_POWER] + course.data.auxiliary_power_w),
-        energy_by_input_power_j=frozen_array(record.state(column.INPUT)),
-        energy_by_parts_j=frozen_array(by_parts),
-        magnetising_so_far_j=frozen_array(record.state(column.MAGNETISING)),
-        parts_j=_parts_j(record, float(stored[-1])),
-        max_tracking_error_m=max(extremes.max_lag_m, -extremes.min_lag_m),
-        final_error_m=record.final(column.POSITION) - end_m,
-        max_current_a=extremes.current_a,
-        max_torque_current_a=extremes.max_torque_current_a,
-        min_torque_current_a=extremes.min_torque_current_a,
-        max_phase_voltage_v=extremes.voltage_v,
-        delay_s=record.delay_s,
-        saturated=saturated,
-        notes=(
-            *run_notes(scenario, machines, flux, record, saturated, end_m),
-            *accounts_note(record, by_parts),
-        ),
-    )
-
-
-def _parts_j(record: Record, stored_j: float) -> dict[str, float]:
-    """Return the parts of the input energy at the end [J]; their keys are those of the JSON."""
-    return {
-        "shaft": record.final(column.SHAFT),
-        "stator_copper": record.final(column.STATOR),
-        "rotor_copper": record.final(column.ROTOR),
-        "magnetising": record.final(column.MAGNETISING),
-        "iron": record.final(column.IRON),
-        "stored": stored_j,
-    }

@@ -8,7 +8,6 @@ from railjoule.core.drive.synchronous.drive import LOSS_KINDS, efficiency_maps, 
 from railjoule.core.drive.synchronous.losses import MOTOR_KINDS
 from railjoule.core.physics.resistance import total_weight_kn
 from railjoule.core.scenario.drive import Synchronous
-from railjoule.core.simulation.regulator import literal_spread
 from railjoule.core.strategies import solve
 from railjoule.core.studies.storage import saving_over_size, storage_need
 from railjoule.core.units import MS_PER_KMH, W_PER_KW
@@ -25,6 +24,7 @@ from railjoule.core.validation.shtompel_rows import (
     evaluations,
     kharkiv_scenario,
     literal_braking,
+    literal_run,
     map_efficiency,
     metro_drive,
     near_full_effort,
@@ -151,7 +151,7 @@ def window() -> Finding:
     shares["40 km/h with the printed relay"] = run_limits(40, "literal").travel_time_s / scheduled[40]
     width = kharkiv_scenario(40).search.time_window
     ideal = [limit / MS_PER_KMH for limit in search_run(40, "brake").best.limits_ms]
-    (replayed,) = literal_spread(kharkiv_scenario(40), ideal, [kharkiv_scenario(40).search.time_step_s])
+    replayed = literal_run(ideal, kharkiv_scenario(40).search.time_step_s)
     latest = (1 + width) * scheduled[40]
     return judge(
         "; ".join(f"{share:.4f} of the scheduled time at {case}" for case, share in shares.items()),

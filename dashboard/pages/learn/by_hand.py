@@ -12,15 +12,15 @@ from railjoule.core.arrays import IntArray
 from railjoule.core.drive import constant_efficiency
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import Course, build_course
+from railjoule.core.motion.driving import braking_envelope
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.simulation.by_hand import (
+from railjoule.core.simulation.manual import (
     WALKING_PACE_MS,
-    drive_by_hand,
+    drive_manually,
     parting_node,
     read_commands,
     require_drivable,
 )
-from railjoule.core.simulation.driver import braking_envelope
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
@@ -96,7 +96,7 @@ def best_run() -> Trajectory:
 def driven_run(text: str) -> Trajectory:
     """Return the run of a try; errors as `read_commands`."""
     scenario, course = lesson()
-    return drive_by_hand(scenario, course, read_commands(text, course.cell_count))
+    return drive_manually(scenario, course, read_commands(text, course.cell_count))
 
 
 def course_arrays(course: Course) -> dict[str, Any]:
@@ -105,7 +105,7 @@ def course_arrays(course: Course) -> dict[str, Any]:
     Raises
     ------
     ScenarioError
-        If its drive has no constant efficiency, or `railjoule.core.simulation.by_hand` does not take the course.
+        If its drive has no constant efficiency, or `railjoule.core.simulation.manual` does not take the course.
     """
     data = course.data
     require_drivable(course)

@@ -12,7 +12,7 @@ from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, s
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion import Course, build_course
 from railjoule.core.phases import PhaseName
-from railjoule.core.simulation.drawn import drive_drawn
+from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words

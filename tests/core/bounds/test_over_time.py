@@ -9,7 +9,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise, time_line
 from railjoule.core.continuous_bound.refinement import refined_optimum
-from railjoule.core.simulation.drawn import drive_drawn
+from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.task import Task
 

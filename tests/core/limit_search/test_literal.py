@@ -1,9 +1,10 @@
 """The printed regulator: its ramp, its chatter, its braking curve, and how it ends."""
 
 import numpy as np
-from builders import plain_scenario
+import pytest
+from builders import drive_under_limits, plain_scenario
 
-from railjoule.core import load_scenario
+from railjoule.core import StrategyRefusedError, load_scenario
 from railjoule.core.limit_search.literal import (
     ARRIVED,
     OVERSHOOTS,
@@ -11,7 +12,6 @@ from railjoule.core.limit_search.literal import (
     literal_regulation,
     literal_trip,
 )
-from railjoule.core.simulation.regulator import literal_spread
 from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")
@@ -31,9 +31,11 @@ def driven(course, relay=RELAY, limit_ms=10.0, data=None):
 
 def test_what_it_needs_depends_on_its_step():
     """findings.md: about 1 % of energy between steps of 0.1 and 0.001 s, and up to 622 switches; here 2.5 %."""
-    runs = literal_spread(METRO, [42.2, 42.2], [0.1, 0.05, 0.02, 0.01, 0.005])
-    assert not any(run.refusal for run in runs)
-    energies = [run.energy_kwh for run in runs]
+    steps = (
+        METRO.replace(**{"search.regulator": "literal", "search.time_step_s": s})
+        for s in (0.1, 0.05, 0.02, 0.01, 0.005)
+    )
+    energies = [drive_under_limits(scenario, [42.2, 42.2]).energy_kwh for scenario in steps]
     assert 1e-2 < max(energies) / min(energies) - 1 < 5e-2
 
 
@@ -48,9 +50,9 @@ def test_a_step_that_fails_is_told():
     """From 40 to 30 km/h at the head of a descent of 40 per mille: at any step the ramp is too slow."""
     steep = [{"length_m": 1000.0}, {"length_m": 1000.0, "gradient_permille": -40.0, "speed_limit_kmh": 30.0}]
     scenario = plain_scenario({"line.sections": steep, "search.boundaries_m": [1000.0]})
-    (run,) = literal_spread(scenario.replace(**{"timetable.travel_time_s": 250.0}), [50.0, 40.0], [1.0])
-    assert "passes the speed limit of 30 km/h by 2." in run.refusal
-    assert np.isnan(run.energy_kwh)
+    changes = {"timetable.travel_time_s": 250.0, "search.regulator": "literal", "search.time_step_s": 1.0}
+    with pytest.raises(StrategyRefusedError, match=r"passes the speed limit of 30 km/h by 2\."):
+        drive_under_limits(scenario.replace(**changes), [50.0, 40.0])
 
 
 def test_effort_changes_no_faster_than_its_rate():

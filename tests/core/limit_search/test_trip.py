@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import plain_scenario
+from builders import drive_under_limits, plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,7 +11,6 @@ from railjoule.core.limit_search.problem import limit_problem
 from railjoule.core.limit_search.projection import scale_to_time
 from railjoule.core.limit_search.regulation import regulation_of
 from railjoule.core.limit_search.whole_cells import trip_cost
-from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")

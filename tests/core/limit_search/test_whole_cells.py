@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
-from builders import plain_scenario
+from builders import drive_under_limits, plain_scenario
 
 from railjoule.core.limit_search.problem import limit_problem
 from railjoule.core.limit_search.whole_cells import trip_over_cells
-from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.task import prepare_task
 
 

@@ -1,4 +1,4 @@
-"""What runs that are driven or drawn by hand share."""
+"""Fixtures of manual driving."""
 
 import pytest
 

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from builders import HILLS, plain_scenario
+from builders import HILLS, drive_under_limits, plain_scenario
 from hard_scenarios import COMES_TO_REST_FOR_EVER
 
 from railjoule.core import StrategyRefusedError, check_run, load_scenario, solve
 from railjoule.core.scenario import scenario_from_document
-from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.speed_limits import speed_limits, speed_limits_with_search
 from railjoule.core.task import prepare_task

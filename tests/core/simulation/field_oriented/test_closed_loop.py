@@ -10,10 +10,8 @@ import pytest
 from builders import INDUCTION, plain_scenario
 
 from railjoule.core import InfeasibleLineError, ScenarioError, SolverError, load_scenario, solve
-from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
-from railjoule.core.simulation.field_oriented import states as column
-from railjoule.core.simulation.field_oriented.notes import _motion_notes
-from railjoule.core.simulation.field_oriented.record import Record
+from railjoule.core.simulation.field_oriented import current_ripple, loop, simulate_field_oriented
+from railjoule.core.simulation.field_oriented.results import Samples, motion_notes
 
 ENOC = {"strategy": "enoc", "enoc.acceleration_time_s": 62.713}
 
@@ -48,10 +46,10 @@ def test_what_the_magnetic_field_holds_is_stored_and_no_loss():
 
 
 def test_a_train_that_rolls_back_is_said_to_be_drawn_as_standing():
-    states = np.zeros((4, column.STATES))
-    states[:, column.POSITION] = [0.0, -0.25, 5.0, 10.0]
-    record = Record(np.arange(4.0), states, np.zeros((4, column.OUTPUTS)), None, states[:, column.POSITION], 0.0)
-    [note] = _motion_notes(record, 10.0)
+    states = np.zeros((loop.STATES, 4))
+    states[loop.POSITION] = [0.0, -0.25, 5.0, 10.0]
+    samples = Samples(np.arange(4.0), states, np.zeros((loop.OUTPUTS, 4)), np.zeros((2, 4)), np.zeros(4))
+    [note] = motion_notes(samples, 10.0)
     assert note.startswith("The train rolls back by up to 0.25 m from 0 m, 1.0 s: ")
 
 
@@ -59,14 +57,14 @@ def test_energy_is_that_of_the_prototype(run):
     # findings: 4677.8 Wh with the magnetising loss of 277 Wh; the prototype waited a second longer at the end
     assert 1e3 * run.energy_by_input_power_kwh == pytest.approx(4677.8, rel=1e-3)
     # (3/2) Rs id^2 of both motors over 300.2 s
-    assert run.magnetising_loss_j == pytest.approx(2 * 1.5 * 0.0358 * (2.73 / 15.5e-3) ** 2 * 300.2, rel=1e-3)
+    assert 3.6e6 * run.magnetising_loss_kwh == pytest.approx(2 * 1.5 * 0.0358 * (2.73 / 15.5e-3) ** 2 * 300.2, rel=1e-3)
 
 
 def test_it_tracks_its_plan(run):
     assert run.max_tracking_error_m <= 0.05
     assert abs(run.final_error_m) <= 0.01
     assert abs(run.delay_s) < 0.01
-    assert run.tracking_error_m == pytest.approx(run.reference_position_m - run.position_m, abs=1e-9)
+    assert run.tracking_error_m[-1] == pytest.approx(run.planned.position_m[-1] - run.position_m[-1], abs=1e-9)
     assert not run.saturated
 
 

@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.motion import build_course
-from railjoule.core.simulation.by_hand import require_drivable
+from railjoule.core.simulation.manual import require_drivable
 from railjoule.dashboard.pages.learn.by_hand import PRESET, TryRequest, best_run, driven_run, judge
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.state.pins import KeptPin

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+from builders import drive_under_limits
 
 from railjoule.core import Scenario, ScenarioError, StrategyRefusedError, load_scenario
-from railjoule.core.simulation.regulator import drive_under_limits
 from railjoule.dashboard.pages.speed_limits.compute import (
     LimitRun,
     LimitsRequest,
