@@ -16,22 +16,19 @@ import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compilation import require_compiled
-from railjoule.core.dynamic_programming.backward import (
-    Steps,
-    laid_along_coasting,
-    least_speeds,
-    speed_grid,
-    tabulate_steps,
-)
+from railjoule.core.dynamic_programming.grid import speed_band
+from railjoule.core.dynamic_programming.labels import regime_labels
 from railjoule.core.dynamic_programming.power_table import NO_POWERS
-from railjoule.core.dynamic_programming.regimes import POWER, drive_regimes, roll_out_regimes, sweep_back_regimes
-from railjoule.core.dynamic_programming.search import log_price_range, price_scale_w
+from railjoule.core.dynamic_programming.recursion import roll_out, sweep_back
+from railjoule.core.dynamic_programming.regimes import drive_regimes
+from railjoule.core.dynamic_programming.search import log_price_range
+from railjoule.core.dynamic_programming.steps import POWER, tabulate_steps
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.strategies.arrival_windows import missed_windows
-from railjoule.core.strategies.decisions import line_energy_j
 from railjoule.core.strategies.optimal import known_optimum
+from railjoule.core.strategies.switching import line_energy_j
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -142,12 +139,9 @@ class _Table:
     def __init__(self, task: Task) -> None:
         self.task, self.data = task, task.course.data
         greatest = task.greatest_speed2
-        bounds = greatest, least_speeds(self.data, greatest), self.data.fixed_speed2
-        fastest = np.sqrt(greatest)
-        grid = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
-        self.grid: FloatArray = laid_along_coasting(self.data, grid, greatest)
-        self.steps: Steps = tabulate_steps(self.data, self.grid, NO_POWERS)
-        self.prices = log_price_range(self.data, price_scale_w(self.data, task.running_time_s))
+        self.grid = speed_band(self.data, greatest, 0.25 * greatest, math.sqrt(greatest.max()), POINTS)
+        self.steps = tabulate_steps(self.data, self.grid, NO_POWERS, by_regime=True)
+        self.prices = log_price_range(self.data, task.running_time_s)
 
     def run(self, changes: int) -> SimpleRun:
         """Return the cheapest run with so many changes that is in time; raises SolverError where there is none."""
@@ -173,14 +167,15 @@ class _Table:
             if driven is not None:
                 found.append(driven)
         # more changes hardly move the price
-        whole = log_price_range(self.data, price_scale_w(self.data, self.task.running_time_s))
+        whole = log_price_range(self.data, self.task.running_time_s)
         self.prices = max(least - NEXT_WIDTH, whole[0]), min(most + NEXT_WIDTH, whole[1])
         return found[-NEAREST:]
 
     def _at_price(self, log_price: float, changes: int) -> "_Driven | None":
         price = math.exp(log_price)
-        cost = sweep_back_regimes(self.data, self.steps, self.grid, price, changes)
-        speed2, regimes = roll_out_regimes(self.data, self.grid, cost, price, changes)
+        labels = regime_labels(self.data.fixed_speed2, changes)
+        cost, _, _ = sweep_back(self.steps, self.grid, price, labels, keeps_cost=True)
+        speed2, regimes = roll_out(self.data, self.grid, cost, price, labels, 0)
         return None if speed2[-1] < 0.0 else _Driven(speed2, regimes, 0.0)
 
     def _in_time(self, driven: "_Driven") -> Iterator["_Driven"]:

@@ -211,7 +211,7 @@ def _shared(task: Task, stops: list[int], part_of_line: Part, sharing: Sharing) 
         times = shortest * (running / shortest.sum())
     else:
         times = shortest + (running - shortest.sum()) / len(shortest)
-    return [(a, b, float(time)) for (a, b), time in zip(pairwise(inside), times, strict=True)]
+    return [Part(a, b, float(time)) for (a, b), time in zip(pairwise(inside), times, strict=True)]
 
 
 def nodes_at_stops(run: Trajectory, places_m: FloatArray) -> tuple[IntArray, IntArray]:
