@@ -17,3 +17,8 @@ def frozen_array(values: Iterable[float] | FloatArray) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def midpoints(values: FloatArray) -> FloatArray:
+    """Return the means of neighbouring values; shape (n - 1,) for n of them."""
+    return 0.5 * (values[:-1] + values[1:])

@@ -179,7 +179,7 @@ def _require_speeds_within_limits(course: Course) -> None:
 
 
 def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
-    if course.data.powered[cell] < 1:
+    if course.data.supply_share[cell] < 1:
         return _neutral_sentence(course, cell, braking)
     place, gradient = course.position_m[cell], course.gradient_permille[cell]
     if braking:
@@ -200,7 +200,7 @@ def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
 def _neutral_sentence(course: Course, cell: int, braking: bool) -> str:
     """Return why no run passes a cell without traction power."""
     place, gradient = course.position_m[cell], course.gradient_permille[cell]
-    powered = np.flatnonzero(course.data.powered >= 1)
+    powered = np.flatnonzero(course.data.supply_share >= 1)
     # nodes: after the last cell before it that has power, and before the first one behind it
     start = course.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
     end = course.position_m[int(np.min(powered[powered > cell], initial=course.cell_count))]

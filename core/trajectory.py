@@ -15,9 +15,8 @@ from railjoule.core.line_current import line_current_a
 from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
-from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.physics.account import SMALL_ENERGY_SHARE, RunAccount, account_of_run
 from railjoule.core.physics.course_data import CourseData, electric_limit_n, tractive_limit_n
-from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategy import STRATEGIES
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -447,7 +446,7 @@ def supplied_effort_n(data: CourseData, cells: RunAccount) -> FloatArray:
     The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
     drive with idle losses all of them.
     """
-    return np.where(data.powered < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
+    return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
 def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ neither pays while K w is worth between
 
     lo(v) = r max over x of generated(x, v) / (x v)    and    hi(v) = min over x of P(x, v) / (x v).
 
-Each interval's price is the multiplier clipped to this window at its speed. Where limits of effort bind, as in a start,
+Each interval's price is the multiplier clipped to this window at its speed. If limits of effort bind, as in a start,
 the optimum's own price rightly lies outside of the window at its own speed: the window is widened by that factor.
 """
 
@@ -58,7 +58,7 @@ def interval_prices(
     Parameters
     ----------
     node_price : array of shape (n + 1,)
-        Those of the multipliers.
+        Prices of the multipliers.
     around_ms : array of shape (n + 1,)
         Speeds of the run whose multipliers they are [m/s].
     worth : tuple of 3 arrays

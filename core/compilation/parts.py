@@ -66,7 +66,7 @@ def drive_fastest() -> None:
 def drive_solver() -> None:
     """Use the kernels of the interior point without those that are called before it: it has no steps to do."""
     course = build_course(load_scenario(FIRST)).data
-    minimise_energy(course, course.largest_speed2, 1.0, 2.0, TOLERANCE, 0, FREE_CENTRING, False, False)
+    minimise_energy(course, course.largest_speed2, 1.0, 2.0, TOLERANCE, 0, FREE_CENTRING, False)
 
 
 def drive_proof() -> None:

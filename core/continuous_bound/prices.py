@@ -18,14 +18,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray, midpoints
 from railjoule.core.compiled import njit
 from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.motion.course import Course
-from railjoule.core.motion.permitted_speed import fill_curve
+from railjoule.core.motion.permitted_speed import curve_at
 from railjoule.core.physics.course_data import CourseData
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
@@ -126,14 +126,14 @@ def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_tim
     data, speed2 = course.data, optimum.speed2
     length = data.cell_length_m
     node = np.append(0.0, np.cumsum(length))
-    middle = 0.5 * (node[1:] + node[:-1])
+    middle = midpoints(node)
     at_rest, fixed = data.fixed_speed2 == 0.0, data.fixed_speed2 >= 0.0
     at_limit = speed2 >= data.largest_speed2 * (1 - AT_LIMIT)
     has_curve = cells_with_curve(course)
     at_end = at_limit[1:] | (has_curve & fixed[1:])
     keeps_limit = at_limit[:-1] & at_end
     position = _positions(node, middle, node[at_rest])
-    cell = np.clip(np.searchsorted(node, 0.5 * (position[1:] + position[:-1]), side="right") - 1, 0, len(length) - 1)
+    cell = np.clip(np.searchsorted(node, midpoints(position), side="right") - 1, 0, len(length) - 1)
     motion, force = _prices_of_cells(course.data, optimum)
     given = position, cell, force, keeps_limit, keeps_limit & has_curve, at_rest, at_limit, fixed, price_of_time
     trace = Trace(data, rows, speed2, node, *given)
@@ -174,10 +174,7 @@ def ceilings2(course: Course, position_m: FloatArray, cell: IntArray) -> FloatAr
         return np.array([limit2[cell], limit2[cell]])
     node = np.append(0.0, np.cumsum(data.cell_length_m))
     to_end = np.clip(node[cell + 1] - np.array([position_m[:-1], position_m[1:]]), 0.0, data.cell_length_m[cell])
-    squares = np.empty((2, len(cell)))
-    for side in range(2):
-        given = data.cell_length_m, limit2, data.fixed_speed2, course.curve_steps, cell, to_end[side]
-        fill_curve(*given, squares[side])
+    squares = curve_at(data.cell_length_m, limit2, data.fixed_speed2, course.curve_steps, cell, to_end)
     length = np.diff(position_m)
     steps2, deceleration_ms2 = course.curve_steps
     first, last = (np.clip(np.searchsorted(steps2, squares[side], side="right") - 1, 0, None) for side in (1, 0))
@@ -216,7 +213,7 @@ def _marginal_prices(course: CourseData, optimum: Optimum, price: FloatArray) ->
     if course.drive_kind != CONSTANT_EFFICIENCY:
         return price
     speed = np.sqrt(optimum.speed2)
-    mean = np.maximum(0.5 * (speed[1:] + speed[:-1]), 1e-3)
+    mean = np.maximum(midpoints(speed), 1e-3)
     efficiency, generating = course.drive_parameters[:2]
     snapped = price.copy()
     for effort, limit, cost in (
@@ -349,7 +346,7 @@ def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     low = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
     high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
-    if course.powered[i] < 1.0:
+    if course.supply_share[i] < 1.0:
         by_speed = 0.0
     resisted = price * (course.resistance_linear + 2.0 * course.resistance_quadratic[i] * speed)
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)

@@ -17,9 +17,8 @@ from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bo
 from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.account import account_of_run, reference_energy
 from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
-from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task, task_over_nodes
 from railjoule.core.trajectory import LATE_SHARE, line_energies_j
 

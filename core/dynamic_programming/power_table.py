@@ -15,9 +15,9 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, shared_by_cells
+from railjoule.core.physics.course_data import OFF, CourseData, shared_by_cells
 from railjoule.core.physics.effort_limit import largest_effort
-from railjoule.core.physics.stretches import IS_OFF, NEXT_TO_NOTHING, action_of_cell
+from railjoule.core.physics.stretches import NEXT_TO_NOTHING, action_of_cell
 
 SPEEDS, EFFORTS = 96, 64
 """Of a table: from rest to the highest speed, and from none to the largest effort at each of them."""
@@ -85,8 +85,8 @@ def tabulated_cost(
     v = mean_speed(math.sqrt(entering_speed2), math.sqrt(leaving_speed2))
     force, seconds = needed_force(cell, entering_speed2, leaving_speed2, v), duration(cell.length_m, v)
     # in a neutral section no drive is on
-    if abs(force) <= table.least_n or cell.powered < 1.0:
-        return 0.0, seconds, IS_OFF
+    if abs(force) <= table.least_n or cell.supply_share < 1.0:
+        return 0.0, seconds, OFF
     side = DRIVING_SIDE if force > 0.0 else BRAKING_SIDE
     k = min(int(v / table.step_ms), SPEEDS - 2)
     x = min(v / table.step_ms - k, 1.0)

@@ -1,18 +1,18 @@
-"""What an optimum says on driving, braking and coasting of a drive that takes power without effort."""
+"""Driving, braking and coasting in the optimum of a drive with idle losses."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when_on
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
+from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF, CourseData, cell_of, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
 DRIVEN, COASTED = 0.98, 0.02
@@ -46,8 +46,8 @@ def duty(course: CourseData, optimum: Optimum) -> Duty:
         driving[i] = min(optimum.traction_n[i] / touch, 1.0)
         power, touch = hull_power(kind, parameters, True, course.braking, 0.0, v, 0.0)
         braking[i] = min(optimum.braking_n[i] / touch, 1.0)
-        # What gains nothing is left to the other brakes. How the optimum shares it between brakes that cost the same
-        # is an accident of the barrier
+        # Braking that gains nothing is left to the other brakes. How the optimum shares it between brakes that cost
+        # the same is an accident of the barrier
         gains = power[1] < 0.0 and course.recuperation_factor > 0.0
         if another and optimum.braking_n[i] > touch:
             # next to a stop the effort that is needed may draw, though a smaller one would generate
@@ -57,37 +57,32 @@ def duty(course: CourseData, optimum: Optimum) -> Duty:
     return Duty(driving, braking)
 
 
-def modes_of(driven: BoolArray, braked: BoolArray) -> FloatArray:
-    """Return the decision to drive in some cells and to brake electrically in others that are not driven."""
-    modes: FloatArray = np.where(driven, DRIVING, np.where(braked, BRAKING, OFF))
-    return modes
-
-
-def forbidden_energy_j(course: CourseData, modes: FloatArray, optimum: Optimum) -> float:
-    """Return what of the energy of a decision's optimum is the price of efforts that the decision leaves out [J]."""
+def forbidden_energy_j(course: CourseData, modes: IntArray, optimum: Optimum) -> float:
+    """Return the price of efforts that a decision leaves out, in the energy of its optimum [J]."""
     driven, braked = _forbidden_efforts_n(course, modes, optimum)
     return FORBIDDING_PRICE * float((course.cell_length_m * (driven + braked)).sum())
 
 
-def mended_modes(course: CourseData, modes: FloatArray, optimum: Optimum) -> FloatArray:
+def repaired_modes(course: CourseData, modes: IntArray, optimum: Optimum) -> IntArray:
     """Return a decision that allows what the optimum of another one could not do without."""
     driven, braked = _forbidden_efforts_n(course, modes, optimum)
     least = NEXT_TO_NOTHING * course.traction.constant_n
-    mended: FloatArray = np.where(driven > least, DRIVING, np.where(braked > least, BRAKING, modes))
-    return mended
+    repaired: IntArray = np.where(driven > least, DRIVE, np.where(braked > least, BRAKE, modes))
+    return repaired
 
 
-def _forbidden_efforts_n(course: CourseData, modes: FloatArray, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
+def _forbidden_efforts_n(course: CourseData, modes: IntArray, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     """Return the tractive and the braking efforts that a decision leaves out and its optimum uses even so [N]."""
-    driven = np.where(modes == DRIVING, 0.0, optimum.traction_n)
+    driven = np.where(modes == DRIVE, 0.0, optimum.traction_n)
     # the effort of a standstill brake costs nothing, and stands for the machines' own
-    free = (modes == BRAKING) | has_standstill_brake(course.drive_kind, course.drive_parameters)
+    free = (modes == BRAKE) | has_standstill_brake(course.drive_kind, course.drive_parameters)
     return driven, np.where(free, 0.0, optimum.braking_n)
 
 
-def safest_modes(duty: Duty) -> FloatArray:
+def safest_modes(duty: Duty) -> IntArray:
     """Return the decision that leaves a solver each cell that the optimum drives or brakes in, however little."""
-    return modes_of(duty.driving > COASTED, duty.braking > COASTED)
+    modes: IntArray = np.where(duty.driving > COASTED, DRIVE, np.where(duty.braking > COASTED, BRAKE, OFF))
+    return modes
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -100,7 +95,7 @@ def coasting_exactly(course: CourseData, optimum: Optimum) -> FloatArray:
     train, traction, braking, _ = shared_by_cells(course)
     for i in range(course.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
-        if small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
+        if small and math.isnan(course.fixed_speed2[i + 1]) and speed2[i] > 0.0:
             leaving = exit_speed2(cell_of(course, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:

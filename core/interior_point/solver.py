@@ -9,9 +9,10 @@ one plus a rank-one term (`newton`). Barrier weights are proportional to length,
 nothing else. The barrier never falls under a tenth of what the tolerance asks for: below that the residual of
 the dual is rounding noise, which grows.
 
-What the stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
+The stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
 limit of effort is violated by more than 1e-8, no timetable by more than 1e-9, and the dual residual is small or at
-its noise floor. Whether the point is the global optimum, `certificate` proves afterwards.
+its noise floor. `railjoule.core.bounds` proves how close the point is to the
+global optimum.
 """
 
 from typing import NamedTuple
@@ -21,25 +22,14 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import may_be_concave
+from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.cell import evaluate
-from railjoule.core.interior_point.layout import (
-    CEILING,
-    DRAWN,
-    DRAWN_POSITIVE,
-    ENVELOPE_EFFORTS,
-    FAST,
-    FLOOR,
-    FRICTION_POSITIVE,
-    TIME_MULTIPLIER,
-    TIME_SLACK,
-    Work,
-    allocate,
-)
+from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, FAST, Work, allocate
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.reference import reference_energy
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
 LARGEST_VIOLATION = 1e-8
@@ -61,10 +51,6 @@ WHOLE_STEP, HALF_STEP = 0.99, 0.5
 # Mehrotra's centring is the cube of what the affine step leaves of the gap. At least half is kept after a step so short
 # that the affine direction is of no use, and never more than nine tenths, or the barrier would stand still.
 MOST_CENTRING, CAUTIOUS_CENTRING, USELESS_STEP = 0.9, 0.5, 0.1
-# all of the gap: then the barrier waits until the residual of the dual is no more than ten times that
-HELD_CENTRING = 1.0
-NOISY_HELD_RESIDUAL = 1e-4
-"""Instead of `NOISY_RESIDUAL` where the barrier waits for the residual: what is left of it is no noise."""
 # The share of the way to the nearest bound that a step takes: closer to 1 as the barrier falls, for the last iterations
 # to converge superlinearly.
 BOUND_SHARE = 0.995
@@ -75,7 +61,7 @@ LEAST_BARRIER_SHARE = 0.1
 
 
 class Optimum(NamedTuple):
-    """What the method ends with, in SI: how it scales its numbers is its own affair.
+    """The result of the method, in SI.
 
     Parameters
     ----------
@@ -118,14 +104,16 @@ def dual_residual(course: CourseData, work: Work) -> float:
     price = 1.0 - course.recuperation_factor
     for i in range(cells.traction.shape[0]):
         total += abs(cells.traction_gradient[i] - cells.force_price[i])
-        if work.used[FRICTION_POSITIVE] > 0.0:
+        if work.used[ix.FRICTION_POSITIVE] > 0.0:
             total += abs(cells.braking_gradient[i] + cells.force_price[i])
-        if work.used[DRAWN] > 0.0:
-            drawn = course.cell_length_m[i] * price - rows.multiplier[DRAWN, i] - rows.multiplier[DRAWN_POSITIVE, i]
+        if work.used[ix.DRAWN] > 0.0:
+            drawn = (
+                course.cell_length_m[i] * price - rows.multiplier[ix.DRAWN, i] - rows.multiplier[ix.DRAWN_POSITIVE, i]
+            )
             total += abs(drawn)
     for i in range(work.nodes.speed2.shape[0]):
         if work.nodes.free[i] > 0.0:
-            gradient = work.nodes.gradient[i] - bounds.multiplier[FLOOR, i] + bounds.multiplier[CEILING, i]
+            gradient = work.nodes.gradient[i] - bounds.multiplier[ix.FLOOR, i] + bounds.multiplier[ix.CEILING, i]
             total += abs(gradient) * work.nodes.speed2[i]
     for row in range(rows.slack.shape[0]):
         if work.used[row] > 0.0:
@@ -139,8 +127,8 @@ def _all_complementarity(
     work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float
 ) -> float:
     """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
-    total: float = (time_slack + point * work.time_step[TIME_SLACK]) * (
-        time_multiplier + multipliers * work.time_step[TIME_MULTIPLIER]
+    total: float = (time_slack + point * work.time_step[ix.TIME_SLACK]) * (
+        time_multiplier + multipliers * work.time_step[ix.TIME_MULTIPLIER]
     )
     total += complementarity(work.rows, work.used, point, multipliers)
     total += complementarity(work.bounds, np.ones(2), point, multipliers)
@@ -167,7 +155,6 @@ def minimise_energy(
     tolerance: float,
     largest_iterations: int,
     least_centring: float,
-    holds_barrier: bool,
     exact_first: bool,
 ) -> Optimum:
     """Return the optimum of a course.
@@ -184,21 +171,15 @@ def minimise_energy(
     largest_iterations : int
     least_centring : float
         Lower bound of the centring; 0.2 ends the rare cycles that 1e-6 leaves.
-    holds_barrier : bool
-        Whether the barrier waits where the dual residual is far above the gap. Where curvatures are cut or jump,
-        Newton's steps converge slowly; a barrier that falls meanwhile leaves the point at limits far from the optimum.
     exact_first : bool
         Whether steps are taken with exact second derivatives where the problem is convex at the point, as in
         `factor_with_fallback`.
     """
     scale = course.traction.constant_n
     # where it is decided what the drive does, no power is tabulated
-    relaxed = course.machines_on.shape[0] == 0
+    relaxed = course.mode.shape[0] == 0
     efforts = ENVELOPE_EFFORTS if relaxed and may_be_concave(course.drive_kind) else 0
     work = allocate(course.cell_length_m.shape[0], efforts)
-    most_cautious = HELD_CENTRING if holds_barrier else CAUTIOUS_CENTRING
-    most_centring = max(MOST_CENTRING, most_cautious)
-    noisy = NOISY_HELD_RESIDUAL if holds_barrier else NOISY_RESIDUAL
     time_slack, time_multiplier, weights = prepare(course, scale, fastest, shortest_time, running_time, work)
     length = course.cell_length_m.sum()
     time_weight = TIME_WEIGHT * length
@@ -220,7 +201,7 @@ def minimise_energy(
             iterations_close += 1
             # whole steps that change nothing any more: then what is left of the dual residual is noise, however large
             settled = step > WHOLE_STEP and abs(energy - before) < 0.1 * tolerance * reference
-            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < noisy or settled)
+            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < NOISY_RESIDUAL or settled)
             if patient or (gap < tolerance and dual < 10.0 * tolerance):
                 status = CONVERGED
                 break
@@ -232,8 +213,8 @@ def minimise_energy(
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
         centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
         if dual > gap:
-            centring = max(centring, min(most_cautious, DUAL_SHARE * dual / gap))
-        centring = min(max(centring, least_centring), most_centring)
+            centring = max(centring, min(CAUTIOUS_CENTRING, DUAL_SHARE * dual / gap))
+        centring = min(max(centring, least_centring), MOST_CENTRING)
         if step < USELESS_STEP:
             centring = max(centring, CAUTIOUS_CENTRING)
         aim = max(centring * barrier, least)
@@ -247,9 +228,9 @@ def minimise_energy(
         # after a short step the target was not reached: pairs are kept around the barrier that there is
         centre = aim if step > HALF_STEP else max(barrier, least)
         _take_step(work, point, multipliers, centre, width)
-        time_slack += point * work.time_step[TIME_SLACK]
+        time_slack += point * work.time_step[ix.TIME_SLACK]
         central = centre * time_weight / time_slack
-        time_multiplier += multipliers * work.time_step[TIME_MULTIPLIER]
+        time_multiplier += multipliers * work.time_step[ix.TIME_MULTIPLIER]
         time_multiplier = min(max(time_multiplier, central / width), central * width)
         iteration += 1
     return Optimum(

@@ -12,29 +12,14 @@ from railjoule.core.drive.kernels import (
     jumps_at_no_effort,
     may_draw_while_braking,
 )
-from railjoule.core.interior_point.layout import (
-    ACCELERATION,
-    BRAKING_CONSTANT,
-    BRAKING_OVER_SPEED,
-    BRAKING_POSITIVE,
-    CEILING,
-    DECELERATION,
-    DRAWN,
-    DRAWN_POSITIVE,
-    FLOOR,
-    FRICTION_CONSTANT,
-    FRICTION_POSITIVE,
-    TRACTION_CONSTANT,
-    TRACTION_OVER_SPEED,
-    TRACTION_POSITIVE,
-    Work,
-)
+from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.layout import Work
 from railjoule.core.interior_point.switching import tabulate_hulls
 from railjoule.core.motion.passes import running_time as running_time_of
+from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.energy_per_metre import energy_per_metre
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -102,21 +87,21 @@ def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Wor
     kinked = kinked and not has_standstill_brake(course.drive_kind, course.drive_parameters)
     for i in range(h.shape[0]):
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
-        for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
+        for row in (ix.TRACTION_POSITIVE, ix.TRACTION_CONSTANT, ix.BRAKING_POSITIVE, ix.BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        powered = course.powered[i] >= 1.0
+        powered = course.supply_share[i] >= 1.0
         if powered and _binds(traction, top_speed):
-            weight[TRACTION_OVER_SPEED, i] = h[i]
+            weight[ix.TRACTION_OVER_SPEED, i] = h[i]
         if powered and _binds(braking, top_speed):
-            weight[BRAKING_OVER_SPEED, i] = h[i]
+            weight[ix.BRAKING_OVER_SPEED, i] = h[i]
         if kinked:
-            weight[DRAWN_POSITIVE, i] = weight[DRAWN, i] = h[i]
+            weight[ix.DRAWN_POSITIVE, i] = weight[ix.DRAWN, i] = h[i]
         if course.friction_effort_n > 0.0:
-            weight[FRICTION_POSITIVE, i] = weight[FRICTION_CONSTANT, i] = h[i]
+            weight[ix.FRICTION_POSITIVE, i] = weight[ix.FRICTION_CONSTANT, i] = h[i]
         if course.max_acceleration_ms2 < np.inf:
-            weight[ACCELERATION, i] = h[i]
+            weight[ix.ACCELERATION, i] = h[i]
         if course.max_deceleration_ms2 < np.inf:
-            weight[DECELERATION, i] = h[i]
+            weight[ix.DECELERATION, i] = h[i]
     for row in range(weight.shape[0]):
         work.used[row] = 1.0 if weight[row].max() > 0.0 else 0.0
 
@@ -151,17 +136,17 @@ def prepare(
     start_speeds(course, fastest, shortest_time, running_time, w)
     _use_limits(course, scale, fastest, work)
     # where it is decided what the drive does, no power is a line: nothing would read the table
-    if jumps_at_no_effort(course.drive_kind) and course.machines_on.shape[0] == 0:
+    if jumps_at_no_effort(course.drive_kind) and course.mode.shape[0] == 0:
         tabulate_hulls(course, work.rays, work.envelope)
     for i in range(n + 1):
-        nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0
+        nodes.free[i] = 1.0 if math.isnan(course.fixed_speed2[i]) else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])
         nodes.ceiling[i] = course.largest_speed2[i]
         if nodes.free[i] > 0.0:
             length = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
-            bounds.slack[FLOOR, i] = w[i] - nodes.floor[i]
-            bounds.slack[CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
-            for side in (FLOOR, CEILING):
+            bounds.slack[ix.FLOOR, i] = w[i] - nodes.floor[i]
+            bounds.slack[ix.CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
+            for side in (ix.FLOOR, ix.CEILING):
                 bounds.weight[side, i] = length
                 bounds.multiplier[side, i] = FIRST_BARRIER * length / bounds.slack[side, i]
     used_time = running_time_of(h, w)
@@ -184,32 +169,32 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
         rise = cell.inertia * (w[i + 1] - w[i])
         force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf
-        if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
+        if rows.weight[ix.TRACTION_OVER_SPEED, i] > 0.0:
             over_traction = limit_over_speed(course.traction, v)[0] / scale
-        if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
+        if rows.weight[ix.BRAKING_OVER_SPEED, i] > 0.0:
             over_braking = limit_over_speed(course.braking, v)[0] / scale
-        electric = min(cell.powered * top_braking, over_braking)
+        electric = min(cell.supply_share * top_braking, over_braking)
         low = max(force, 0.0)
         # a tenth into the interval: most of an optimal run coasts or uses little effort
-        f = low + 0.1 * max(min(cell.powered, over_traction, electric + top_friction + force) - low, 0.0)
+        f = low + 0.1 * max(min(cell.supply_share, over_traction, electric + top_friction + force) - low, 0.0)
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
         power = generated_power(course.drive_kind, course.drive_parameters, max(x, 0.0) * scale, v)
         generated = energy_per_metre(power, v)[0] / scale
-        drawn = max(-generated, 0.0) + 1e-2 if rows.weight[DRAWN, i] > 0.0 else 0.0
+        drawn = max(-generated, 0.0) + 1e-2 if rows.weight[ix.DRAWN, i] > 0.0 else 0.0
         cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
-        rows.slack[TRACTION_POSITIVE, i] = f
-        rows.slack[TRACTION_CONSTANT, i] = cell.powered - f
-        rows.slack[TRACTION_OVER_SPEED, i] = over_traction - f
-        rows.slack[BRAKING_POSITIVE, i] = x
-        rows.slack[BRAKING_CONSTANT, i] = cell.powered * top_braking - x
-        rows.slack[BRAKING_OVER_SPEED, i] = over_braking - x
-        rows.slack[DRAWN_POSITIVE, i] = drawn
-        rows.slack[DRAWN, i] = drawn + generated
-        rows.slack[FRICTION_POSITIVE, i] = b - x
-        rows.slack[FRICTION_CONSTANT, i] = top_friction - b + x
-        rows.slack[ACCELERATION, i] = 2.0 * inertia * course.max_acceleration_ms2 - rise
-        rows.slack[DECELERATION, i] = 2.0 * inertia * course.max_deceleration_ms2 + rise
+        rows.slack[ix.TRACTION_POSITIVE, i] = f
+        rows.slack[ix.TRACTION_CONSTANT, i] = cell.supply_share - f
+        rows.slack[ix.TRACTION_OVER_SPEED, i] = over_traction - f
+        rows.slack[ix.BRAKING_POSITIVE, i] = x
+        rows.slack[ix.BRAKING_CONSTANT, i] = cell.supply_share * top_braking - x
+        rows.slack[ix.BRAKING_OVER_SPEED, i] = over_braking - x
+        rows.slack[ix.DRAWN_POSITIVE, i] = drawn
+        rows.slack[ix.DRAWN, i] = drawn + generated
+        rows.slack[ix.FRICTION_POSITIVE, i] = b - x
+        rows.slack[ix.FRICTION_CONSTANT, i] = top_friction - b + x
+        rows.slack[ix.ACCELERATION, i] = 2.0 * inertia * course.max_acceleration_ms2 - rise
+        rows.slack[ix.DECELERATION, i] = 2.0 * inertia * course.max_deceleration_ms2 + rise
     for row in range(rows.slack.shape[0]):
         for i in range(h.shape[0]):
             used = rows.weight[row, i] > 0.0

@@ -1,10 +1,10 @@
-"""Drives that take power without effort when they are on, and none when they are off: power jumps at zero effort.
+"""Drives with idle losses when they are on, and none when they are off: power jumps at zero effort.
 
-Where a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
+If a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
 share of the cell in which it is on: up to the effort of least power per effort it is on for a part of the cell with
 that one, a straight line through zero, and above it all the time. That is the convex hull of zero and the power p of a
-drive that is on, if p is convex in the effort. The same holds for braking and what it generates. Of a map nobody knows
-that p is convex: `envelope` has the table for it.
+drive that is on, if p is convex in the effort. The same holds for braking and the power that it generates. Nothing
+ensures that the power of a map is convex: `envelope` has the table for it.
 """
 
 import math
@@ -15,13 +15,13 @@ from railjoule.core.drive.kernels import has_standstill_brake, may_be_concave, s
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point.envelope import envelope_power, tabulate_envelope
 from railjoule.core.interior_point.layout import RAY_COUNT
-from railjoule.core.physics.course_data import BRAKING, DRIVING, CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.course_data import BRAKE, DRIVE, CourseData
+from railjoule.core.physics.effort_limit import EffortLimit, largest_effort_slope
 
 # Line energy over work that an effort costs where a drive is off. Marginal energies of drives are about 1 / efficiency,
 # so below ten wherever a run would use an effort: an optimum buys none, if the decision to be off leaves it a choice.
-# Where it does not, the problem stays solvable, and its run uses effort where it was to be off; a larger price would
-# only spread the problem's numbers further apart.
+# Otherwise the problem stays solvable, and its run uses effort in cells that were to be off; a larger price would only
+# widen the range of the problem's numbers.
 FORBIDDING_PRICE = 10.0
 # Second derivatives by effort are cut to this many times slope over effort: at a pull-out torque they have no limit.
 # A Newton step against that slope is then no shorter than a hundredth of the effort; with less it would overshoot where
@@ -61,7 +61,7 @@ def tangent(
         Effort of the anchor and the end of the search [N]; from zero to the largest effort or the other way round. The
         end is returned if no tangent lies between.
     guess : float
-        Where to begin [N]; zero if nothing is known.
+        First guess [N]; zero if nothing is known.
     """
     # a bracket that may run either way: its inner end is the one at the anchor
     inner, outer = anchor, end
@@ -144,11 +144,7 @@ def hull_power(
     guess : float
         The effort of least power per effort at about this speed [N]; zero if nothing is known.
     """
-    largest, largest_v = limit.constant_n, 0.0
-    if limit.table.shape[0] > 0 or limit.power_w / speed < largest:
-        varying, varying_v, _ = limit_over_speed(limit, speed)
-        if varying < largest:
-            largest, largest_v = varying, varying_v
+    largest, largest_v = largest_effort_slope(limit, speed)
     if effort > CLEARLY_LESS * guess:
         power = smooth_power_when_on(kind, parameters, braking, effort, speed)
         # beyond the tangent point the power is its own hull
@@ -279,7 +275,7 @@ def switched_powers(
     Parameters
     ----------
     course : CourseData
-        Its `machines_on` tells what is decided of each cell, if anything.
+        Its `mode` holds the decision of each cell, if there is one.
     cell : int
     rays : array of shape (2, RAY_COUNT, 3)
         As tabulated.
@@ -290,8 +286,8 @@ def switched_powers(
     speed : float
         Its mean speed [m/s].
     """
-    if course.machines_on.shape[0] > 0:
-        return _decided_powers(course, course.machines_on[cell], traction, braking, speed)
+    if course.mode.shape[0] > 0:
+        return _decided_powers(course, course.mode[cell], traction, braking, speed)
     if may_be_concave(course.drive_kind):
         taken = envelope_power(course, envelope[0], traction, speed)
         return taken, _reversed(envelope_power(course, envelope[1], braking, speed))
@@ -306,19 +302,19 @@ def switched_powers(
 
 @njit(cache=True)
 def _decided_powers(
-    course: CourseData, mode: float, traction: float, braking: float, speed: float
+    course: CourseData, mode: int, traction: float, braking: float, speed: float
 ) -> tuple[PowerTerms, PowerTerms]:
     """Return the same in a cell where it is decided what the drive does.
 
-    Weak braking generates less than the machines take: only the true power tells, as in driving, whether they had
-    better be off. Off, they generate nothing, and brake at no power only where another brake stands in for them.
+    Weak braking generates less than the drive takes: only the true power shows, as in driving, whether it had better
+    be off. Off, it generates nothing, and brakes at no power only where another brake stands in for it.
     """
     kind, parameters = course.drive_kind, course.drive_parameters
     taken, power = _forbidden_power(traction, speed), _forbidden_power(braking, speed)
-    if mode == DRIVING:
+    if mode == DRIVE:
         true = smooth_power_when_on(kind, parameters, False, traction, speed)
         taken = _with_limited_curvature(true, max(traction, LEAST_EFFORT_N))
-    if mode == BRAKING:
+    if mode == BRAKE:
         true = smooth_power_when_on(kind, parameters, True, braking, speed)
         power = _with_limited_curvature(true, max(braking, LEAST_EFFORT_N))
     elif has_standstill_brake(kind, parameters):
@@ -328,7 +324,7 @@ def _decided_powers(
 
 @njit(cache=True)
 def _forbidden_power(effort: float, speed: float) -> PowerTerms:
-    """Return what an effort costs where it is decided that there is none [W], with its derivatives."""
+    """Return the cost of an effort in a cell that is decided to have none [W], with its derivatives."""
     price = FORBIDDING_PRICE
     return price * effort * speed, price * speed, price * effort, 0.0, price, 0.0
 
@@ -344,7 +340,7 @@ def _reversed(power: PowerTerms) -> PowerTerms:
 def keep_larger_curvature(curvature: FloatArray, last: FloatArray) -> None:
     """Replace curvatures of driving and braking that fell since the last iteration by those that they had then.
 
-    Where second derivatives jump, as at the effort of least power per effort, Newton's steps would lead from one side
+    If second derivatives jump, as at the effort of least power per effort, Newton's steps would lead from one side
     to the other and back for ever; with the larger curvature of the two they do not overshoot.
 
     Parameters
@@ -352,7 +348,7 @@ def keep_larger_curvature(curvature: FloatArray, last: FloatArray) -> None:
     curvature : array of shape (9, n)
         As in `layout.Work`.
     last : array of shape (6, n)
-        What its first rows were; brought up to date.
+        Its first rows an iteration ago; brought up to date.
     """
     for i in range(curvature.shape[1]):
         for first in (0, 3):

@@ -5,12 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import FloatArray, frozen_array, midpoints
 from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.line_forces import TrainExtent
-from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
+from railjoule.core.motion.line_geometry import LineGeometry, TrainExtent, geometry_at, meshed_geometry
 from railjoule.core.motion.permitted_speed import curve_steps, least_permitted_deceleration_ms2, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
@@ -27,18 +26,17 @@ from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, W_PER_KW
 
-# no square of a speed is negative, and compiled code wants a number
-FREE = -1.0
+FREE = np.nan
 """Mark of a node whose speed is not prescribed."""
 
 PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_force_n", "cell_limit_ms")
 """The arrays of a course with one entry a cell, beside those of its data."""
 
-# an interior point needs an inside: between no effort and a largest one of zero there is none
+# an interior-point method needs a strictly feasible start: between no effort and a largest one of zero there is none
 MISSING_BRAKE_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort."""
 NEUTRAL_SHARE = 1e-9
-"""What is left of the limits of the drive in a neutral section, for the same reason."""
+"""Share of the limits of the drive that is left in a neutral section, for the same reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,8 +110,8 @@ class Course:
             data.resistance_constant_n,
             data.resistance_linear,
             data.resistance_quadratic,
-            mean_speed(speed[:-1], speed[1:]),
-            0.5 * (speed2[:-1] + speed2[1:]),
+            midpoints(speed),
+            midpoints(speed2),
         )
 
     def net_force_n(self, speed2: FloatArray) -> FloatArray:
@@ -136,7 +134,7 @@ def train_extent(scenario: Scenario) -> TrainExtent:
 
 
 class CourseParts(NamedTuple):
-    """What of a course takes longest to make, and what few changes of a scenario's numbers touch.
+    """The parts of a course that take longest to make, and that few changes of a scenario's numbers touch.
 
     Parameters
     ----------
@@ -145,7 +143,7 @@ class CourseParts(NamedTuple):
     drive : Drive
         The vehicle's loss model.
     traction, braking : EffortLimit
-        What vehicle and drive together can do at each speed.
+        Limits of vehicle and drive together.
     """
 
     line: LineGeometry
@@ -196,10 +194,10 @@ def drive_of(scenario: Scenario) -> Drive:
     Raises
     ------
     ScenarioError
-        If it knows nothing of the vehicle's largest speed.
+        If its data end below the vehicle's largest speed.
     """
     drive = make_drive(scenario.vehicle.drive)
-    # a drive that knows no such speed says so here, before any solver asks its table beyond its end
+    # the error is raised here, before any solver looks beyond the end of a table
     drive.require_speed(scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
     return drive
 
@@ -232,7 +230,7 @@ def course_of(
     scenario, initial_speed_ms, final_speed_ms
         As for `build_course`.
     parts : CourseParts
-        Those of this scenario: nothing here checks that.
+        The parts of this scenario: nothing here checks that.
 
     Raises
     ------
@@ -307,5 +305,5 @@ def _course_data(
         drive_kind=drive.kind,
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
-        powered=np.where(line.neutral, NEUTRAL_SHARE, 1.0),
+        supply_share=np.where(line.neutral, NEUTRAL_SHARE, 1.0),
     )

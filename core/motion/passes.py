@@ -1,12 +1,12 @@
 """The greatest speed at every place, by one pass forward and one backward over the mesh.
 
-Problem: among all runs that keep every limit, the one that is fastest everywhere at once. Forward, each cell
+Problem: among all runs that keep every limit, the one that is fastest everywhere. Forward, each cell
 starts from the greatest speed reached so far and uses full effort; backward, each cell ends at the greatest
 speed allowed there and brakes fully. Both steps are exact for the mesh.
 
 Limits of acceleration and deceleration bound speeds from the other side as well: uphill, full effort may not keep
 the deceleration small enough, downhill, full braking not the acceleration. The speeds above which that happens are
-taken off first; then the passes settle at once, unless no speed is slow enough.
+taken off first; then one pass each way is enough, unless no speed is slow enough.
 """
 
 import math
@@ -25,13 +25,13 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.course_data import CourseData, cell_of
-from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, limit_over_speed, supplied_limit
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, largest_effort_slope, supplied_limit
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
 # one pass each way settles all but limits of acceleration and deceleration that bound each other; those need a few
 MOST_PASSES = 50
-# bisection alone would be at rounding by then
+# even bisection would be at rounding by then
 ROOT_STEPS = 80
 EXACT = 1e-13
 
@@ -53,12 +53,8 @@ def _excess(
         value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
     else:
         value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
-    # most cells are slow enough for the constant limit: no look at the other
-    if limit.power_w < np.inf or limit.table.shape[0] > 0:
-        effort, effort_slope, _ = limit_over_speed(limit, v)
-        if effort < limit.constant_n:
-            return value - effort, slope - effort_slope * v_slope
-    return value - limit.constant_n, slope
+    effort, effort_slope = largest_effort_slope(limit, v)
+    return value - effort, slope - effort_slope * v_slope
 
 
 @njit(cache=True)
@@ -124,28 +120,42 @@ def _take_off_unsteady(course: CourseData, speed2: FloatArray) -> None:
     for i in range(course.cell_length_m.shape[0]):
         cell = cell_of(course, i)
         if course.max_deceleration_ms2 < np.inf:
-            change = 2.0 * course.max_deceleration_ms2 * cell.length_m
-            speed2[i] = _greatest_steady(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], change, 1.0)
-        if course.max_acceleration_ms2 < np.inf:
-            change = 2.0 * course.max_acceleration_ms2 * cell.length_m
-            speed2[i + 1] = _greatest_steady(
-                supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], change, -1.0
+            change, limit = (
+                2.0 * course.max_deceleration_ms2 * cell.length_m,
+                supplied_limit(traction, cell.supply_share),
             )
+            speed2[i] = _greatest_steady(limit, 0.0, cell, speed2[i], change, 1.0)
+        if course.max_acceleration_ms2 < np.inf:
+            change, limit = (
+                2.0 * course.max_acceleration_ms2 * cell.length_m,
+                supplied_limit(braking, cell.supply_share),
+            )
+            speed2[i + 1] = _greatest_steady(limit, friction, cell, speed2[i + 1], change, -1.0)
 
 
 @njit(cache=True)
-def _forward(course: CourseData, speed2: FloatArray) -> int:
-    """Lower `speed2` to what full effort reaches; return the cell that cannot be passed, or MOVED."""
-    traction = borrowed_limit(course.traction)
-    for i in range(course.cell_length_m.shape[0]):
+def _pass_cells(course: CourseData, speed2: FloatArray, is_braking: bool) -> int:
+    """Lower `speed2` to what full effort reaches, or backwards in time to what full braking can still slow down.
+
+    Return the cell that cannot be passed, or MOVED. Backwards the known end of a cell is the one that the train leaves.
+    """
+    limit, friction, sign = borrowed_limit(course.traction), 0.0, 1.0
+    largest_change, n = 2.0 * course.max_acceleration_ms2, course.cell_length_m.shape[0]
+    if is_braking:
+        limit, friction, sign = borrowed_limit(course.braking), course.friction_effort_n, -1.0
+        largest_change = 2.0 * course.max_deceleration_ms2
+    for number in range(n):
+        i = n - 1 - number if is_braking else number
+        known, other = (i + 1, i) if is_braking else (i, i + 1)
         cell = cell_of(course, i)
-        # v^2 rises by 2 a h over a cell
-        bound = min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * cell.length_m)
-        reached = _greatest_reachable(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], bound, 1.0)
+        # v^2 changes by 2 a h over a cell
+        bound = min(speed2[other], speed2[known] + largest_change * cell.length_m)
+        supplied = supplied_limit(limit, cell.supply_share)
+        reached = _greatest_reachable(supplied, friction, cell, speed2[known], bound, sign)
         # rest is an end where a stop is prescribed, and nowhere else
-        if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[i + 1] != 0.0):
+        if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[other] != 0.0):
             return i
-        speed2[i + 1] = reached
+        speed2[other] = reached
     return MOVED
 
 
@@ -158,23 +168,8 @@ def entering_speed2_under_brakes(
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
     cell, friction = cell_of(course, number), course.friction_effort_n
-    braking = supplied_limit(course.braking, cell.powered)
+    braking = supplied_limit(course.braking, cell.supply_share)
     return _greatest_reachable(braking, friction, cell, leaving_speed2, largest_speed2, -1.0)
-
-
-@njit(cache=True)
-def _backward(course: CourseData, speed2: FloatArray) -> int:
-    """Lower `speed2` to what full braking can still slow down; return the cell that cannot be passed, or MOVED."""
-    braking, friction = borrowed_limit(course.braking), course.friction_effort_n
-    for i in range(course.cell_length_m.shape[0] - 1, -1, -1):
-        cell = cell_of(course, i)
-        bound = min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * cell.length_m)
-        # the same backwards in time: the known end is the leaving one
-        entered = _greatest_reachable(supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], bound, -1.0)
-        if entered < 0.0 or (entered <= 0.0 and course.fixed_speed2[i] != 0.0):
-            return i
-        speed2[i] = entered
-    return MOVED
 
 
 @njit(cache=True, nogil=True)
@@ -200,12 +195,10 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
     before = np.empty(nodes)
     for _ in range(MOST_PASSES):
         copy_rows(speed2, before)
-        obstacle = _forward(course, speed2)
-        if obstacle != MOVED:
-            return speed2, obstacle, False
-        obstacle = _backward(course, speed2)
-        if obstacle != MOVED:
-            return speed2, obstacle, True
+        for is_braking in (False, True):
+            obstacle = _pass_cells(course, speed2, is_braking)
+            if obstacle != MOVED:
+                return speed2, obstacle, is_braking
         for i in range(nodes):
             fixed = course.fixed_speed2[i]
             # an end's speed is prescribed: a run that cannot have it is none. At the start it is braking that fails,
@@ -225,13 +218,13 @@ def slowed_to_reach(course: CourseData, speed2: FloatArray) -> FloatArray:
     Parameters
     ----------
     course : CourseData
-        What the run obeys.
+        The line and the train.
     speed2 : array of shape (n + 1,)
         Squares of speed [m2/s2], none above the greatest feasible ones.
     """
     lowered = speed2.copy()
-    _forward(course, lowered)
-    _backward(course, lowered)
+    _pass_cells(course, lowered, False)
+    _pass_cells(course, lowered, True)
     return lowered
 
 

@@ -13,14 +13,19 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.line_power import line_power
+from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
+# downhill a run may need no energy at all: differences are then small beside the kinetic energy, not beside zero
+SMALL_ENERGY_SHARE = 0.1
+"""Energies near zero are compared with this share of the kinetic energy at the mean speed."""
+
 
 class CellAccount(NamedTuple):
-    """What one cell takes.
+    """Efforts, powers and time of one cell.
 
     Parameters
     ----------
@@ -73,7 +78,7 @@ def account_of_cell(
     force = needed_force(cell, start_speed2, end_speed2, v)
     # no force is coasting: traction of zero, so that a drive which idles when it is on is off
     kind = train.drive_kind
-    if cell.powered < 1.0:
+    if cell.supply_share < 1.0:
         # in a neutral section the drive is off: what a solver leaves of an effort takes no power
         driven, friction, power = max(force, 0.0), min(max(-force, 0.0), train.friction_effort_n), 0.0
         electric = max(-force, 0.0) - friction
@@ -124,11 +129,37 @@ def account_of_run(course: CourseData, speed2: FloatArray) -> RunAccount:
     train, traction, braking, drive = shared_by_cells(course)
     for i in range(n):
         account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
-        rows[0, i] = account.duration_s
-        rows[1, i] = account.mean_speed_ms
-        rows[2, i] = account.tractive_effort_n
-        rows[3, i] = account.electric_braking_n
-        rows[4, i] = account.friction_braking_n
-        rows[5, i] = account.power_w
-        rows[6, i] = account.line_power_w
+        for row in range(7):
+            rows[row, i] = account[row]
     return RunAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6])
+
+
+@njit(cache=True, error_model="numpy")
+def energy_per_metre(power: PowerTerms, speed: float) -> PowerTerms:
+    """Return E [J/m] and E_f, E_v, E_ff, E_fv, E_vv for a power at a speed [m/s] and its derivatives.
+
+    E_v = (P_v - E) / v, E_fv = (P_fv - E_f) / v, E_vv = (P_vv - 2 E_v) / v, from v E = P differentiated once and
+    twice.
+    """
+    p, p_f, p_v, p_ff, p_fv, p_vv = power
+    inverse = 1.0 / speed
+    e, e_f = p * inverse, p_f * inverse
+    e_v = (p_v - e) * inverse
+    return e, e_f, e_v, p_ff * inverse, (p_fv - e_f) * inverse, (p_vv - 2.0 * e_v) * inverse
+
+
+@njit(cache=True)
+def reference_energy(course: CourseData, energy: float, running_time: float) -> float:
+    """Return the size of an energy [J], but no less than a share of the kinetic energy at a run's mean speed.
+
+    Parameters
+    ----------
+    course : CourseData
+    energy : float
+        The energy to be compared [J].
+    running_time : float
+        Time of the run, dwells not included [s].
+    """
+    mean = course.cell_length_m.sum() / running_time
+    smallest: float = SMALL_ENERGY_SHARE * course.half_inertia_kg * mean * mean
+    return max(abs(energy), smallest)

@@ -149,6 +149,14 @@ def _share_control(
 
 
 @njit(cache=True, error_model="numpy")
+def _limits_beside(
+    train: Train, traction: EffortLimit, braking: EffortLimit, effort: float
+) -> tuple[EffortLimit, float, float]:
+    """Return the limit of an effort, the largest effort of friction brakes beside it [N], and its sign."""
+    return (traction, 0.0, 1.0) if effort >= 0.0 else (braking, train.friction_effort_n, -1.0)
+
+
+@njit(cache=True, error_model="numpy")
 def _control_cell(
     cell: Cell,
     train: Train,
@@ -167,10 +175,8 @@ def _control_cell(
     else:
         _place_points(cell, start, v, end, points)
         effort = _find_control(points, cell.inertia * (end_speed2 - start_speed2))
-    limit, beside, sign = traction, 0.0, 1.0
-    if effort < 0.0:
-        limit, beside, sign = braking, train.friction_effort_n, -1.0
-    if cell.powered < 1.0:
+    limit, beside, sign = _limits_beside(train, traction, braking, effort)
+    if cell.supply_share < 1.0:
         # friction is all that is left; without it an effort counts as a share of the drive's largest one elsewhere
         return effort, 0.0, max(abs(effort) - beside, 0.0) / (beside if beside > 0.0 else limit.constant_n), v
     if abs(effort) <= effort_range(limit, slow, fast)[0] + beside:
@@ -213,13 +219,11 @@ def _integrate_cell(
     v, slow = mean_speed(start, end), max(min(start, end), NEARLY_AT_REST_MS)
     # a drive that a solver leaves next to no effort is off, as in `action_of_cell`
     by_mean_speed = needed_force(cell, start_speed2, end_speed2, v)
-    is_off = cell.powered < 1.0 or abs(by_mean_speed) <= NEXT_TO_NOTHING * traction.constant_n
+    is_off = cell.supply_share < 1.0 or abs(by_mean_speed) <= NEXT_TO_NOTHING * traction.constant_n
     if abs(end - start) <= SAME_SPEED * v:
         time = cell.length_m / v
         return time, time * _line_power_w(train, braking, drive, is_off, effort, v)
-    limit, beside, sign = traction, 0.0, 1.0
-    if effort < 0.0:
-        limit, beside, sign = braking, train.friction_effort_n, -1.0
+    limit, beside, sign = _limits_beside(train, traction, braking, effort)
     parts = 1 if is_off else _count_parts(train, braking, drive, effort, slow)
     time = energy = 0.0
     for part in range(2 * parts):

@@ -30,7 +30,7 @@ def electric_effort(
     strongest: float,
     friction: float,
 ) -> float:
-    """Return what the electric brake does of a braking effort [N].
+    """Return the electric brake's part of a braking effort [N].
 
     Parameters
     ----------

@@ -4,16 +4,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
-# an empty array, not None: compiled code knows one type of each field
-SWITCHED_AT_WILL = np.zeros(0)
-# what `CourseData.machines_on` says of a cell
-DRIVING, OFF, BRAKING = 1.0, 0.0, -1.0
-PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on", "powered")
+# an empty array, not None: compiled code needs one type of each field
+SWITCHED_AT_WILL = np.zeros(0, dtype=np.int64)
+MODES = 3
+OFF, DRIVE, BRAKE = range(MODES)
+"""Modes of a drive in a cell."""
+PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "mode", "supply_share")
 PER_NODE = ("largest_speed2", "fixed_speed2")
 """The arrays of a course's data with one entry a cell, and with one a node."""
 
@@ -28,7 +29,7 @@ class CourseData(NamedTuple):
     line_force_n : array of shape (n,)
         Forces of gradients and curves against the train [N].
     largest_speed2, fixed_speed2 : array of shape (n + 1,)
-        Squares of the limit of speed at the nodes, and of prescribed speeds; negative where a node is free [m2/s2].
+        Squares of the limit of speed at the nodes, and of prescribed speeds; NaN where a node is free [m2/s2].
     half_inertia_kg : float
         Half of the mass that resists acceleration [kg].
     resistance_constant_n, resistance_linear : float
@@ -47,11 +48,11 @@ class CourseData(NamedTuple):
         What `railjoule.core.drive.kernels` take.
     recuperation_factor : float
         Share of the generated energy that the line takes back.
-    powered : array of shape (n,)
-        Share of the drive's largest efforts that there is: 1, or next to nothing in a neutral section.
-    machines_on : array of shape (n,) or (0,)
-        What is decided of a drive that takes power without effort: on to drive, 1, on to brake, -1, or off, 0; empty
-        where it may be switched at will within a cell.
+    supply_share : array of shape (n,)
+        As in `Cell`.
+    mode : array of shape (n,) or (0,)
+        Decision of a drive with idle losses in each cell, DRIVE, BRAKE or OFF; empty where it may be switched at will
+        within a cell.
     """
 
     cell_length_m: FloatArray
@@ -71,14 +72,14 @@ class CourseData(NamedTuple):
     drive_kind: int
     drive_parameters: FloatArray
     recuperation_factor: float
-    powered: FloatArray
-    machines_on: FloatArray = SWITCHED_AT_WILL
+    supply_share: FloatArray
+    mode: IntArray = SWITCHED_AT_WILL
 
 
 class Train(NamedTuple):
     """The plain numbers of a course's train, named as in `CourseData`.
 
-    Plain numbers alone: two limits of effort and the drive's parameters, which hold arrays, are arguments of their own.
+    Only plain numbers: two limits of effort and the drive's parameters, which hold arrays, are arguments of their own.
     """
 
     drive_kind: int
@@ -86,6 +87,27 @@ class Train(NamedTuple):
     friction_effort_n: float
     max_acceleration_ms2: float
     max_deceleration_ms2: float
+
+
+class TrainLimits(NamedTuple):
+    """A train as the physics of all cells needs it, made once for a course.
+
+    To make such a tuple costs little, but for each cell it would count references to its arrays.
+
+    Parameters
+    ----------
+    train : Train
+        Its plain numbers.
+    traction, braking : EffortLimit
+        Largest efforts of the drive and of the electric brake.
+    drive : array
+        Parameters of the drive.
+    """
+
+    train: Train
+    traction: EffortLimit
+    braking: EffortLimit
+    drive: FloatArray
 
 
 @njit(cache=True)
@@ -101,14 +123,14 @@ def train_of(course: CourseData) -> Train:
 
 
 @njit(cache=True)
-def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit, FloatArray]:
-    """Return what the physics of any cell takes: train, limits of traction and braking, parameters of the drive.
+def shared_by_cells(course: CourseData) -> TrainLimits:
+    """Return the train as the physics of all cells needs it.
 
     For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it. Python
     must not call it: there the arrays would outlive the loan.
     """
     traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
-    return train_of(course), traction, braking, borrowed(course.drive_parameters)
+    return TrainLimits(train_of(course), traction, braking, borrowed(course.drive_parameters))
 
 
 @njit(cache=True, error_model="numpy")
@@ -120,7 +142,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
         course.resistance_constant_n + course.line_force_n[number],
         course.resistance_linear,
         course.resistance_quadratic[number],
-        course.powered[number],
+        course.supply_share[number],
     )
 
 
@@ -134,7 +156,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
         (course.resistance_constant_n + course.line_force_n[number]) / scale,
         course.resistance_linear / scale,
         course.resistance_quadratic[number] / scale,
-        course.powered[number],
+        course.supply_share[number],
     )
 
 
@@ -143,26 +165,26 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
-    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.powered)
+    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.supply_share)
 
 
 def data_between(course: CourseData, first: int, last: int) -> CourseData:
     """Return the data of a course between two nodes, over the same mesh."""
     cells = {name: getattr(course, name)[first:last] for name in PER_CELL}
-    # one node more than cells; of an array that is empty, as `machines_on` may be, an empty part
+    # one node more than cells; of an array that is empty, as `mode` may be, an empty part
     nodes = {name: getattr(course, name)[first : last + 1] for name in PER_NODE}
     return course._replace(**cells, **nodes)
 
 
 def cells_of(course: CourseData) -> Cell:
-    """Return all cells of a course at once, as arrays of shape (n,)."""
+    """Return all cells of a course, as arrays of shape (n,)."""
     return Cell(
         course.cell_length_m,
         course.half_inertia_kg / course.cell_length_m,
         course.resistance_constant_n + course.line_force_n,
         course.resistance_linear,
         course.resistance_quadratic,
-        course.powered,
+        course.supply_share,
     )
 
 
@@ -177,7 +199,7 @@ def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
 
 
 def _supplied_n(course: CourseData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
-    effort, most = limit.effort_n(speed_ms), limit.constant_n * course.powered
+    effort, most = limit.effort_n(speed_ms), limit.constant_n * course.supply_share
     supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
     return supplied
 

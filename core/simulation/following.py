@@ -245,7 +245,7 @@ def _stand_reason(course: Course, node: int) -> str:
     """Return why a train comes to a stand at a node."""
     cell = node - 1
     needed = course.gradient_force_n[cell] + course.curve_force_n[cell] + course.data.resistance_constant_n
-    effort = course.data.traction.constant_n * course.data.powered[cell]
+    effort = course.data.traction.constant_n * course.data.supply_share[cell]
     return (
         f"At {course.position_m[node]:.0f} m, on a gradient of {course.gradient_permille[cell]:.4g} per mille, the "
         f"train with its actual load comes to a stand: to start there takes {needed / N_PER_KN:.1f} kN, and it pulls "

@@ -103,7 +103,7 @@ def drive_drawn(scenario: Scenario, course: Course, drawn_ms: FloatArray) -> Tra
 
 def require_drivable(course: Course) -> None:
     """Raise ScenarioError if a course has neutral sections or stops on the way."""
-    if np.any(course.data.powered < 1) or np.any(course.dwell_s > 0):
+    if np.any(course.data.supply_share < 1) or np.any(course.dwell_s > 0):
         raise ScenarioError("A line is driven by hand without neutral sections and without stops on the way.")
 
 

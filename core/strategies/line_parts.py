@@ -14,6 +14,7 @@ later, which costs only the auxiliaries.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,8 +28,6 @@ from railjoule.core.scenario import Station
 from railjoule.core.task import LEAST_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, make_trajectory
 
-Part = tuple[int, int, float]
-"""First node, last node and running time [s] of a part of a line."""
 Solver = Callable[[Task], Trajectory]
 """The best run of a task without windows."""
 # The reward only has to exceed what a second costs: more of it gives the same run, in more iterations
@@ -37,6 +36,14 @@ SLOWING_FACTORS = (0.0, 1.0, 10.0, 100.0)
 # a decision where the drive is on leaves a millionth, see `railjoule.core.bounds.minimum`
 LEFT_SHARE = 1e-5
 """Of the time of a part: so much is left over by rounding, not because more time saves nothing."""
+
+
+class Part(NamedTuple):
+    """First node, last node and running time of a part of a line."""
+
+    first: int
+    last: int
+    running_time_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +115,7 @@ def longest_time_s(task: Task, stop: int) -> float:
     for i in range(stop):
         braked = exit_speed2(cell_of(data, i), train_of(data), data.traction, data.braking, speed2[i], FULL_BRAKE)
         speed2[i + 1] = max(braked, SLOWEST_SPEED2)
-    speed2[stop] = max(data.fixed_speed2[stop], 0.0)
+    speed2[stop] = np.nan_to_num(data.fixed_speed2[stop])
     return running_time(data.cell_length_m[:stop], speed2)
 
 
@@ -151,7 +158,8 @@ def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ..
     """
     inner, stops = len(inner_stations(task)), stop_nodes(task)
     dwell, shortest = task.course.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
-    parts, first, departed_s = [], 0, 0.0
+    parts: list[Part] = []
+    first, departed_s = 0, 0.0
     for number, arrival in sorted({inner: task.travel_time_s, **arrivals_s}.items()):
         stop = number + 1
         standing = float(dwell[first + 1 : stop].sum())
@@ -160,7 +168,7 @@ def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ..
         if running <= least * (1 + LEAST_SLACK):
             where, earliest = arrival_name(task, number), departed_s + least + standing
             raise ScenarioError(f"The arrival at {where} after {arrival:.1f} s must be later than {earliest:.1f} s.")
-        parts.append((stops[first], stops[stop], running))
+        parts.append(Part(stops[first], stops[stop], running))
         first, departed_s = stop, arrival + float(dwell[stop])
     return tuple(parts)
 
@@ -176,19 +184,15 @@ def timed_run(task: Task, part: Part, optimum: Solver, takes_exactly: bool) -> T
     early_s = alone.travel_time_s - run.travel_time_s
     if early_s <= ON_TIME_S:
         return TimedRun(part, run, True, 0.0, run.price_of_time_w, run.bound)
-    if _last_stop_is_at_rest(task, part):
+    # only the first part of a line may begin in motion
+    if task.course.data.fixed_speed2[_last_stop(task, part)] == 0.0:
         return TimedRun(part, run, True, early_s, 0.0, run.bound)
     return _slowed(part, alone, run, optimum)
 
 
-def _last_stop_is_at_rest(task: Task, part: Part) -> bool:
-    # only the first part of a line may begin in motion
-    return bool(task.course.data.fixed_speed2[_last_stop(task, part)] == 0.0)
-
-
 def _last_stop(task: Task, part: Part) -> int:
     """Return the node of the last stop before the end of a part."""
-    return max(node for node in stop_nodes(task) if node < part[1])
+    return max(node for node in stop_nodes(task) if node < part.last)
 
 
 def _slowed(part: Part, alone: Task, early: Trajectory, optimum: Solver) -> TimedRun:

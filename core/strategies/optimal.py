@@ -9,7 +9,7 @@ from dataclasses import replace
 from railjoule.core.bounds import Solution, certify, minimise
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
     arrival_windows,
@@ -19,9 +19,8 @@ from railjoule.core.strategies.arrival_windows import (
     optimum_within,
 )
 from railjoule.core.strategies.bellman import bellman
-from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
-from railjoule.core.strategies.switching import best_switched
+from railjoule.core.strategies.switching import DecidedRun, best_switched
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
@@ -37,15 +36,15 @@ def optimal(task: Task) -> Trajectory:
     `drive.least_switching_s`. Its bound and the saving in its notes are those of runs with free switching. The runs
     near that of `bellman` are compared only where no other lies within 0.5 % of free switching.
 
-    Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
+    If the interior point does not converge, it is the best run of dynamic programming, without a bound, with a note.
 
-    Windows of arrival are kept, if need be by waiting at the stop before. Where one binds, the bound is that of runs
+    Windows of arrival are kept, if need be by waiting at the stop before. If one binds, the bound is that of runs
     that keep them all.
 
     Parameters
     ----------
     task : Task
-        What is asked for.
+        The task.
 
     Raises
     ------
@@ -82,7 +81,7 @@ def known_optimum(task: Task) -> Trajectory | None:
     try:
         return _by_interior_point(task)
     except RailjouleError:
-        # another run stands without it
+        # the reference is optional
         return None
 
 

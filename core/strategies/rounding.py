@@ -13,14 +13,14 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point.duty import COASTED, DRIVEN
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def round_shares(
     driving: FloatArray, braking: FloatArray, durations_s: FloatArray, interrupted_by: IntArray, least_s: float
-) -> FloatArray:
+) -> IntArray:
     """Return a decision, an array of shape (n,), whose stretches last and which keeps close to given shares.
 
     Parameters
@@ -39,14 +39,14 @@ def round_shares(
         t = durations_s[i]
         if interrupted_by[i] != NOTHING:
             does, lasts = OFF, np.inf
-        owed_driving, drive = _owes(owed_driving, driving, i, t, least_s, does == DRIVING)
-        owed_braking, brake = _owes(owed_braking, braking, i, t, least_s, does == BRAKING)
-        wanted = DRIVING if drive else BRAKING if brake else OFF
+        owed_driving, drive = _owes(owed_driving, driving, i, t, least_s, does == DRIVE)
+        owed_braking, brake = _owes(owed_braking, braking, i, t, least_s, does == BRAKE)
+        wanted = DRIVE if drive else BRAKE if brake else OFF
         # to the nearest cell, as `shortest_stretch_s` counts
         if wanted != does and lasts + 0.5 * t >= least_s:
             does, lasts = wanted, 0.0
-        owed_driving -= t if does == DRIVING else 0.0
-        owed_braking -= t if does == BRAKING else 0.0
+        owed_driving -= t if does == DRIVE else 0.0
+        owed_braking -= t if does == BRAKE else 0.0
         decision[i] = does
         lasts += t
     return decision

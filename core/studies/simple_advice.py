@@ -16,16 +16,19 @@ import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compilation import require_compiled
-from railjoule.core.dynamic_programming.backward import laid_along_coasting, least_speeds, speed_grid, tabulate_steps
+from railjoule.core.dynamic_programming.grid import speed_band
+from railjoule.core.dynamic_programming.labels import regime_labels
 from railjoule.core.dynamic_programming.power_table import NO_POWERS
-from railjoule.core.dynamic_programming.regimes import POWER, drive_regimes, roll_out_regimes, sweep_back_regimes
-from railjoule.core.dynamic_programming.search import log_price_range, price_scale_w
+from railjoule.core.dynamic_programming.recursion import roll_out, sweep_back
+from railjoule.core.dynamic_programming.regimes import drive_regimes
+from railjoule.core.dynamic_programming.search import log_price_range
+from railjoule.core.dynamic_programming.steps import POWER, tabulate_steps
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.strategies.arrival_windows import missed_windows
-from railjoule.core.strategies.decisions import line_energy_j
 from railjoule.core.strategies.optimal import known_optimum
+from railjoule.core.strategies.switching import line_energy_j
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -136,13 +139,9 @@ class _Search:
     def __init__(self, task: Task) -> None:
         self.task, self.data = task, task.course.data
         greatest = task.greatest_speed2
-        bounds, fastest = (greatest, least_speeds(self.data, greatest), self.data.fixed_speed2), np.sqrt(greatest)
-        grid = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
-        self.grid: FloatArray = laid_along_coasting(self.data, grid, greatest)
-        self.steps = tabulate_steps(self.data, self.grid, NO_POWERS)
-        self.log_prices = self.first_log_prices = log_price_range(
-            self.data, price_scale_w(self.data, task.running_time_s)
-        )
+        self.grid = speed_band(self.data, greatest, 0.25 * greatest, math.sqrt(greatest.max()), POINTS)
+        self.steps = tabulate_steps(self.data, self.grid, NO_POWERS, by_regime=True)
+        self.log_prices = self.first_log_prices = log_price_range(self.data, task.running_time_s)
 
     def best_run(self, changes: int) -> SimpleRun:
         """Return the run of least energy with so many changes that is in time; raises SolverError if there is none."""
@@ -160,8 +159,9 @@ class _Search:
         while high - low > PRICE_WIDTH:
             log_price = 0.5 * (low + high)
             price = math.exp(log_price)
-            cost = sweep_back_regimes(self.data, self.steps, self.grid, price, changes)
-            speed2, regimes = roll_out_regimes(self.data, self.grid, cost, price, changes)
+            labels = regime_labels(self.data.fixed_speed2, changes)
+            cost, _, _ = sweep_back(self.steps, self.grid, price, labels, keeps_cost=True)
+            speed2, regimes = roll_out(self.data, self.grid, cost, price, labels, 0)
             arrives = speed2[-1] >= 0.0
             if arrives:
                 found.append((speed2, regimes))

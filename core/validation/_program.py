@@ -44,7 +44,7 @@ class Program:
         self.casadi: Any = importlib.import_module("casadi")
         self.data, self.scale = data, data.traction.constant_n
         # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside
-        self.free: BoolArray = data.fixed_speed2 < 0
+        self.free: BoolArray = np.isnan(data.fixed_speed2)
         self.has_braking = own_braking or data.friction_effort_n > 0
         self.may_draw = bool(may_draw_while_braking(data.drive_kind)) and data.recuperation_factor < 1
         cells = len(data.cell_length_m)
@@ -77,9 +77,9 @@ class Program:
             Floor of the squares of speed [m2/s2].
         """
         data, cells = self.data, np.ones(len(self.data.cell_length_m))
-        high = [data.largest_speed2[self.free], data.powered]
+        high = [data.largest_speed2[self.free], data.supply_share]
         if self.has_braking:
-            high.append(data.powered * (data.braking.constant_n / self.scale))
+            high.append(data.supply_share * (data.braking.constant_n / self.scale))
         if self.may_draw:
             high.append(cells * np.inf)
         # efforts and drawn power are positive, and all but the speeds begin at 0
@@ -127,7 +127,7 @@ class Program:
         if self.has_braking:
             self._keep(self.traction - force - braking, 0.0, data.friction_effort_n / self.scale)
         else:
-            self._keep(braking, 0.0, data.powered * (data.braking.constant_n / self.scale))
+            self._keep(braking, 0.0, data.supply_share * (data.braking.constant_n / self.scale))
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
             self._keep(acceleration_force, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)

@@ -129,4 +129,4 @@ def _start_of_own_method(task: Task) -> FloatArray:
 def _one_speed(task: Task) -> FloatArray:
     """Return the square of the mean speed wherever it is allowed [m2/s2], shape (n + 1,)."""
     data, mean = task.course.data, task.course.length_m / task.running_time_s
-    return np.where(data.fixed_speed2 < 0, np.minimum(mean**2, data.largest_speed2), data.fixed_speed2)
+    return np.where(np.isnan(data.fixed_speed2), np.minimum(mean**2, data.largest_speed2), data.fixed_speed2)

@@ -42,7 +42,7 @@ def profile_two() -> Iterator[Measurement]:
     task = prepare_task(scenario)
     given = (task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s)
     calls: dict[str, Callable[[], object]] = {
-        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False, False),
+        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False),
         "solve()": lambda: solve(scenario),
     }
     if is_installed():

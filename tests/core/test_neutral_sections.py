@@ -90,13 +90,13 @@ def test_friction_brakes_work_in_them():
 def test_a_line_without_them_is_as_it_was():
     """Each limit is multiplied by exactly 1."""
     task, without = prepare_task(plain_scenario(NEUTRAL)), prepare_task(plain_scenario())
-    assert without.course.data.powered.tolist() == [1.0] * without.course.cell_count
+    assert without.course.data.supply_share.tolist() == [1.0] * without.course.cell_count
     # 150 m in cells of 10 m
-    assert (task.course.data.powered < 1).sum() == 15
+    assert (task.course.data.supply_share < 1).sum() == 15
     speed = np.linspace(0.1, 25.0, without.course.cell_count)
     limit = without.course.data.traction.effort_n(speed)
     assert tractive_limit_n(without.course.data, speed).tolist() == limit.tolist()
-    assert tractive_limit_n(task.course.data, speed)[task.course.data.powered < 1].max() < NO_EFFORT * limit.max()
+    assert tractive_limit_n(task.course.data, speed)[task.course.data.supply_share < 1].max() < NO_EFFORT * limit.max()
 
 
 def test_the_check_sees_a_drive_that_works_in_one():

@@ -14,8 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.bounds import certify, minimise
-from railjoule.core.bounds.proof_steps import OPTIMUM
+from railjoule.core.bounds import OPTIMUM, certify, minimise
 from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError

@@ -9,9 +9,8 @@ from railjoule.core.bounds.minimum import SPARED_SHARE
 from railjoule.core.interior_point.duty import coasting_exactly, duty, safest_modes
 from railjoule.core.interior_point.solver import CONVERGED
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import run_energy
-from railjoule.core.physics.course_data import BRAKING, OFF
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy, run_energy
+from railjoule.core.physics.course_data import BRAKE, OFF
 from railjoule.core.strategies import prepare_task, run_strategy
 
 JUMPING = ("loss polynomial", "efficiency map", "induction", "induction with a standstill brake", "synchronous")
@@ -39,8 +38,8 @@ def test_a_drive_that_is_off_generates_nothing():
     """With the friction brakes alone nothing comes back, and more is taken than with the electric brake."""
     task, with_brake = decided("synchronous", 120.0, factor=1.0)
     modes = safest_modes(duty(task.course.data, with_brake))
-    found = minimise_decided(task, np.where(modes == BRAKING, OFF, modes))
-    braked = (modes == BRAKING) & (task.course.net_force_n(found.speed2) < -1e3)
+    found = minimise_decided(task, np.where(modes == BRAKE, OFF, modes))
+    braked = (modes == BRAKE) & (task.course.net_force_n(found.speed2) < -1e3)
     assert braked.sum() > 5
     assert found.braking_n[braked].max() < 1e-2 * task.course.data.braking.constant_n
     assert found.energy_j > with_brake.energy_j * 1.01

@@ -1,11 +1,13 @@
 """A bound that tightens: it never falls, ends where it is told to, and belongs to its own task alone."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import pytest
 
 from railjoule.core import ScenarioError, compare, load_scenario, solve
 from railjoule.core.bounds import can_tighten, run_to_prove, tightened, tightening, with_tighter_bound
+from railjoule.core.interior_point.solver import minimise_energy
 from railjoule.core.strategies import prepare_task, run_strategy
 
 SOON_REACHED, HARD = "tram-950m-recuperating", "kharkiv-like-20kmh"
@@ -55,6 +57,19 @@ def test_a_proof_ends_with_its_budget_or_its_time(metro):
     # no level begins that would end later, as those before it tell
     *_, soon = tightening(task, run.bound, run, 10 * budget, seconds=1e-3)
     assert soon.boxes < budget
+
+
+def test_a_proof_takes_the_relaxed_optimum_of_its_strategy(monkeypatch):
+    """It was solved a second time."""
+    is_relaxed = []
+
+    def counted(course, *given):
+        is_relaxed.append(course.mode.size == 0)
+        return minimise_energy(course, *given)
+
+    monkeypatch.setattr(import_module("railjoule.core.bounds.minimum"), "minimise_energy", counted)
+    solve(load_scenario(SOON_REACHED, {"solver.mesh_m": 20.0}), "optimal")
+    assert sum(is_relaxed) == 1
 
 
 def test_a_bound_of_another_time_is_not_the_tasks_own(tram):

@@ -16,10 +16,11 @@ from railjoule.core.chain_proof.boxes import (
     OFF,
     TIME,
     UPPER,
+    Box,
+    cell_motion,
     fill_box,
-    steps_of,
 )
-from railjoule.core.chain_proof.proof import table_of
+from railjoule.core.chain_proof.proof import drive_table
 from railjoule.core.drive.kernels import has_standstill_brake, jumps_at_no_effort, negligible_effort
 from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import COAST, exit_speed2
@@ -52,7 +53,7 @@ def random_box(rng, w, y, lowest, greatest):
         share = rng.random()
         a, b = (v - share * width) ** 2 if v > share * width else 0.0, (v + (1 - share) * width) ** 2
         ends += [min(max(a, low), square), max(min(b, high), square)]
-    return tuple(ends)
+    return Box(*ends)
 
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)
@@ -61,13 +62,13 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
     greatest, _, _ = greatest_speeds(data)
     fixed = data.fixed_speed2
     lowest = np.where(fixed >= 0, np.maximum(fixed, 0), np.minimum(SLOWEST2, greatest))
-    table = table_of(data, greatest, lowest)
+    table = drive_table(data, greatest, lowest)
     drive = data.drive_kind, data.drive_parameters
     friction = data.friction_effort_n, negligible_effort(*drive), bool(has_standstill_brake(*drive))
     rng, seen, close = np.random.default_rng(5), dict.fromkeys(range(4), 0), []
     for _ in range(STEPS):
         i = int(rng.integers(len(greatest) - 1))
-        steps, row = steps_of(data, i), np.empty(COLUMNS)
+        steps, row = cell_motion(data, i), np.empty(COLUMNS)
         w = rng.uniform(lowest[i], greatest[i])
         force = rng.uniform(-1.3, 1.0) * data.traction.constant_n
         y = (force + steps.k0 * w - steps.constant_n - steps.linear * math.sqrt(w)) / steps.k1

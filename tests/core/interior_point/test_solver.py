@@ -9,8 +9,8 @@ from random_scenarios import random_run
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.interior_point.solver import CONVERGED, ITERATIONS_EXCEEDED, minimise_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.between_nodes import follow_between_nodes
-from railjoule.core.physics.reference import reference_energy
 from railjoule.core.strategies import prepare_task
 
 G1 = Path(__file__).parents[2] / "benchmarks" / "g1.toml"
@@ -92,7 +92,7 @@ def hilly():
 
 def run_method(task, iterations, tolerance=1e-7, least_centring=1e-6):
     limits = task.greatest_speed2, task.shortest_time_s, task.running_time_s
-    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring, False, False)
+    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring, False)
 
 
 @pytest.mark.parametrize("settings", [{"tolerance": 1e-9}, {"least_centring": 0.2}], ids=lambda x: next(iter(x)))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import TrainExtent, mean_over_train
+from railjoule.core.motion.line_geometry import TrainExtent, mean_over_train
 from railjoule.core.scenario import Line
 
 LINE = Line.model_validate({"sections": HILLS})

@@ -7,7 +7,7 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.bounds import minimise
 from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import car_crossings, car_offsets_m
+from railjoule.core.motion.line_geometry import car_crossings, car_offsets_m
 from railjoule.core.scenario import Line
 from railjoule.core.strategies import prepare_task
 

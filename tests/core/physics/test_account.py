@@ -38,7 +38,7 @@ def by_the_solver(cell):
     data = cell.course.data
     account = account_of_run(data, cell.speed2)
     if jumps_at_no_effort(data.drive_kind):
-        data = data._replace(machines_on=actions_of_run(data, cell.speed2).machines)
+        data = data._replace(mode=actions_of_run(data, cell.speed2).mode)
     scale, work = data.traction.constant_n, allocate(1, 0)
     fast = np.full(2, data.largest_speed2.max())
     prepare(data, scale, fast, 0.1, 10.0, work)

@@ -104,7 +104,7 @@ def test_a_speed_above_its_limit_is_found():
 
 def test_in_a_neutral_section_there_is_friction_only():
     data, speed2 = unresisted(6.0, 5.5)
-    off = data._replace(powered=np.full(1, 1e-9))
+    off = data._replace(supply_share=np.full(1, 1e-9))
     run = follow_between_nodes(off, speed2)
     assert run.line_energy_j == 0.0
     assert run.largest_excess.share == pytest.approx(data.half_inertia_kg * 5.75 / 10.0 / 15e3 - 1)

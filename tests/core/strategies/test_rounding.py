@@ -11,7 +11,7 @@ from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.rounding import round_shares
@@ -42,31 +42,31 @@ def test_a_share_is_kept_by_the_shortest_stretches_that_last(share, on, off):
     # the first ones settle
     inner = lengths(round_by_hand(shares(share)))[2:-1]
     assert set(inner) == {on, off}
-    assert np.mean(round_by_hand(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
+    assert np.mean(round_by_hand(shares(share)) == DRIVE) == pytest.approx(share, abs=0.03)
 
 
 def test_what_is_on_or_off_throughout_stays_so():
     driving = np.repeat([1.0, 0.0, 1.0], [40, 60, 50])
-    assert np.array_equal(round_by_hand(driving) == DRIVING, driving == 1)
+    assert np.array_equal(round_by_hand(driving) == DRIVE, driving == 1)
 
 
 def test_without_a_minimum_time_the_way_driven_stays_within_half_a_cell_of_the_shares():
     """Sager, Bock, Diehl 2012: the bound of sum-up rounding."""
     driving = np.random.default_rng(3).uniform(0.03, 0.97, CELLS)
-    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVING)
+    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVE)
     assert np.abs(difference).max() <= 0.5 + 1e-9
 
 
 def test_driving_goes_over_to_braking_immediately():
     driving, braking = np.repeat([1.0, 0.0], [20, 20]), np.repeat([0.0, 1.0], [20, 20])
-    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
+    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVE, BRAKE], [20, 20]))
 
 
 def test_a_stop_frees_the_drive():
     """One cell before the stop the drive went off; behind it the drive is on immediately."""
     driving = np.repeat([1.0, 0.0, 1.0], [20, 1, 19])
     assert round_by_hand(driving)[21] == OFF
-    assert round_by_hand(driving, stands=[21])[21] == DRIVING
+    assert round_by_hand(driving, stands=[21])[21] == DRIVE
 
 
 @given(st.lists(st.floats(0, 1), min_size=2, max_size=60), st.floats(0.4, 5.0))

@@ -9,9 +9,8 @@ from every_drive import train
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.decisions import is_measured
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.strategies.switching import best_switched
+from railjoule.core.strategies.switching import best_switched, is_measured
 from railjoule.core.units import J_PER_KWH
 
 TRAM = {
