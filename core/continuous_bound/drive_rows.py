@@ -40,7 +40,7 @@ from railjoule.core.chain_proof.table import (
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, shaft_force, work_bounds
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, GEARED
-from railjoule.core.drive.loss_map.table import PATCH
+from railjoule.core.drive.loss_map import PATCH
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 

@@ -1,7 +1,7 @@
 """From a power to the energy over a metre of the run, E = P(f, v) / v, with first and second derivatives."""
 
 from railjoule.core.compiled import njit
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 
 
 @njit(cache=True, error_model="numpy")

@@ -1,4 +1,4 @@
-"""The induction machine of a drive whose loss model knows only its copper; what a run in closed loop needs besides."""
+"""The induction machine of a drive with only copper loss, for runs in closed loop."""
 
 from typing import Annotated, Self
 
