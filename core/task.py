@@ -72,8 +72,7 @@ class Task:
     @property
     def end_speeds_ms(self) -> tuple[float, float]:
         """Speeds at both ends [m/s]; 0 where an end is free."""
-        # -1 marks a free speed, which has no root; an end that is free begins a run like any other node
-        initial, final = np.sqrt(np.maximum(self.course.data.fixed_speed2[[0, -1]], 0.0)).tolist()
+        initial, final = np.sqrt(np.nan_to_num(self.course.data.fixed_speed2[[0, -1]])).tolist()
         return initial, final
 
     @property

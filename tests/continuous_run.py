@@ -17,10 +17,9 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.adhesion import adhesion_limits_n
 from railjoule.core.check.drives import loss_model
-from railjoule.core.check.limits import limit_beyond_breakdown_n, stated_limit_n
-from railjoule.core.check.train import Route, route_of, train_of
+from railjoule.core.check.limits import adhesion_limits_n, stated_limits_n
+from railjoule.core.check.train import Route, build_route, build_train
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.motion import build_course
@@ -117,7 +116,7 @@ class ContinuousRun:
 
 def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None:
     """Return the run of a train that follows a plan; None if it stands before a stop."""
-    scenario, route = plan.scenario, route_of(plan.scenario)
+    scenario, route = plan.scenario, build_route(plan.scenario)
     efforts, mass = _efforts(plan), _mass(scenario)
     step_s = max(step_s, plan.travel_time_s / MOST_STEPS)
     energy_j, time_s, excess = 0.0, 0.0, 0.0
@@ -236,7 +235,7 @@ def _leg(plan: Trajectory, first: int, last: int) -> Plan:
 
 def _mass(scenario: Scenario) -> Mass:
     vehicle = scenario.vehicle
-    train = train_of(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
+    train = build_train(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     rise, fall = vehicle.traction.max_acceleration_ms2 or np.inf, vehicle.braking.max_deceleration_ms2 or np.inf
     return Mass(train.inertia_kg, train.constant_n, train.linear, rise, fall)
 
@@ -246,7 +245,7 @@ def _line(plan: Trajectory, route: Route, leg: Plan) -> Line:
     scenario, start, end = plan.scenario, float(leg.position_m[0]), float(leg.position_m[-1])
     borders = np.linspace(start, end, int(np.ceil((end - start) / LINE_STEP_M)) + 1)
     cells = borders[:-1], borders[1:]
-    train = train_of(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
+    train = build_train(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     curves = train.curve_constant_m_n_per_kn * route.curvature_per_m(*cells)
     powered = np.ones(len(borders) - 1)
     for begins, ends in route.neutral:
@@ -274,8 +273,8 @@ def _efforts(plan: Trajectory) -> Efforts:
     driven, braked = adhesion_limits_n(scenario, speed)
     efforts = []
     for limits, product, braking in ((vehicle.traction, data.traction, False), (vehicle.braking, data.braking, True)):
-        own = np.minimum(stated_limit_n(limits, speed), limit_beyond_breakdown_n(limits, speed))
-        own = np.minimum(own, np.minimum(model.largest_effort_n(speed, braking), driven))
+        stated = stated_limits_n(limits, speed).values()
+        own = np.minimum.reduce([*stated, model.largest_effort_n(speed, braking), driven])
         efforts.append(np.minimum(own, product.effort_n(np.maximum(speed, 1e-9))))
     return Efforts(float(speed[1]), *efforts, min(vehicle.braking.friction_effort_kn * N_PER_KN, float(np.min(braked))))
 

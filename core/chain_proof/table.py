@@ -29,14 +29,11 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import Value, njit
-from railjoule.core.drive.copper_loss import LOSS_COEFFICIENT
-from railjoule.core.drive.geared_parameters import MOTORS, TURNS
+from railjoule.core.drive.formulas import LOSS_COEFFICIENT
+from railjoule.core.drive.geared import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, MOTORS, NO_LOAD, TURNS
 from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
-from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL
-from railjoule.core.drive.loss_map.loss import BRAKING_TABLE, DRIVING_TABLE
-from railjoule.core.drive.loss_map.table import HEAD, PATCH, piece_in
-from railjoule.core.drive.loss_polynomial import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, NO_LOAD
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL, PowerTerms
+from railjoule.core.drive.loss_map import BRAKING_TABLE, DRIVING_TABLE, HEAD, PATCH, piece_in
 from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort, upper_line

@@ -29,7 +29,7 @@ class Record:
     Parameters
     ----------
     strategy : str
-        Who made the run.
+        Strategy of the run.
     position_m, speed_ms, time_s : array of nodes
         Places [m], speeds [m/s] and times [s].
     effort_n : array of cells or None
@@ -70,33 +70,33 @@ class Record:
 
     @cached_property
     def moves(self) -> BoolArray:
-        """Whether the train moves on in each cell; shape (n,). What follows is of these k cells."""
+        """Whether the train moves on in each cell; shape (n,). The properties below are of these k cells."""
         moves: BoolArray = np.diff(self.position_m) > 0
         return moves
 
     @cached_property
     def middle_m(self) -> FloatArray:
-        """Where the middles of the cells are [m]; shape (k,)."""
+        """Places of the middles of the cells [m]; shape (k,)."""
         return self.moving(0.5 * (self.position_m[1:] + self.position_m[:-1]))
 
     @cached_property
     def length_m(self) -> FloatArray:
-        """How long they are [m]; shape (k,)."""
+        """Lengths of the cells [m]; shape (k,)."""
         return self.moving(np.diff(self.position_m))
 
     @cached_property
     def duration_s(self) -> FloatArray:
-        """How long they take [s]; shape (k,)."""
+        """Times of the cells [s]; shape (k,)."""
         return self.moving(np.diff(self.time_s))
 
     @cached_property
     def entering_speed2(self) -> FloatArray:
-        """Squares of speed where they begin [m2/s2]; shape (k,)."""
+        """Squares of speed at their starts [m2/s2]; shape (k,)."""
         return self.moving(self.speed_ms[:-1] ** 2)
 
     @cached_property
     def leaving_speed2(self) -> FloatArray:
-        """Squares of speed where they end [m2/s2]; shape (k,)."""
+        """Squares of speed at their ends [m2/s2]; shape (k,)."""
         return self.moving(self.speed_ms[1:] ** 2)
 
     @cached_property
@@ -152,7 +152,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     vehicle : Vehicle
         Without friction brakes, all of its braking is electric.
     strategy : str
-        Who made the run.
+        Strategy of the run.
 
     Raises
     ------

@@ -29,8 +29,7 @@ from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.simulation.following import simulate_following
 from railjoule.core.strategies import Task, prepare_task, run_strategy
-from railjoule.core.studies.induction_map import induction_map
-from railjoule.core.studies.motor_map import motor_map
+from railjoule.core.studies.motor_map import induction_map, motor_map
 from railjoule.core.studies.storage import saving_over_size
 
 NICENESS = 10

@@ -5,8 +5,8 @@ import math
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.drive.line_power import smooth_line_power
-from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers

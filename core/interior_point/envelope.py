@@ -19,7 +19,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import power_when_on
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, RAY_COUNT
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import largest_effort_slope

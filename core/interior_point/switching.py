@@ -12,7 +12,7 @@ import math
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, may_be_concave, smooth_power_when_on
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.envelope import envelope_power, tabulate_envelope
 from railjoule.core.interior_point.layout import RAY_COUNT
 from railjoule.core.physics.course_data import BRAKE, DRIVE, CourseData

@@ -12,8 +12,8 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.drive.line_power import line_power
-from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells

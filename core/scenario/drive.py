@@ -69,7 +69,7 @@ LEAST_POINTS = LEAST_MAP_POINTS**2
 
 
 class DriveParameters(Part):
-    """What every kind of drive has."""
+    """The keys of every kind of drive."""
 
     recuperation_factor: Number = Field(
         0.0, ge=0, le=1, description="Share of the generated electrical energy that is recuperated."
@@ -86,12 +86,12 @@ class DriveParameters(Part):
         return 0.0
 
     def at_voltage(self, factor: float) -> Self:
-        """Return the drive at a line voltage that is `factor` times the nominal one; itself where it knows none."""
+        """Return the drive at a line voltage that is `factor` times the nominal one; itself where it has none."""
         return self
 
 
 class IdlingDrive(DriveParameters):
-    """What drives have that take power as soon as they are on, so that being on for a part of the time saves."""
+    """The keys of drives with idle losses, which save energy by being on for a part of the time."""
 
     # Assumed: within the jerk that passengers bear, about 1 m/s3, an effort for 1 m/s2 takes a second to build up and
     # as long to take back, so that less than this is hardly there. Against switching in any cell it costs the shipped
@@ -130,7 +130,7 @@ class CopperLoss(DriveParameters):
     )
 
     def at_voltage(self, factor: float) -> Self:
-        """Return the drive with the machine's voltage times a factor: in closed loop alone it limits the effort."""
+        """Return the drive with the machine's voltage times a factor: it limits the effort only in closed loop."""
         if self.machine is None:
             return self
         limit = factor * self.machine.max_phase_voltage_v
@@ -197,7 +197,7 @@ class Induction(IdlingDrive):
 
 
 class GearedMotors(IdlingDrive):
-    """What drives have whose losses are known for each motor with its inverter."""
+    """The keys of drives with known losses of each motor with its inverter."""
 
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
@@ -315,4 +315,4 @@ Drive = Annotated[
     ConstantEfficiency | CopperLoss | Induction | LossPolynomial | EfficiencyMap | Synchronous,
     Field(discriminator="model"),
 ]
-"""Any kind of drive; the key `model` tells which."""
+"""Any kind of drive, by the key `model`."""

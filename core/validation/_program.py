@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive.formulas import constant_efficiency_power, copper_loss_power
 from railjoule.core.drive.kernels import may_draw_while_braking
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
 from railjoule.core.drive.line_power import smooth_line_power
@@ -20,7 +20,7 @@ from railjoule.core.physics.effort_limit import EffortLimit
 
 # Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
 # cannot trace: they have no outside oracle here.
-DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency, COPPER_LOSS: copper_loss}
+DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency_power, COPPER_LOSS: copper_loss_power}
 
 
 class Program:
@@ -147,16 +147,12 @@ class Program:
 
     def _energy_per_metre(self, v: Any, braking: Any) -> Any:
         """Return the line energy of the cells over their length, without auxiliaries."""
-        drive, parameters, share = (
-            DRIVES[self.data.drive_kind],
-            self.data.drive_parameters,
-            self.data.recuperation_factor,
-        )
-        taken = _formula(drive.driving_power)(parameters, self.traction * self.scale, v)[0] / v / self.scale
-        generated = _formula(drive.generated_power)(parameters, braking * self.scale, v)[0] / v / self.scale
+        power, parameters = _formula(DRIVES[self.data.drive_kind]), self.data.drive_parameters
+        taken = power(parameters, False, self.traction * self.scale, v)[0] / v / self.scale
+        generated = -power(parameters, True, braking * self.scale, v)[0] / v / self.scale
         if self.may_draw:
             self._keep(self.drawn + generated, 0.0, np.inf)
-        return smooth_line_power(taken, generated, self.drawn if self.may_draw else 0.0, share)
+        return smooth_line_power(taken, generated, self.drawn if self.may_draw else 0.0, self.data.recuperation_factor)
 
     def _limit_over_speed(self, effort: Any, limit: EffortLimit, v: Any, top_speed: FloatArray) -> None:
         """Keep an effort under its limit that varies with speed."""

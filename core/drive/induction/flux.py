@@ -1,6 +1,6 @@
-"""Which flux a machine takes: the rated one as long as the voltage carries it, or that of least loss.
+"""The flux of a machine: the rated one as long as the voltage carries it, or that of least loss.
 
-Both are given by the current Ix that makes them in steady state. Without torque the voltage alone bounds it.
+Both are given by the current Ix that makes them in steady state. Without torque only the voltage bounds it.
 """
 
 import math
@@ -19,7 +19,7 @@ LEAST_STRENGTH_SHARE = 1e-6
 def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: float) -> float:
     """Return the largest Ix up to the rated one with which the voltage carries a torque [A].
 
-    Where no flux carries it, that of the pull-out torque.
+    The one of the pull-out torque if no flux carries it.
 
     Parameters
     ----------

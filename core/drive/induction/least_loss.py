@@ -6,8 +6,8 @@ power is kappa phi(q, w),
     phi = s k_T w / p + (3/2) R_S (1/q + q) + k_T g q / p + [Ph' |w1| + Pe' w1^2] / q,      w1 = w + s g q.
 
 It is convex in 1/q, so the best ratio is that of the free minimum, a square root, or the nearest one that keeps
-Ix <= Imu and the voltage. All is closed but the root of a quartic where the voltage binds. Where the one limit takes
-over from the other, first derivatives jump, and second ones wherever a limit begins to bind, as in the machine; a
+Ix <= Imu and the voltage. All is closed but the root of a quartic where the voltage binds. At the change from one limit
+to the other, first derivatives jump, and second ones wherever a limit begins to bind, as in the machine; a
 solver that needs a smooth power takes that of `smooth_input_power`, which is never more.
 
 Source: Rawicki, (33)-(43), whose search over the flux this replaces.
@@ -26,14 +26,14 @@ from railjoule.core.drive.induction.voltage import (
     value,
     voltage_quartic,
 )
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 
 FREE, RATED_FLUX, FULL_VOLTAGE, BEYOND, STANDING_FIELD = range(5)
-"""What decides the flux: the losses, its rated value, the voltage, nothing that the machine could do, or w1 = 0."""
+"""The reason for the flux: the losses, its rated value, the voltage, an impossible torque, or w1 = 0."""
 
 # as a share of d2, half of D'' at no ratio: where D is hardly curved, the pull-out ratio changes without bound
 NO_CURVATURE = 1e-3
-# Over how far apart two limits of the ratio are, by their logarithms, the corner between them is rounded. At most 2/27
+# Width of the rounded corner between two limits of the ratio, by their logarithms. At most 2/27
 # of it is taken off the greater one, 0.4 %, a third of the way from the corner and next to nothing at both ends; a
 # narrower width takes off less, but second derivatives grow as its inverse and Newton's steps shrink.
 ROUNDED_WIDTH = 0.05
@@ -150,6 +150,31 @@ def _ratio_derivatives(
 
 
 @njit(cache=True)
+def input_power_of_shaft(machine: Machine, shaft_nm: float, rads: float, smooth: bool) -> PowerTerms:
+    """Return the input power of a machine that is on [W], and its derivatives by torque and speed of the shaft.
+
+    Parameters
+    ----------
+    machine : Machine
+    shaft_nm, rads : float
+        Torque, negative where it brakes [N m], and speed [rad/s].
+    smooth : bool
+        Whether to return `smooth_input_power` instead of the least power.
+    """
+    # friction takes its torque from the shaft in both directions
+    torque = machine.mechanical_loss_torque_nm + shaft_nm
+    # kappa has no sign: the torque acts on it through its own, also in the chain rule below
+    sign = 1.0 if torque >= 0.0 else -1.0
+    by_torque, poles = sign / torque_constant(machine), machine.pole_pairs
+    if smooth:
+        power = smooth_input_power(machine, sign, by_torque * torque, poles * rads)
+    else:
+        power = least_input_power(machine, sign, by_torque * torque, poles * rads)
+    p, p_k, p_w, p_kk, p_kw, p_ww = power
+    return p, p_k * by_torque, p_w * poles, p_kk * by_torque * by_torque, p_kw * by_torque * poles, p_ww * poles * poles
+
+
+@njit(cache=True)
 def least_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
     """Return the least input power [W] and its derivatives by strength and frequency.
 
@@ -222,7 +247,7 @@ def _input_power_at(
 def smooth_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
     """Return an input power with continuous first derivatives, never more than the least; arguments as there.
 
-    Where the limits of flux and of voltage both are near, the ratio is a little less than the greater of the two,
+    If the limits of flux and of voltage both are near, the ratio is a little less than the greater of the two,
     though not at the corner itself, at which an optimum may lie.
     """
     free, _ = _free_ratio(machine, sign, rotor_rads)

@@ -9,7 +9,7 @@ import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import IntArray
-from railjoule.core.drive import constant_efficiency
+from railjoule.core.drive.formulas import BRAKING_EFFICIENCY, TRACTION_EFFICIENCY
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.driving import braking_envelope
@@ -131,8 +131,8 @@ def course_arrays(course: Course) -> dict[str, Any]:
         "most_acceleration": _finite(data.max_acceleration_ms2),
         "most_deceleration": _finite(data.max_deceleration_ms2),
         "auxiliary": data.auxiliary_power_w,
-        "driving_efficiency": float(data.drive_parameters[constant_efficiency.TRACTION_EFFICIENCY]),
-        "braking_efficiency": float(data.drive_parameters[constant_efficiency.BRAKING_EFFICIENCY]),
+        "driving_efficiency": float(data.drive_parameters[TRACTION_EFFICIENCY]),
+        "braking_efficiency": float(data.drive_parameters[BRAKING_EFFICIENCY]),
         "recuperated": data.recuperation_factor,
     }
 

@@ -20,8 +20,7 @@ from railjoule.core.simulation.field_oriented import (
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
 from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
-from railjoule.core.studies.induction_map import induction_map, machine_points
-from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
+from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, induction_map, machine_points
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals

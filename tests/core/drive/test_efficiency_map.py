@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
 from railjoule.core.drive import make_drive
-from railjoule.core.drive.loss_map.table import loss_at, loss_table
+from railjoule.core.drive.loss_map import loss_at, loss_table
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import scenario_from_document
 

@@ -88,7 +88,7 @@ def test_compiled_code_knows_no_unknown_kind(asked):
         asked(len(CAPABILITIES))
 
 
-@pytest.mark.parametrize("kernel", [kernels.driving_power, kernels.generated_power])
-def test_no_power_of_an_unknown_kind(kernel):
+@pytest.mark.parametrize("braking", [False, True])
+def test_no_power_of_an_unknown_kind(braking):
     with pytest.raises(ValueError, match="no kernel of drives knows this kind"):
-        kernel(len(CAPABILITIES), np.ones(12), 1e4, 10.0)
+        kernels.power_when_on(len(CAPABILITIES), np.ones(12), braking, 1e4, 10.0)

@@ -81,8 +81,8 @@ def test_side_bands_against_a_switched_wave():
     bands = side_bands()[depth_index]
     for order in (1, 2):
         window = spectrum[order * pulses - 10 : order * pulses + 11]
-        ours = bands[order - 1, SIDE_BANDS - 10 : SIDE_BANDS + 11]
-        assert np.sum(ours**2) == pytest.approx(np.sum(window**2), rel=1e-2)
+        found = bands[order - 1, SIDE_BANDS - 10 : SIDE_BANDS + 11]
+        assert np.sum(found**2) == pytest.approx(np.sum(window**2), rel=1e-2)
 
 
 def test_resistance_rises_with_frequency():

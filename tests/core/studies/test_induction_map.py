@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
-from railjoule.core.studies.induction_map import induction_map, machine_points
+from railjoule.core.studies.motor_map import induction_map, machine_points
 
 SCENARIO = load_scenario("ftorek-300s", {"strategy": "enoc", "enoc.acceleration_time_s": 62.713})
 

@@ -14,8 +14,7 @@ from railjoule.core.advice import advise
 from railjoule.core.compilation import require_compiled
 from railjoule.core.scenario import preset_names
 from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
-from railjoule.core.studies.induction_map import induction_map
-from railjoule.core.studies.motor_map import motor_map
+from railjoule.core.studies.motor_map import induction_map, motor_map
 from railjoule.dashboard.pages.speed_limits.compute import (
     LimitsRequest,
     StorageRequest,
