@@ -65,7 +65,7 @@ class PhaseTables(NamedTuple):
 
 
 class PhaseTask(NamedTuple):
-    """What a run has to do: distance [m], running time [s], and the speeds at its ends [m/s]."""
+    """The task of a run: distance [m], running time [s], and the speeds at its ends [m/s]."""
 
     distance_m: float
     running_time_s: float

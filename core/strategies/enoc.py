@@ -126,7 +126,7 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
     Te^2 (T - Te)^5 / S^2 is a polynomial of the fifth degree in Te, whose coefficients are collected below. Moving ends
     add the derivative of d^2 (k1 / Te + 2/3 ks Te + ...), of the seventh degree.
 
-    Where the triangle without a cruise is best, that is half of the travel time.
+    It is half of the travel time if the triangle without a cruise is best.
     """
     k, t, d2 = coefficients, travel_time_s, coefficients.half_difference_ms**2
     s = k.relative_distance_m(t)

@@ -1,7 +1,7 @@
 """The run in four phases, as tram drivers know it: start, cruise, coast, brake.
 
-The start is at full effort or with a current that is given or free, braking is full electric braking, and between the
-two the train holds its speed, then coasts. Stops and changes of the speed limit divide the line into parts whose times
+The start is at full effort or with a current that is given or free, braking is full electric braking, and between them
+the train holds its speed, then coasts. Stops and changes of the speed limit divide the line into parts whose times
 are chosen together. Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`: of tables over
 speed on a plain line, which has one limit, gradient and curve, and cell by cell on all others.
 """
@@ -11,12 +11,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course, running_time
 from railjoule.core.phase_planning.line_planner import LinePlan, plan_line
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
-from railjoule.core.phase_planning.run import PhaseRun, lay_out
+from railjoule.core.phase_planning.run import lay_out
 from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.physics.adhesion import adhesive_weight
 from railjoule.core.strategies.plain_line import (
@@ -38,8 +39,6 @@ SAME_KMH = 0.05
 """Speeds that differ by less are one speed in a sentence."""
 SLOWEST_BRAKE_KMH = 0.05
 """Below this speed one decimal would round the start of braking to 0."""
-
-
 MOST_SENTENCES = 8
 """A run of more stretches is not described stretch by stretch."""
 
@@ -88,8 +87,7 @@ def _plain_run(task: Task) -> Trajectory:
     planner = _planner(task)
     first, last = task.course.position_m[[0, -1]].tolist()
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
-    distances = np.diff([first, *stops, last]).tolist()
-    initial, final = task.end_speeds_ms
+    distances, (initial, final) = np.diff([first, *stops, last]).tolist(), task.end_speeds_ms
     if len(distances) == 1:
         return _plain_trajectory(task, planner, (planner.plan(distances[0], task.running_time_s, initial, final),))
     return _plain_trajectory(task, planner, planner.plan_parts(distances, task.running_time_s, initial))
@@ -135,18 +133,18 @@ def _planner(task: Task) -> PhasePlanner:
 def _plain_trajectory(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
     """Return the trajectory of plans for the parts of a task's line, in order."""
     nodes, speeds = [task.course.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
-    for run in _laid_out(task, planner, plans):
-        nodes.append(nodes[-1][-1] + run.position_m[1:])
-        speeds.append(run.speed_ms[1:])
+    for place, speed in _laid_out(task, planner, plans):
+        nodes.append(nodes[-1][-1] + place[1:])
+        speeds.append(speed[1:])
     position = np.concatenate(nodes)
     # the sum of parts may miss the end by its rounding, and a course ends where the line does
     position[-1] = task.course.position_m[-1]
     course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
-    # what a second costs is alike in all parts, as their time is divided by it: the first tells it
+    # the marginal energy per second is equal in all parts, as their time is divided by it
     price, speed2 = planner.price_of_time_w(plans[0]), np.concatenate(speeds) ** 2
-    # where the line slows a coasting train down more than is allowed, no brake mends it
+    # no brake helps where the line slows a coasting train down more than is allowed
     check_accelerations(course, speed2)
-    # it starts and coasts by plans that know of no curve, and brakes no harder than it
+    # starts and coasting are planned without a braking curve; brakes are no stronger than it
     check_speeds(course, speed2)
     return make_trajectory(
         task.scenario,
@@ -158,13 +156,13 @@ def _plain_trajectory(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan,
     )
 
 
-def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> list[PhaseRun]:
-    """Return the runs of plans, in time together.
+def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> list[tuple[FloatArray, FloatArray]]:
+    """Return the nodes and speeds of plans, in time together.
 
-    A fastest run has no time to keep, and misses that of its tables: what it loses, the part with most time gains.
+    A fastest run has no time to keep, and misses that of its tables: the part with most time makes up for its delay.
     """
     runs = [lay_out(planner.model, plan) for plan in plans]
-    late_s = sum(running_time(np.diff(run.position_m), run.speed_ms**2) for run in runs) - task.running_time_s
+    late_s = sum(running_time(np.diff(place), speed**2) for place, speed in runs) - task.running_time_s
     free = [k for k, plan in enumerate(plans) if not plan.fastest]
     if late_s > ON_TIME * task.running_time_s and free:
         k = max(free, key=lambda k: plans[k].running_time_s)
@@ -173,7 +171,7 @@ def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -
 
 
 def _sentence(plan: PhasePlan) -> str:
-    """Tell the numbers of a plan."""
+    """Describe a plan with its numbers."""
     first = {"start": "It starts", "coast": "It coasts", "brake": "It brakes"}[plan.first]
     if plan.first == "start" and plan.starting_current_a is not None:
         first += f" with {plan.starting_current_a:.0f} A"

@@ -1,6 +1,6 @@
-"""The problem of `railjoule.core.interior_point.layout` in CasADi's symbols; no derivative of it is ours.
+"""The problem of `railjoule.core.interior_point.layout` in CasADi's symbols, which derives it.
 
-What a drive draws comes from the kernels' own formula, so that the energies of two solvers mean the same.
+The power of a drive comes from the kernels' own formula, so that the energies of two solvers are comparable.
 """
 
 import importlib
@@ -29,7 +29,7 @@ class Program:
     Parameters
     ----------
     data : CourseData
-        What a run obeys.
+        The discretised line and train.
     running_time_s : float
         Time allowed without dwells [s].
     reachable_speed2 : array of shape (n + 1,)

@@ -30,7 +30,7 @@ OPTIONS: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class IpoptRun:
-    """What IPOPT ends with.
+    """The result of IPOPT.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ class IpoptRun:
         Squares of speed at the nodes [m2/s2].
     iterations : int
     solve_time_s : float
-        Time of the solution alone, the building of the problem not included [s].
+        Time of the solution, without building the problem [s].
     status : str
-        IPOPT's own word for how it ended.
+        IPOPT's return status.
     converged : bool
-        Whether it claims an optimum.
+        Whether it reports an optimum.
     """
 
     energy_j: float
@@ -105,11 +105,11 @@ class IpoptProblem:
         solution = self._solver(**self._arguments)
         solve_time = time.perf_counter() - started
         stats, data = self._solver.stats(), self._task.course.data
-        # the program has the free speeds alone; the others are as prescribed
+        # the program has only the free speeds; the others are as prescribed
         speed2 = data.fixed_speed2.copy()
         speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
         return IpoptRun(
-            # the program is scaled by the largest effort, and knows no dwells
+            # the program is scaled by the largest effort, and has no dwells
             energy_j=float(solution["f"]) * data.traction.constant_n + self._task.dwell_energy_j,
             speed2=frozen_array(speed2),
             iterations=int(stats["iter_count"]),

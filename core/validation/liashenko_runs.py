@@ -103,12 +103,6 @@ def paper_numbers() -> dict[str, Any]:
 
 
 @cache
-def compared_tables() -> tuple[ComparedTable, ...]:
-    """Return Tables 4 to 7 beside railjoule's."""
-    return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
-
-
-@cache
 def compared_table(place: str) -> ComparedTable:
     """Return one of Tables 4 to 7 beside railjoule's."""
     paper = paper_numbers()
@@ -130,16 +124,17 @@ def compared_table(place: str) -> ComparedTable:
     )
 
 
+def compared_tables() -> tuple[ComparedTable, ...]:
+    """Return Tables 4 to 7 beside railjoule's."""
+    return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
+
+
 @cache
 def example(place: str) -> Example:
     """Return the run of one of Figures 3 to 6."""
     entry = next(entry for entry in paper_numbers()["figure"] if entry["place"] == place)
     scenario = load_scenario(entry["scenario"])
-    load = scenario.disturbance.actual_load_factor
-    assert load is not None
-    own = plan_knowing_load(scenario, load)
-    assert own is not None
-    return Example(place, scenario, follow(plan_for(scenario), scenario), own)
+    return Example(place, scenario, follow(plan_for(scenario), scenario), plan_knowing(scenario))
 
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:
@@ -159,11 +154,17 @@ def above_own_time(scenarios: Sequence[Scenario]) -> float:
     for scenario in scenarios:
         actual = follow(plan_for(scenario), scenario).actual
         energy += actual.energy_kwh
-        load = scenario.disturbance.actual_load_factor
-        assert load is not None
-        own = plan_knowing_load(scenario.replace(**{"timetable.travel_time_s": actual.travel_time_s}), load)
-        planned += np.nan if own is None else own.energy_kwh
+        planned += plan_knowing(scenario.replace(**{"timetable.travel_time_s": actual.travel_time_s})).energy_kwh
     return share_above(energy, planned)
+
+
+def plan_knowing(scenario: Scenario, load_factor: float | None = None) -> Trajectory:
+    """Return the plan for a load, by default the actual one of the scenario."""
+    load: Any = scenario.disturbance.actual_load_factor if load_factor is None else load_factor
+    plan = plan_knowing_load(scenario, load)
+    # the shipped plans all keep their time with each load
+    assert plan is not None
+    return plan
 
 
 def rms(differences: FloatArray) -> float:

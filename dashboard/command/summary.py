@@ -19,9 +19,8 @@ if TYPE_CHECKING:
     from railjoule.core.simulation.field_oriented import FieldOrientedRun
     from railjoule.core.simulation.following import Following
     from railjoule.core.studies.simple_advice import SimpleAdvice
+    from railjoule.core.validation import Claim, Row, Table, Validation
     from railjoule.core.validation.benchmark import Timing
-    from railjoule.core.validation.claim import Claim
-    from railjoule.core.validation.table import Row, Table, Validation
 
 Summary = dict[str, Any]
 

@@ -83,9 +83,10 @@ def test_more_time_never_costs_more(share, longer):
 
 def test_parts_share_their_time_best():
     own = planner(1.0)
-    times = own.divide_time([300.0, 650.0], 90.0)
+    plans = own.plan_parts([300.0, 650.0], 90.0)
+    times = [plan.running_time_s for plan in plans]
     assert sum(times) == pytest.approx(90.0, abs=1e-9)
-    least = sum(plan.energy_j for plan in own.plan_parts([300.0, 650.0], 90.0))
+    least = sum(plan.energy_j for plan in plans)
     for shift in (-0.5, -0.05, 0.05, 0.5):
         assert own.plan(300.0, times[0] + shift).energy_j + own.plan(650.0, times[1] - shift).energy_j > least * (
             1 - 1e-7
