@@ -5,9 +5,6 @@ from typing import Any
 
 from railjoule.core.scenario import Scenario, scenario_from_document
 from railjoule.core.scenario.document import change_document
-from railjoule.core.strategies import run_strategy
-from railjoule.core.task import prepare_task
-from railjoule.core.trajectory import Trajectory
 
 PLAIN: dict[str, Any] = {
     "title": "plain",
@@ -102,11 +99,3 @@ ACCOUNT_CASES = {
     "induction": plain_scenario({"drive": INDUCTION, "vehicle.tare_kg": 30e3}),
 }
 """Scenarios that have each part of the energy account between them."""
-
-
-def drive_under_limits(scenario: Scenario, limits_kmh: list[float], regulator: str | None = None) -> Trajectory:
-    """Return the run of a scenario under given set speeds [km/h]."""
-    changes: dict[str, Any] = {"search.limits_kmh": limits_kmh}
-    if regulator is not None:
-        changes["search.regulator"] = regulator
-    return run_strategy(prepare_task(scenario.replace(**changes)), "speed_limits")

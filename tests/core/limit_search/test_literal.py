@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from builders import drive_under_limits, plain_scenario
+from builders import plain_scenario
+from set_speeds import drive_under_limits
 
 from railjoule.core import StrategyRefusedError, load_scenario
 from railjoule.core.limit_search.literal import (

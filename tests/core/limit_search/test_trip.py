@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from builders import drive_under_limits, plain_scenario
+from builders import plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
+from set_speeds import drive_under_limits
 
 from railjoule.core import load_scenario
 from railjoule.core.limit_search.problem import limit_problem

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from builders import HILLS, drive_under_limits, plain_scenario
+from builders import HILLS, plain_scenario
 from hard_scenarios import COMES_TO_REST_FOR_EVER
+from set_speeds import drive_under_limits
 
 from railjoule.core import StrategyRefusedError, check_run, load_scenario, solve
 from railjoule.core.scenario import scenario_from_document

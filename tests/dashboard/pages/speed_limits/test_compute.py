@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from builders import drive_under_limits
+from set_speeds import drive_under_limits
 
 from railjoule.core import Scenario, ScenarioError, StrategyRefusedError, load_scenario
 from railjoule.dashboard.pages.speed_limits.compute import (
