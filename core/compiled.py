@@ -67,7 +67,7 @@ class Kernel:
     """A function that is compiled; Python interprets it until all kernels are.
 
     An interpreted kernel returns the same numbers about a hundred times slower: half a second for an optimum of a usual
-    line. The code with which Python calls a kernel unpacks and counts each array of a course, and often takes longer to
+    line. The code with which Python calls a kernel unpacks and counts each array of a mesh, and often takes longer to
     compile than the kernel itself. So there are two compiled forms, and each is compiled only where it is used.
 
     Parameters

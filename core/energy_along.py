@@ -82,7 +82,7 @@ def energy_along(run: Trajectory) -> EnergyAlong:
     length, duration = np.diff(run.position_m), np.diff(run.time_s)
     vehicle = run.scenario.vehicle
     # constant over the whole run, dwells included
-    traction_w = run.line_power_w - run.energy.auxiliary_j / run.travel_time_s
+    traction_w = run.supply_power_w - run.energy.auxiliary_j / run.travel_time_s
     drawn, returned = (_so_far(np.maximum(sign * traction_w, 0.0) * duration) for sign in (1, -1))
     motion = 0.5 * vehicle.total_inertia_kg * run.speed_ms**2
     height = _so_far(gradient_force_n(vehicle, run.gradient_permille) * length)

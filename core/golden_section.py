@@ -61,6 +61,6 @@ def narrowed(bracket: Bracket, value: float) -> Bracket:
 
 
 @njit(cache=True, error_model="numpy")
-def lowest_point(bracket: Bracket) -> float:
+def min_point(bracket: Bracket) -> float:
     """Return the inner point with the smaller value."""
     return bracket.inner_left if bracket.value_left < bracket.value_right else bracket.inner_right

@@ -22,13 +22,13 @@ from railjoule.core.check.limits import adhesion_limits_n, stated_limits_n
 from railjoule.core.check.train import Route, build_route, build_train
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.line_power import line_power
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 STEP_S = 1e-3
-MOST_STEPS = 3_000_000
+MAX_STEPS = 3_000_000
 """A run that needs more is driven in longer steps, of 2 ms after 50 minutes."""
 LINE_STEP_M, SPEED_STEPS = 0.1, 5000
 AHEAD_M = 0.2
@@ -118,7 +118,7 @@ def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None
     """Return the run of a train that follows a plan; None if it stands before a stop."""
     scenario, route = plan.scenario, build_route(plan.scenario)
     efforts, mass = _efforts(plan), _mass(scenario)
-    step_s = max(step_s, plan.travel_time_s / MOST_STEPS)
+    step_s = max(step_s, plan.travel_time_s / MAX_STEPS)
     energy_j, time_s, excess = 0.0, 0.0, 0.0
     # a stop is one node, or two with a dwell between them
     stops = np.flatnonzero(plan.speed_ms[1:-1] <= 0) + 1
@@ -269,12 +269,12 @@ def _efforts(plan: Trajectory) -> Efforts:
     """Return the largest efforts over speed: the lower of the check's limits and of the product's."""
     scenario, vehicle = plan.scenario, plan.scenario.vehicle
     speed = np.linspace(0, 1.001 * vehicle.traction.max_speed_kmh * MS_PER_KMH, SPEED_STEPS)
-    model, data = loss_model(vehicle.drive), build_course(scenario, position_m=plan.nodes_m).data
+    model, data = loss_model(vehicle.drive), build_meshed_line(scenario, position_m=plan.nodes_m).data
     driven, braked = adhesion_limits_n(scenario, speed)
     efforts = []
     for limits, product, braking in ((vehicle.traction, data.traction, False), (vehicle.braking, data.braking, True)):
         stated = stated_limits_n(limits, speed).values()
-        own = np.minimum.reduce([*stated, model.largest_effort_n(speed, braking), driven])
+        own = np.minimum.reduce([*stated, model.max_effort_n(speed, braking), driven])
         efforts.append(np.minimum(own, product.effort_n(np.maximum(speed, 1e-9))))
     return Efforts(float(speed[1]), *efforts, min(vehicle.braking.friction_effort_kn * N_PER_KN, float(np.min(braked))))
 

@@ -34,7 +34,7 @@ from tests.judged_scenarios import judged_scenario, shipped_names
 from tests.judged_tables import BELOW_SHARE, SMOOTH, Row, refuting, table
 
 MESHES_M = (5.0, 2.0, 1.0, 0.5)
-MOST_CELLS: dict[str, int] = {"bellman": 150, "speed_limits": 300}
+MAX_CELLS: dict[str, int] = {"bellman": 150, "speed_limits": 300}
 """Greatest meshes of strategies that take long."""
 MOST_CELLS_SMOOTH, MOST_CELLS_IDLE, MOST_CELLS_IPOPT = 4000, 1500, 3000
 """Greatest meshes of the others, for drives without and with idle losses, and of IPOPT."""
@@ -113,7 +113,7 @@ def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collec
     for mesh_m in (given_m, *(mesh for mesh in meshes_m if mesh < given_m)):
         task = _task(best.scenario, mesh_m)
         for name in strategies:
-            if task is not None and task.course.cell_count <= _most_cells(best.scenario, name):
+            if task is not None and task.mesh.cell_count <= _most_cells(best.scenario, name):
                 yield from _strategy_rival(best, task, name)
 
 
@@ -126,7 +126,7 @@ def _task(scenario: Scenario, mesh_m: float) -> Task | None:
 
 def _most_cells(scenario: Scenario, strategy: str) -> int:
     most = MOST_CELLS_SMOOTH if scenario.vehicle.drive.model in SMOOTH else MOST_CELLS_IDLE
-    return MOST_CELLS.get(strategy, most)
+    return MAX_CELLS.get(strategy, most)
 
 
 def _strategy_rival(best: Trajectory, task: Task, name: str) -> Iterator[Row]:
@@ -167,8 +167,8 @@ def driven_rival(best: Trajectory, strategy: str, mesh_m: float) -> Row | None:
 
 
 def _plan(scenario: Scenario, strategy: str, mesh_m: float, planned_s: float) -> Trajectory | None:
-    least_m = 1.2 * scenario.line.length_m / _most_cells(scenario, strategy)
-    changes = {"solver.mesh_m": max(mesh_m, least_m), "timetable.travel_time_s": planned_s}
+    min_m = 1.2 * scenario.line.length_m / _most_cells(scenario, strategy)
+    changes = {"solver.mesh_m": max(mesh_m, min_m), "timetable.travel_time_s": planned_s}
     try:
         return run_strategy(prepare_task(scenario.replace(**changes)), strategy)
     except RailjouleError:
@@ -178,7 +178,7 @@ def _plan(scenario: Scenario, strategy: str, mesh_m: float, planned_s: float) ->
 def _ipopt_rival(best: Trajectory) -> Row | None:
     """Return the optimum of IPOPT over a mesh of 1 m, beside the product's over the same mesh."""
     task = _task(best.scenario, 1.0)
-    if task is None or not ipopt.is_known(task) or task.course.cell_count > MOST_CELLS_IPOPT:
+    if task is None or not ipopt.is_known(task) or task.mesh.cell_count > MOST_CELLS_IPOPT:
         return None
     theirs, run = ipopt.IpoptProblem(task).solve(), run_strategy(task, "optimal")
     return {
@@ -187,7 +187,7 @@ def _ipopt_rival(best: Trajectory) -> Row | None:
         "below": below_share(best, theirs.energy_j),
         "railjoule_above": run.energy.net_j / theirs.energy_j - 1,
         "seconds": theirs.solve_time_s,
-        "cells": task.course.cell_count,
+        "cells": task.mesh.cell_count,
     }
 
 

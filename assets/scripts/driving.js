@@ -7,7 +7,7 @@ export const BRAKE = 2;
 const NEARLY_AT_REST = 1e-9, STEPS = 40, EXACT = 1e-13;
 
 // A table holds a cubic from each of its speeds on; without one, a power limits the effort.
-const largest_effort = (limit, speed) => {
+const max_effort = (limit, speed) => {
   const {constant, power, table} = limit;
   if (!table.length) { return power === null ? constant : Math.min(constant, power / speed); }
   let low = 0, high = table.length - 1;
@@ -27,8 +27,8 @@ const exit_speed2 = (course, i, entering, command) => {
   for (let k = 0; k < STEPS; k++) {
     const v = Math.max(0.5 * (entry + Math.sqrt(Math.max(leaving, 0))), NEARLY_AT_REST);
     let force = 0;
-    if (command === POWER) { force = largest_effort(traction, v); }
-    if (command === BRAKE) { force = -(largest_effort(braking, v) + friction); }
+    if (command === POWER) { force = max_effort(traction, v); }
+    if (command === BRAKE) { force = -(max_effort(braking, v) + friction); }
     const before = leaving;
     leaving = ((inertia - half) * entering - course.constant[i] - linear * v + force) / (inertia + half);
     const change = leaving - before;
@@ -65,7 +65,7 @@ export const with_cell = (course, sum, i, from2, to2, share = 1) => {
   const force = (course.half_inertia / length) * (to2 - from2) + running + curve + climbing;
   let power = force * v / course.driving_efficiency;
   if (force < 0) {
-    const braked = course.friction > 0 ? Math.min(-force, largest_effort(course.braking, v)) : -force;
+    const braked = course.friction > 0 ? Math.min(-force, max_effort(course.braking, v)) : -force;
     power = -course.braking_efficiency * braked * v;
   }
   const taken = Math.max(power, course.recuperated * power), part = share * time;
@@ -96,8 +96,8 @@ export const force_between = (course, i, from2, to2) => {
 // Whether full effort leads from the known square of speed to another, or full braking from the other to the known one.
 const can = (course, i, known, other, braking) => {
   const v = Math.max(0.5 * (Math.sqrt(known) + Math.sqrt(other)), NEARLY_AT_REST);
-  return braking ? -force_between(course, i, other, known) <= course.friction + largest_effort(course.braking, v)
-    : force_between(course, i, known, other) <= largest_effort(course.traction, v);
+  return braking ? -force_between(course, i, other, known) <= course.friction + max_effort(course.braking, v)
+    : force_between(course, i, known, other) <= max_effort(course.traction, v);
 };
 
 const greatest = (course, i, known, bound, braking) => {

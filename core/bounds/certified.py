@@ -107,7 +107,7 @@ def certify(task: Task, optimum: Optimum, proven: ContinuousBound | None = None)
     # where multipliers prove little, as those that have not converged, the plain work may be the better bound
     # a plain number: kernels that are not compiled return numpy's, and a comparison of these is no bool
     energy_j = float(max(proven.energy_j + task.dwell_energy_j, work_floor_j(task)))
-    assumed = premise(task.course.data.drive_kind)
+    assumed = premise(task.mesh.data.drive_kind)
     statement = every_run_statement(task, energy_j)
     return Bound(energy_j, statement, task.travel_time_s, energy_j, premise=assumed, costate=_costate(task, proven))
 
@@ -118,18 +118,18 @@ def every_run_bound(task: Task, optimum: Optimum) -> ContinuousBound:
     Multipliers of a relaxation that has not converged, or has to a local optimum, may prove next to nothing. The others
     are of a smooth problem: with the drive on wherever the optimum drives at all.
     """
-    course, time_s = task.course, task.running_time_s
-    found = continuous_bound(course, optimum, time_s)
-    little = LITTLE * reference_energy(course.data, optimum.energy_j, time_s)
-    if not course.drive.jumps_at_no_effort or optimum.energy_j - found.energy_j <= little:
+    mesh, time_s = task.mesh, task.running_time_s
+    found = continuous_bound(mesh, optimum, time_s)
+    little = LITTLE * reference_energy(mesh.data, optimum.energy_j, time_s)
+    if not mesh.drive.has_idle_losses or optimum.energy_j - found.energy_j <= little:
         return found
-    smooth = minimise_decided(task, safest_modes(duty(course.data, optimum)))
-    return max(found, continuous_bound(course, smooth, time_s), key=lambda bound: bound.energy_j)
+    smooth = minimise_decided(task, safest_modes(duty(mesh.data, optimum)))
+    return max(found, continuous_bound(mesh, smooth, time_s), key=lambda bound: bound.energy_j)
 
 
 def _costate(task: Task, proven: ContinuousBound) -> Costate:
     """Return the price of force along the line that proves a bound."""
-    position = task.course.position_m[0] + proven.pieces.position_m
+    position = task.mesh.position_m[0] + proven.pieces.position_m
     ends = np.array([position[:-1], position[1:]]).T.ravel()
     return Costate(frozen_array(ends), frozen_array(proven.pieces.force.T.ravel()))
 
@@ -139,10 +139,10 @@ def work_floor_j(task: Task) -> float:
 
     It counts gradients, curves, constant running resistance and the speeds that are given at both ends.
     """
-    data = task.course.data
+    data = task.mesh.data
     start, end = data.fixed_speed2[[0, -1]]
     # what needs least: a free end at rest, and a free start at the greatest speed, whose kinetic energy is given
-    start = task.greatest_speed2[0] if np.isnan(start) else start
+    start = task.fastest_speed2[0] if np.isnan(start) else start
     kinetic = data.half_inertia_kg * (np.nan_to_num(end) - start)
     work = float(data.cell_length_m @ (data.line_force_n + data.resistance_constant_n))
     return float(kinetic) + work + data.auxiliary_power_w * task.shortest_time_s + task.dwell_energy_j
@@ -167,7 +167,7 @@ def every_run_statement(task: Task, energy_j: float, windows: str = "") -> str:
 
 def assumption(task: Task) -> str:
     """Return the premise of a bound of a task, as the end of a sentence."""
-    assumed = premise(task.course.data.drive_kind)
+    assumed = premise(task.mesh.data.drive_kind)
     return f"; this assumes that {assumed}" if assumed else ""
 
 

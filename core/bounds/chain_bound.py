@@ -69,7 +69,7 @@ class ProofStep:
 def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
     """Return whether chains may prove more of a run of a task than a bound."""
     # the gap of an optimum without idle losses is that of its bound: no proof comes near another run that needs more
-    may_be_best = task.course.drive.jumps_at_no_effort or run.strategy == OPTIMUM
+    may_be_best = task.mesh.drive.has_idle_losses or run.strategy == OPTIMUM
     # a proof of the whole line leaves windows of arrival out: it comes near no run that they bind
     return may_be_best and bound.travel_time_s <= task.travel_time_s and not bound.windows and bound.covers(run)
 
@@ -100,14 +100,14 @@ def tightening(
     if reached or not possible or budget <= 0 or seconds <= 0.0:
         return
     started = time.perf_counter()
-    if not np.array_equal(run.nodes_m, task.course.position_m):
+    if not np.array_equal(run.nodes_m, task.mesh.position_m):
         # a refined optimum has a mesh of its own
         task = task_over_nodes(task, run.nodes_m)
     optimum = minimise(task).optimum
     # next to a stop, where the optimum itself is slower, chains cover runs down to its speed
     slowest2: FloatArray = np.minimum(SLOWEST_SPEED2, optimum.speed2)
-    data, target_j = task.course.data, chain_target_j(task, run.energy.net_j)
-    given = data, task.running_time_s, task.greatest_speed2, slowest2, run.node_speed_ms**2
+    data, target_j = task.mesh.data, chain_target_j(task, run.energy.net_j)
+    given = data, task.running_time_s, task.fastest_speed2, slowest2, run.node_speed_ms**2
     # chains leave dwells out
     proof = ChainProof(*given, node_prices(data, optimum), optimum.price_of_time_w, target_j - task.dwell_energy_j)
     most = current_budget().chain_boxes
@@ -124,7 +124,7 @@ def tightening(
 def _boxes(budget: int, task: Task, bound: Bound, run: Trajectory) -> int:
     """Return how many boxes a proof may look at: more than in the first stage where the bound is loose."""
     open_j = run.energy.net_j - bound.energy_j
-    scale_j = reference_energy(task.course.data, run.energy.net_j - task.dwell_energy_j, task.running_time_s)
+    scale_j = reference_energy(task.mesh.data, run.energy.net_j - task.dwell_energy_j, task.running_time_s)
     loose = budget >= FIRST_STAGE_BOXES and open_j > LOOSE_SHARE * scale_j
     return max(budget, min(LOOSE_STAGE_BOXES, current_budget().chain_boxes)) if loose else budget
 
@@ -135,7 +135,7 @@ def chain_target_j(task: Task, energy_j: float) -> float:
     # a gap is relative to the bound, this share to the run
     gap = task.scenario.solver.tolerance * (1.0 - ROUNDED_GAP)
     open_share = gap / (1.0 + gap)
-    return energy_j - open_share * reference_energy(task.course.data, moving, task.running_time_s)
+    return energy_j - open_share * reference_energy(task.mesh.data, moving, task.running_time_s)
 
 
 def _with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArray) -> Bound:
@@ -148,9 +148,9 @@ def _with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArr
         _mesh_statement(task, energy_j, bound.every_run_j),
         task.travel_time_s,
         bound.every_run_j,
-        task.course.position_m,
+        task.mesh.position_m,
         slowest_ms,
-        premise(task.course.data.drive_kind),
+        premise(task.mesh.data.drive_kind),
         costate=bound.costate,
     )
 
@@ -158,9 +158,9 @@ def _with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArr
 def _mesh_statement(task: Task, energy_j: float, every_run_j: float) -> str:
     """Return in one sentence what chains prove of runs over a mesh [J], and what every driving needs [J]."""
     # upwards: no cell is longer
-    longest = math.ceil(float(task.course.data.cell_length_m.max()) / SAID_M - ROUNDED) * SAID_M
+    longest = math.ceil(float(task.mesh.data.cell_length_m.max()) / SAID_M - ROUNDED) * SAID_M
     return (
-        f"No run within {said_time(task)} over this mesh of {task.course.cell_count} cells of at most {longest:.6g} m, "
+        f"No run within {said_time(task)} over this mesh of {task.mesh.cell_count} cells of at most {longest:.6g} m, "
         f"with one effort in each, uses less than {said_energy(energy_j)}; every way of driving this train needs at "
         f"least {said_energy(every_run_j)}{assumption(task)}."
     )

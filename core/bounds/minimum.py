@@ -7,7 +7,7 @@ from railjoule.core.arrays import IntArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
-from railjoule.core.physics.course_data import lowered_limits
+from railjoule.core.physics.mesh_data import lowered_limits
 from railjoule.core.task import Task
 
 # Relative gap asked of a smooth drive: a tenth of what a run may lie above its bound and still be called proven
@@ -79,7 +79,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     StrategyRefusedError
         If the mesh has more cells than the current budget gives to such a drive.
     """
-    if task.course.drive.jumps_at_no_effort:
+    if task.mesh.drive.has_idle_losses:
         task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, RELAXED_TOLERANCE)
     return _minimise(task, tolerance)
@@ -88,8 +88,8 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
 @lru_cache(maxsize=4)
 def _minimise(task: Task, tolerance: float) -> Solution:
     """Return `minimise`; the last solutions are kept, as a proof needs the optimum of the strategy before it."""
-    jumps, iterations, points = task.course.drive.jumps_at_no_effort, 0, []
-    given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
+    jumps, iterations, points = task.mesh.drive.has_idle_losses, 0, []
+    given = task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s
     for attempt in RELAXED_ATTEMPTS if jumps else ATTEMPTS:
         points.append(minimise_energy(*given, tolerance, *attempt))
         iterations += points[-1].iterations
@@ -113,14 +113,14 @@ def minimise_decided(task: Task, modes: IntArray, spared_time_share: float = SPA
     task : Task
         Must have slack in its timetable; its drive has idle losses.
     modes : array of shape (n,)
-        DRIVE, BRAKE or OFF of `course_data`.
+        DRIVE, BRAKE or OFF of `mesh_data`.
     spared_time_share : float
         Which share of the time is left, at most.
     """
     slack = task.running_time_s - task.shortest_time_s
     # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
     spared = min(SPARED_SHARE, SLACK_SHARE * slack / task.running_time_s)
-    data = lowered_limits(task.course.data._replace(mode=modes), spared)
+    data = lowered_limits(task.mesh.data._replace(mode=modes), spared)
     times = task.shortest_time_s, task.running_time_s * (1 - min(spared, spared_time_share))
-    given = data, task.greatest_speed2, *times, SWITCHED_TOLERANCE
+    given = data, task.fastest_speed2, *times, SWITCHED_TOLERANCE
     return minimise_energy(*given, SECOND_ITERATIONS, FREE_CENTRING, False)

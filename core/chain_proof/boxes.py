@@ -24,8 +24,8 @@ from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, 
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import WIDENING, EffortLimit, effort_range, upper_line
+from railjoule.core.physics.mesh_data import MeshData, cell_of, shared_by_cells
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -107,9 +107,9 @@ class CellMotion(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def cell_motion(course: CourseData, number: int) -> CellMotion:
-    """Return the motion through one cell of a course."""
-    cell = cell_of(course, number)
+def cell_motion(mesh: MeshData, number: int) -> CellMotion:
+    """Return the motion through one cell of a meshed line."""
+    cell = cell_of(mesh, number)
     half, wide = 0.5 * cell.quadratic, 2.0 * cell.length_m * (1.0 + WIDENING)
     return CellMotion(
         cell.length_m,
@@ -117,8 +117,8 @@ def cell_motion(course: CourseData, number: int) -> CellMotion:
         cell.inertia - half,
         cell.constant_n,
         cell.linear,
-        wide * course.max_acceleration_ms2,
-        wide * course.max_deceleration_ms2,
+        wide * mesh.max_acceleration_ms2,
+        wide * mesh.max_deceleration_ms2,
     )
 
 
@@ -216,7 +216,7 @@ def minorant(
 
 
 @njit(cache=True, error_model="numpy")
-def _least_of_plane(plane: Plane, box: Box, lines: Lines) -> float:
+def _min_of_plane(plane: Plane, box: Box, lines: Lines) -> float:
     """Return about the least of a plane over a box within lines: at their ends by w."""
     best = math.inf
     for w in (box.low_w, box.high_w):
@@ -309,7 +309,7 @@ def _best_energy(
         # of the electric limit a minorant that falls with effort takes the line above, one that rises the least
         x = (least, 0.0, 0.0) if mode == BLEND and minor.by_effort > 0.0 else effort
         plane = _energy_plane(cell, minor, x, box, touch)
-        value = _least_of_plane(Plane(plane.value, plane.by_w + prices[1], plane.by_y + prices[2]), box, lines)
+        value = _min_of_plane(Plane(plane.value, plane.by_w + prices[1], plane.by_y + prices[2]), box, lines)
         if value > best:
             best, found = value, plane
     return found
@@ -397,13 +397,13 @@ def fill_box(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def fill_boxes(
-    course: CourseData, table: DriveTable, grid: Grid, pairs: Pairs, node_price: FloatArray, second: float
+    mesh: MeshData, table: DriveTable, grid: Grid, pairs: Pairs, node_price: FloatArray, second: float
 ) -> tuple[Pairs, FloatArray]:
     """Return those pairs that runs may pass, and their boxes: rows of `COLUMNS`.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : DriveTable
     grid : Grid
     pairs : Pairs
@@ -416,7 +416,7 @@ def fill_boxes(
     count = pairs.start.shape[0]
     kept, rows = np.zeros(low.shape[0], dtype=np.int64), np.empty((count, COLUMNS))
     passed = np.empty((3, count), np.int64)
-    train, traction, braking, drive = shared_by_cells(course)
+    train, traction, braking, drive = shared_by_cells(mesh)
     table = DriveTable(
         borrowed(table.low), borrowed(table.last), table.slowest_ms, table.fastest_ms, borrowed(table.top_n)
     )
@@ -425,7 +425,7 @@ def fill_boxes(
     m = 0
     for i in range(low.shape[0] - 1):
         kept[i] = m
-        cell = cell_motion(course, i)
+        cell = cell_motion(mesh, i)
         for pair in range(pairs.first[i], pairs.first[i + 1]):
             k, q, mode = pairs.start[pair], pairs.end[pair], pairs.mode[pair]
             box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])

@@ -44,7 +44,7 @@ def _cut(first: float, last: float, constant: float, slope: float) -> tuple[floa
 
 
 @njit(cache=True, error_model="numpy")
-def least_of_box(
+def min_of_box(
     row: FloatArray, box: Box, second: float, start_price: float, end_price: float
 ) -> tuple[float, float, float]:
     """Return the least of a box's priced plane, and the squares of speed w and y there; infinite where none is."""
@@ -89,7 +89,7 @@ def chain(
         for m in range(kept[i], kept[i + 1]):
             k, q = start[m], end[m]
             box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])
-            value, w, y = least_of_box(rows[m], box, second, node_price[i, k], node_price[i + 1, q])
+            value, w, y = min_of_box(rows[m], box, second, node_price[i, k], node_price[i + 1, q])
             through[m] = value
             took[m] = rows[m, TIME] + rows[m, TIME_W] * w + rows[m, TIME_Y] * y
             if value + ahead[i + 1, q] < ahead[i, k]:

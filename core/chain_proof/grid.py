@@ -7,8 +7,8 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, OFF, Grid, Pairs, cell_motion
 from railjoule.core.compiled import njit
-from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import WIDENING
+from railjoule.core.physics.mesh_data import MeshData
 
 FIRST_SHARE, GROWTH = 1 / 80, 1.4
 """Width of the first intervals around a run as a share of the greatest speed, and by what they widen away from it."""
@@ -21,12 +21,12 @@ NARROWEST_MS = 2e-3
 """Intervals are not halved below that."""
 
 
-def first_grid(course: CourseData, fastest2: FloatArray, slowest2: FloatArray, around2: FloatArray) -> Grid:
+def first_grid(mesh: MeshData, fastest2: FloatArray, slowest2: FloatArray, around2: FloatArray) -> Grid:
     """Return intervals that widen with the distance from a run.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     fastest2, slowest2, around2 : array of shape (n + 1,)
         Squares of the greatest and least speeds, and of those of the run [m2/s2].
     """
@@ -35,7 +35,7 @@ def first_grid(course: CourseData, fastest2: FloatArray, slowest2: FloatArray, a
     steps = width * np.cumsum(GROWTH ** np.arange(60)) - 0.5 * width
     offsets = np.concatenate([-steps[::-1], steps])
     for i in range(len(fastest2)):
-        fixed = course.fixed_speed2[i]
+        fixed = mesh.fixed_speed2[i]
         if fixed >= 0.0:
             nodes.append(np.array([fixed, fixed]))
             continue
@@ -61,22 +61,22 @@ def _cut_by_ratio(edges: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _fill_pairs(
-    course: CourseData, low: FloatArray, high: FloatArray, count: IntArray, fastest: float, pairs: IntArray, fill: bool
+    mesh: MeshData, low: FloatArray, high: FloatArray, count: IntArray, fastest: float, pairs: IntArray, fill: bool
 ) -> IntArray:
     """Return the first pair of each cell, and fill them if there is room; `fastest` is a speed [m/s]."""
     n = count.shape[0] - 1
     first = np.zeros(n + 1, dtype=np.int64)
     wide = 1.0 + WIDENING
-    brakes = course.braking.constant_n > 0.0
+    brakes = mesh.braking.constant_n > 0.0
     m = 0
     for i in range(n):
         first[i] = m
-        cell, powered = cell_motion(course, i), course.supply_share[i] >= 1.0
+        cell, powered = cell_motion(mesh, i), mesh.supply_share[i] >= 1.0
         resisting = cell.linear * fastest
         for k in range(count[i]):
             a, b = low[i, k], high[i, k]
-            top = (course.traction.constant_n * wide + cell.k0 * b - cell.constant_n) / cell.k1
-            strongest = (course.braking.constant_n + course.friction_effort_n) * wide
+            top = (mesh.traction.constant_n * wide + cell.k0 * b - cell.constant_n) / cell.k1
+            strongest = (mesh.braking.constant_n + mesh.friction_effort_n) * wide
             bottom = (cell.k0 * a - strongest - cell.constant_n - resisting) / cell.k1
             # forces within what rounding and a drive that counts as off leave
             bottom, top = max(bottom, a - cell.fall) - 1e-9, min(top, b + cell.rise) + 1e-9
@@ -84,7 +84,7 @@ def _fill_pairs(
                 if high[i + 1, q] < bottom or low[i + 1, q] > top:
                     continue
                 for mode in range(4):
-                    if (mode >= BRAKE and not brakes) or (mode == BLEND and course.friction_effort_n <= 0.0):
+                    if (mode >= BRAKE and not brakes) or (mode == BLEND and mesh.friction_effort_n <= 0.0):
                         continue
                     # in a neutral section friction brakes work with the drive off
                     if mode != OFF and not powered:
@@ -98,13 +98,13 @@ def _fill_pairs(
     return first
 
 
-def all_pairs(course: CourseData, grid: Grid) -> Pairs:
+def all_pairs(mesh: MeshData, grid: Grid) -> Pairs:
     """Return every pair of intervals that a cell may join, in each mode."""
     low, high, count = grid
     fastest = math.sqrt(float(high[np.isfinite(high)].max()))
-    first = _fill_pairs(course, low, high, count, fastest, np.empty((3, 0), dtype=np.int64), False)
+    first = _fill_pairs(mesh, low, high, count, fastest, np.empty((3, 0), dtype=np.int64), False)
     pairs = np.empty((3, first[-1]), dtype=np.int64)
-    first = _fill_pairs(course, low, high, count, fastest, pairs, True)
+    first = _fill_pairs(mesh, low, high, count, fastest, pairs, True)
     return Pairs(first, pairs[0], pairs[1], pairs[2])
 
 

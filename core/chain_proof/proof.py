@@ -17,12 +17,12 @@ from railjoule.core.chain_proof.chain import chain
 from railjoule.core.chain_proof.grid import all_pairs, first_grid, halved
 from railjoule.core.chain_proof.prices import interval_prices, worth_of_speed
 from railjoule.core.chain_proof.table import DriveTable, tabulate
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
-MOST_LEVELS = 12
+MAX_LEVELS = 12
 SEARCHED_LEVEL = 2
 """From this level on other prices are tried: before, planes are too coarse to tell."""
-MOST_TRIALS = 3
+MAX_TRIALS = 3
 FIRST_STEP = 0.03
 """By which share the price of time changes at first."""
 
@@ -32,7 +32,7 @@ class ChainProof:
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Its machines are on or off for whole cells.
     running_time_s : float
         Time allowed, dwells not included [s].
@@ -50,7 +50,7 @@ class ChainProof:
 
     def __init__(
         self,
-        course: CourseData,
+        mesh: MeshData,
         running_time_s: float,
         fastest2: FloatArray,
         slowest2: FloatArray,
@@ -59,15 +59,15 @@ class ChainProof:
         price_of_time_w: float,
         target_j: float,
     ) -> None:
-        self._course, self._running_time_s = course, running_time_s
+        self._mesh, self._running_time_s = mesh, running_time_s
         self._node_price, self._price = np.array(node_price), max(price_of_time_w, 0.0)
         self.target_j, self.bound_j, self.boxes = target_j, -math.inf, 0
         self.levels = 0
         self._step = FIRST_STEP
-        self._table = drive_table(course, fastest2, slowest2)
-        self._around_ms, self._window = np.sqrt(around2), worth_of_speed(course, self._table)
-        self._grid = first_grid(course, fastest2, slowest2, around2)
-        self._pairs = all_pairs(course, self._grid)
+        self._table = drive_table(mesh, fastest2, slowest2)
+        self._around_ms, self._window = np.sqrt(around2), worth_of_speed(mesh, self._table)
+        self._grid = first_grid(mesh, fastest2, slowest2, around2)
+        self._pairs = all_pairs(mesh, self._grid)
 
     @property
     def proven(self) -> bool:
@@ -81,14 +81,14 @@ class ChainProof:
 
     def may_advance(self, budget: int) -> bool:
         """Return whether there is something left to prove, and a budget of boxes in all is enough for a level more."""
-        return not self.proven and 0 < self.next_boxes <= budget - self.boxes and self.levels < MOST_LEVELS
+        return not self.proven and 0 < self.next_boxes <= budget - self.boxes and self.levels < MAX_LEVELS
 
     def advance(self) -> float:
         """Do one level more: boxes of the present intervals, chains, then halves of what is left; return the bound."""
         grid = self._grid
-        second = self._price + self._course.auxiliary_power_w
+        second = self._price + self._mesh.auxiliary_power_w
         prices = interval_prices(self._node_price, self._around_ms, self._window, grid.low, grid.high)
-        boxes, rows = fill_boxes(self._course, self._table, grid, self._pairs, prices, second)
+        boxes, rows = fill_boxes(self._mesh, self._table, grid, self._pairs, prices, second)
         value, through = self._search(boxes, rows, prices)
         alive = through < self.target_j
         self.boxes += self.next_boxes
@@ -106,9 +106,9 @@ class ChainProof:
     def _search(self, boxes: Pairs, rows: FloatArray, prices: FloatArray) -> tuple[float, FloatArray]:
         """Return the greatest value of some prices [J], and the best chains through each box less the time's price."""
         best, through, price = -math.inf, np.zeros(0), self._price
-        trials = MOST_TRIALS if self.levels >= SEARCHED_LEVEL else 1
+        trials = MAX_TRIALS if self.levels >= SEARCHED_LEVEL else 1
         for _ in range(trials):
-            second, paid_j = price + self._course.auxiliary_power_w, price * self._running_time_s
+            second, paid_j = price + self._mesh.auxiliary_power_w, price * self._running_time_s
             value, values, time_s = chain(self._grid, boxes, rows, prices, second)
             if value - paid_j > best:
                 best, through, late = value - paid_j, values - paid_j, time_s - self._running_time_s
@@ -121,10 +121,10 @@ class ChainProof:
         return best, through
 
 
-def drive_table(course: CourseData, fastest2: FloatArray, slowest2: FloatArray) -> DriveTable:
-    """Return the table of a course's drive for all mean speeds of cells between two runs' squares of speed."""
-    fixed = course.fixed_speed2 >= 0.0
-    slow = np.sqrt(np.where(fixed, course.fixed_speed2, slowest2))
-    fastest = math.sqrt(float(max(fastest2.max(), np.nanmax(course.fixed_speed2))))
+def drive_table(mesh: MeshData, fastest2: FloatArray, slowest2: FloatArray) -> DriveTable:
+    """Return the table of a meshed line's drive for all mean speeds of cells between two runs' squares of speed."""
+    fixed = mesh.fixed_speed2 >= 0.0
+    slow = np.sqrt(np.where(fixed, mesh.fixed_speed2, slowest2))
+    fastest = math.sqrt(float(max(fastest2.max(), np.nanmax(mesh.fixed_speed2))))
     # a little beyond both, so that rounding leaves no speed outside
-    return tabulate(course, 0.999 * float(midpoints(slow).min()), 1.001 * fastest)
+    return tabulate(mesh, 0.999 * float(midpoints(slow).min()), 1.001 * fastest)

@@ -35,8 +35,8 @@ from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, sh
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL, PowerTerms
 from railjoule.core.drive.loss_map import BRAKING_TABLE, DRIVING_TABLE, HEAD, PATCH, piece_in
 from railjoule.core.physics.account import energy_per_metre
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort, upper_line
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
+from railjoule.core.physics.mesh_data import MeshData
 
 EFFORTS, SPEEDS = 128, 256
 """Steps of a table; its sag falls with their squares, the time to fill it grows with their product."""
@@ -45,9 +45,9 @@ SAFETY = 1.5
 # runs keep their limits to 1e-8, the boxes of the proof widen them by 2e-8
 ABOVE = 1e-6
 """A table goes beyond the largest effort by this share."""
-LEAST_EFFORT = 1e-9
+MIN_EFFORT = 1e-9
 """Stands for no effort, where a drive that is on would be off, as a share of the largest."""
-LEAST_LOSS = 1e-9
+MIN_LOSS = 1e-9
 """A loss no greater than this share of the energy counts as cut off: the difference is rounded."""
 DRIVING, BRAKING = 0, 1
 CLOSED_FORMS = (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP)
@@ -55,7 +55,7 @@ CLOSED_FORMS = (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP)
 
 
 class DriveTable(NamedTuple):
-    """The table of a drive under the limits of a course.
+    """The table of a drive under the limits of a meshed line.
 
     Parameters
     ----------
@@ -234,13 +234,13 @@ def estimated_sag(start: tuple[Value, Value, Value], end: tuple[Value, Value, Va
 
 
 @njit(cache=True, error_model="numpy")
-def energy_point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
+def energy_point(mesh: MeshData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
     """Return e, e_x, e_v, e_xx, e_xv, e_vv [J/m] of a drive that is on; machines go on straight beyond an effort."""
-    kind, parameters, braking = course.drive_kind, course.drive_parameters, mode == BRAKING
+    kind, parameters, braking = mesh.drive_kind, mesh.drive_parameters, mode == BRAKING
     if kind in CLOSED_FORMS:
         return energy_per_metre(power_when_on(kind, parameters, braking, effort, speed), speed)
     # beyond their pull-out machines have no power at all, and at it an infinite slope: the chord below it goes on
-    least = LEAST_EFFORT * most
+    least = MIN_EFFORT * most
     inside = min(max(effort, least), most)
     p, p_x, p_v, p_xx, p_xv, p_vv = power_when_on(kind, parameters, braking, inside, speed)
     if effort > inside:
@@ -266,7 +266,7 @@ def _reach(limit: EffortLimit, table: DriveTable, mode: int) -> IntArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def lowered_energy(
-    course: CourseData,
+    mesh: MeshData,
     mode: int,
     speed: FloatArray,
     top: FloatArray,
@@ -278,7 +278,7 @@ def lowered_energy(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Whose drive is asked.
     mode : int
         DRIVING or BRAKING.
@@ -298,25 +298,25 @@ def lowered_energy(
     """
     rows, points = speed.shape[0], np.zeros((speed.shape[0], share.shape[0], 7))
     energy, is_braking = np.full((rows, share.shape[0]), np.inf), mode == BRAKING
-    limit = course.braking if is_braking else course.traction
+    limit = mesh.braking if is_braking else mesh.traction
     for j in range(rows):
-        most, step = largest_effort(limit, speed[j]), top[j] * (share[-1] - share[-2])
+        most, step = max_effort(limit, speed[j]), top[j] * (share[-1] - share[-2])
         for k in range(last[j] + 1):
             p, effort = points[j, k], top[j] * share[k]
-            p[0], p[1], p[2], p[3], p[4], p[5] = energy_point(course, mode, effort, most, step, speed[j])
-            p[6] = p[0] - shaft_force(course.drive_kind, course.drive_parameters, is_braking, effort)[0]
-    sags = _sags(course, mode, speed, top, share, points, reach)
+            p[0], p[1], p[2], p[3], p[4], p[5] = energy_point(mesh, mode, effort, most, step, speed[j])
+            p[6] = p[0] - shaft_force(mesh.drive_kind, mesh.drive_parameters, is_braking, effort)[0]
+    sags = _sags(mesh, mode, speed, top, share, points, reach)
     for j in range(rows):
         energy[j, : last[j] + 1] = points[j, : last[j] + 1, 0] - sags[j, : last[j] + 1]
     if is_braking:
-        replaced = has_standstill_brake(course.drive_kind, course.drive_parameters)
-        _take_from_supply(energy, last, reach, course.recuperation_factor, replaced)
+        replaced = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
+        _take_from_supply(energy, last, reach, mesh.recuperation_factor, replaced)
     return energy
 
 
 @njit(cache=True, error_model="numpy")
 def _sags(
-    course: CourseData,
+    mesh: MeshData,
     mode: int,
     speed: FloatArray,
     top: FloatArray,
@@ -328,7 +328,7 @@ def _sags(
 
     Over speed the effort of a share changes with the effort of the share 1.
     """
-    kind, sags, patch = course.drive_kind, np.zeros(points.shape[:2]), np.empty(PATCH)
+    kind, sags, patch = mesh.drive_kind, np.zeros(points.shape[:2]), np.empty(PATCH)
     for j in range(speed.shape[0] - 1):
         width, high, count = speed[j + 1] - speed[j], max(top[j], top[j + 1]), reach[j]
         slope, row = (top[j + 1] - top[j]) / width, np.empty(count)
@@ -337,7 +337,7 @@ def _sags(
                 u = share[k + 1]
                 effort = min(top[j], top[j + 1]) * share[k], high * u
                 e_xx, e_vv, e_xv = loss_curvatures(
-                    kind, course.drive_parameters, mode == BRAKING, effort, (speed[j], speed[j + 1]), patch
+                    kind, mesh.drive_parameters, mode == BRAKING, effort, (speed[j], speed[j + 1]), patch
                 )
                 e_xx = max(e_xx, 0.0)
                 step, turn = high * (u - share[k]), u * abs(slope)
@@ -382,7 +382,7 @@ def _cut_off(points: FloatArray, j: int, k: int) -> float:
     for q in range(2):
         for r in range(2):
             p = points[j + q, k + r]
-            lowest, highest = min(lowest, p[6] - LEAST_LOSS * abs(p[0])), max(highest, p[6])
+            lowest, highest = min(lowest, p[6] - MIN_LOSS * abs(p[0])), max(highest, p[6])
     return highest if lowest <= 0.0 else 0.0
 
 
@@ -429,22 +429,22 @@ def _spare_by_friction(low: FloatArray, last: IntArray, window: int) -> None:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def tabulate(course: CourseData, slowest: float, fastest: float) -> DriveTable:
-    """Return the table of a course's drive between two speeds [m/s], the first above zero."""
-    top = np.array([course.traction.constant_n, course.braking.constant_n]) * (1.0 + ABOVE)
+def tabulate(mesh: MeshData, slowest: float, fastest: float) -> DriveTable:
+    """Return the table of a meshed line's drive between two speeds [m/s], the first above zero."""
+    top = np.array([mesh.traction.constant_n, mesh.braking.constant_n]) * (1.0 + ABOVE)
     low = np.full((2, SPEEDS + 1, EFFORTS + 1), np.inf)
     table = DriveTable(low, np.full((2, SPEEDS + 1), -1), slowest, fastest, top)
     speed, share = np.empty(SPEEDS + 1), np.arange(EFFORTS + 1) / EFFORTS
     for j in range(SPEEDS + 1):
         speed[j] = row_speed(slowest, fastest, j)
     for mode in (DRIVING, BRAKING):
-        limit = course.traction if mode == DRIVING else course.braking
+        limit = mesh.traction if mode == DRIVING else mesh.braking
         if limit.constant_n <= 0.0:
             continue
         reach = _reach(limit, table, mode)
         tops = np.full(SPEEDS + 1, top[mode])
-        low[mode] = lowered_energy(course, mode, speed, tops, share, table.last[mode], reach)
-        if mode == BRAKING and course.friction_effort_n > 0.0:
-            window = math.ceil(course.friction_effort_n / (top[mode] / EFFORTS))
+        low[mode] = lowered_energy(mesh, mode, speed, tops, share, table.last[mode], reach)
+        if mode == BRAKING and mesh.friction_effort_n > 0.0:
+            window = math.ceil(mesh.friction_effort_n / (top[mode] / EFFORTS))
             _spare_by_friction(low[mode], table.last[mode], window)
     return table

@@ -38,14 +38,14 @@ Rule = tuple[str, float, float]
 def account_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's energies."""
     record = case.record
-    if record.line_energy_j is None or record.line_power_w is None:
+    if record.supply_energy_j is None or record.supply_power_w is None:
         yield Unchecked("energy so far", "the table has not both columns line_power_kw and line_energy_kwh")
     else:
         # auxiliaries included, and cells without length too: a standing train takes their power
-        energy = np.append(0.0, np.cumsum(record.line_power_w * np.diff(record.time_s)))
-        misses = np.abs(record.line_energy_j - energy) / case.energy_scale_j
+        energy = np.append(0.0, np.cumsum(record.supply_power_w * np.diff(record.time_s)))
+        misses = np.abs(record.supply_energy_j - energy) / case.energy_scale_j
         yield find_largest("energy so far", "the energy moved", SUM_TOLERANCE, misses, record.position_m)
-    if record.energies_j is None or record.losses_j is None or record.line_power_w is None:
+    if record.energies_j is None or record.losses_j is None or record.supply_power_w is None:
         yield Unchecked("account", "a table of nodes has none")
     else:
         for name, miss_j, allowed in (*_flow_rules(case), *_loss_rules(case), *_sum_rules(case)):
@@ -67,9 +67,9 @@ def _flow_rules(case: Case) -> Iterator[Rule]:
     """Compare each energy with its sum over the run."""
     record = case.record
     assert record.energies_j is not None
-    assert record.line_power_w is not None
+    assert record.supply_power_w is not None
     # the balance has the auxiliaries separately, so they are subtracted before the sign decides about recuperation
-    power, seconds = record.line_power_w - case.auxiliary_power_w, np.diff(record.time_s)
+    power, seconds = record.supply_power_w - case.auxiliary_power_w, np.diff(record.time_s)
     sums = {
         "traction_j": np.sum(np.maximum(power, 0.0) * seconds),
         "recuperated_j": np.sum(np.maximum(-power, 0.0) * seconds),
@@ -116,8 +116,8 @@ def _sum_rules(case: Case) -> Iterator[Rule]:
     miss = abs(parts - energies["traction_j"] + energies["recuperated_j"])
     yield "closes", miss, SUM_TOLERANCE + case.rounded_effort_work_j / case.energy_scale_j
     yield "no negative loss", -min(losses.values(), default=0.0), SUM_TOLERANCE
-    if case.record.line_energy_j is not None:
-        yield "net energy", abs(case.record.line_energy_j[-1] - _net_j(case)), SUM_TOLERANCE
+    if case.record.supply_energy_j is not None:
+        yield "net energy", abs(case.record.supply_energy_j[-1] - _net_j(case)), SUM_TOLERANCE
 
 
 def _net_j(case: Case) -> float:

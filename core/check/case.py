@@ -149,15 +149,15 @@ class Case:
         record = self.record
         # The net energy can be zero with much energy moved either way, so it is no scale for an error.
         wheels = float(np.sum(np.abs(self.required_effort_n) * record.length_m))
-        reported = record.line_power_w
+        reported = record.supply_power_w
         line = 0.0 if reported is None else float(np.sum(np.abs(reported) * np.diff(record.time_s)))
         return max(wheels, line, 1.0)
 
     @cached_property
     def drive_power_w(self) -> FloatArray:
         """Supply power of the drive in the run, auxiliaries excluded [W]."""
-        assert self.record.line_power_w is not None
-        return self.record.moving(self.record.line_power_w) - self.auxiliary_power_w
+        assert self.record.supply_power_w is not None
+        return self.record.moving(self.record.supply_power_w) - self.auxiliary_power_w
 
     @cached_property
     def electric_n(self) -> FloatArray:
@@ -218,7 +218,7 @@ class Case:
         """Largest effort of the electric brake, within the limits of vehicle, motors and supply [N]."""
         speed = self.record.mean_speed_ms
         stated = stated_limits_n(self.scenario.vehicle.braking, speed).values()
-        limit = np.minimum.reduce([*stated, self.adhesion_n[0], self.model.largest_effort_n(speed, True)])
+        limit = np.minimum.reduce([*stated, self.adhesion_n[0], self.model.max_effort_n(speed, True)])
         return np.where(self.neutral, 0.0, limit)
 
     @cached_property
@@ -226,14 +226,14 @@ class Case:
         """Largest forces that the driven and the braked axles transmit to the rails [N]."""
         return adhesion_limits_n(self.scenario, self.record.mean_speed_ms)
 
-    def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
+    def supply_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return the supply power for a power of the drive [W]: a share of generated power is recuperated."""
         return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
 
-    def line_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    def supply_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the supply power of the drive for electric efforts at speeds [W]; off without effort."""
         losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
-        return self.line_power_of_terminal_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
+        return self.supply_power_of_terminal_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
 
     @property
     def top_speed_ms(self) -> float:

@@ -22,7 +22,7 @@ ROUNDED_LIMIT = 2e-6
 ROUNDED_CORNERS = 2e-3
 """The product rounds the corners of limits that vary with speed, those of motors and curves; here they are exact."""
 # the pull-out torque of machines without voltage to spare falls towards nothing at high speed
-LEAST_SHARE = 0.01
+MIN_SHARE = 0.01
 """Of the largest effort; limits below it count as this much, or a deviation would be a share of nothing."""
 STATED = {
     "effort": ("{} effort", "the largest effort", ROUNDED_LIMIT),
@@ -75,11 +75,11 @@ def _limits(case: Case, effort_n: FloatArray, braking: bool) -> Iterator[Check]:
         name = "adhesion under the electric brake" if braking else "adhesion of the driven axles"
         yield _effort(case, name, effort_n, case.adhesion_n[0])
     used = effort_n > 0
-    limit = case.model.largest_effort_n(record.mean_speed_ms[used], braking)
+    limit = case.model.max_effort_n(record.mean_speed_ms[used], braking)
     if np.isinf(limit).all():
         return
     # the rounding of a limit comes on top of that of its corners
-    over = np.maximum(limit, LEAST_SHARE * case.effort_scale_n)
+    over = np.maximum(limit, MIN_SHARE * case.effort_scale_n)
     excess = (effort_n[used] - limit - case.rounding_n[used]) / over - ROUNDED_LIMIT
     name = "motors while braking" if braking else "motors while driving"
     yield find_largest(name, "the motors' largest effort", ROUNDED_CORNERS, excess, record.middle_m[used])
@@ -117,8 +117,8 @@ def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Chec
     # Friction is no fault where the full electric brake would have drawn power: so the supply power of both sharings
     # is compared, not the efforts.
     full = np.minimum(electric + friction_n[used], np.maximum(case.electric_limit_n[used], electric))
-    lost = case.line_power_of_effort_w(-electric, speed) - case.line_power_of_effort_w(-full, speed)
-    if case.record.line_power_w is not None:
+    lost = case.supply_power_of_effort_w(-electric, speed) - case.supply_power_of_effort_w(-full, speed)
+    if case.record.supply_power_w is not None:
         # twice, as both powers of the difference are uncertain
         lost = lost - 2 * case.loss_uncertainty_w[used]
     scale = np.maximum(full * speed, 1e-3 * case.effort_scale_n * np.max(speed, initial=1.0))

@@ -61,7 +61,7 @@ class InductionModel(GearedModel, model="induction"):
         """
         drive, work = self.parameters, effort_n * speed_ms
         torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
-        copper, iron, _ = self.machine.least_losses(torque, speed)
+        copper, iron, _ = self.machine.min_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
             "iron": drive.motors * iron,
@@ -76,11 +76,11 @@ class InductionModel(GearedModel, model="induction"):
         losses = {kind: np.where(draws, 0.0, watts) for kind, watts in losses.items()}
         return losses | {"standstill_brake": np.where(draws, -work, 0.0)}
 
-    def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of a shaft within current, voltage and rated flux [N m]."""
         drive = self.parameters
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.greatest_torque(speed_rads, current, braking)
+        torque = self.machine.max_torque(speed_rads, current, braking)
         # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
         sign = -1.0 if braking else 1.0
         return np.maximum(torque - sign * drive.mechanical_loss_torque_nm, 0.0)
@@ -89,7 +89,7 @@ class InductionModel(GearedModel, model="induction"):
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.least_losses(torque, self.turns_per_metre * speed_ms)[2]
+        current = self.machine.min_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
 
@@ -110,7 +110,7 @@ class Machine:
         self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
         self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
 
-    def least_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return copper and iron loss [W] and the current [A] with the flux of least loss; NaN where there is none."""
         sign, strength = np.where(torque < 0, -1.0, 1.0), np.abs(torque) / self.torque_constant
         rotor = self.pole_pairs * speed
@@ -125,7 +125,7 @@ class Machine:
         copper_w, iron_w, current = (np.where(none, np.nan, these[rows, least]) for these in found)
         return copper_w, iron_w, current
 
-    def greatest_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
+    def max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
         """Return the greatest torque without sign [N m] that a current, the voltage and the rated flux allow."""
         quartic = self._quartic(np.full(len(speed), -1.0 if braking else 1.0), self.pole_pairs * speed)
         flux_meets_voltage = self.flux2 * quartic - self.voltage2 * np.eye(5)[0]

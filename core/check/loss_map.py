@@ -77,7 +77,7 @@ class MapModel(GearedModel, model="efficiency_map"):
         of_all = self.parameters.motors * np.where(torque >= 0, driving, braking)
         return {"motors_and_inverters": of_all, "gear": self.gear_loss_w(effort_n, speed_ms)}
 
-    def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the last torque of the map [N m]."""
         return np.full(len(speed_rads), self.surfaces[braking].torque_nm[-1])
 

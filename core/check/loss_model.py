@@ -45,7 +45,7 @@ class LossModel:
         """Return the losses of a drive that is on by kind [W]; NaN beyond the limits of its motors."""
         raise NotImplementedError
 
-    def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
+    def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest effort of the motors [N]; infinite where the model sets no limit."""
         return np.full(len(speed_ms), np.inf)
 
@@ -87,10 +87,10 @@ class GearedModel(LossModel):
         work: FloatArray = effort_n * speed_ms
         return np.where(work > 0, work * (self.driving_share - 1), work * (self.braking_share - 1))
 
-    def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
+    def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the effort of the greatest torque [N]."""
-        return self.effort_of_torque_n(self.greatest_torque_nm(self.turns_per_metre * speed_ms, braking), braking)
+        return self.effort_of_torque_n(self.max_torque_nm(self.turns_per_metre * speed_ms, braking), braking)
 
-    def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of a shaft, without sign [N m]."""
         return np.full(len(speed_rads), np.inf)

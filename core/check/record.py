@@ -36,9 +36,9 @@ class Record:
         Effort at the wheels, braking negative [N].
     tractive_effort_n, electric_braking_n, friction_braking_n : array of cells or None
         Its parts, all positive [N].
-    line_power_w : array of cells or None
+    supply_power_w : array of cells or None
         Power taken from the line, auxiliaries included [W].
-    line_energy_j : array of nodes or None
+    supply_energy_j : array of nodes or None
         Energy taken from it so far [J].
     gradient_permille : array of cells or None
         Mean gradient under the train.
@@ -58,8 +58,8 @@ class Record:
     tractive_effort_n: FloatArray | None = None
     electric_braking_n: FloatArray | None = None
     friction_braking_n: FloatArray | None = None
-    line_power_w: FloatArray | None = None
-    line_energy_j: FloatArray | None = None
+    supply_power_w: FloatArray | None = None
+    supply_energy_j: FloatArray | None = None
     gradient_permille: FloatArray | None = None
     current_a: FloatArray | None = None
     energies_j: Mapping[str, float] | None = None
@@ -129,8 +129,8 @@ def record_of_run(run: Any) -> Record:
         tractive_effort_n=run.tractive_effort_n,
         electric_braking_n=run.electric_braking_n,
         friction_braking_n=run.friction_braking_n,
-        line_power_w=run.line_power_w,
-        line_energy_j=run.line_energy_j,
+        supply_power_w=run.supply_power_w,
+        supply_energy_j=run.supply_energy_j,
         gradient_permille=run.gradient_permille,
         current_a=run.current_a,
         energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
@@ -180,8 +180,8 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
         tractive_effort_n=None if effort is None else np.maximum(effort, 0.0),
         electric_braking_n=electric,
         friction_braking_n=friction,
-        line_power_w=_cells(table, "line_power_kw", W_PER_KW),
-        line_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
+        supply_power_w=_cells(table, "line_power_kw", W_PER_KW),
+        supply_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
         gradient_permille=_cells(table, "gradient_permille", 1.0),
         current_a=_cells(table, "current_a", 1.0),
     )

@@ -22,7 +22,7 @@ from railjoule.core.compilation.background import KERNEL_LINE, PART_LINE, Part
 from railjoule.core.compiled import MODE
 from railjoule.core.continuous_bound.bound import continuous_bound
 from railjoule.core.interior_point.solver import Optimum, minimise_energy
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.between_nodes import follow_between_nodes, slow_to_possible
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.disturbances import simulate_disturbances
@@ -64,18 +64,18 @@ def drive_fastest() -> None:
 
 def drive_solver() -> None:
     """Use the kernels of the interior point without those that are called before it: it has no steps to do."""
-    course = build_course(load_scenario(FIRST)).data
-    minimise_energy(course, course.largest_speed2, 1.0, 2.0, TOLERANCE, 0, FREE_CENTRING, False)
+    mesh = build_meshed_line(load_scenario(FIRST)).data
+    minimise_energy(mesh, mesh.limit_speed2, 1.0, 2.0, TOLERANCE, 0, FREE_CENTRING, False)
 
 
 def drive_proof() -> None:
     """Use the kernels of the bound without those of the interior point, of whose result they take the form."""
     task = first_task()
-    prices, speed2 = np.ones(task.course.cell_count), task.greatest_speed2
+    prices, speed2 = np.ones(task.mesh.cell_count), task.fastest_speed2
     guess = Optimum(speed2, prices, prices, np.ones((12, len(prices))), prices, 1.0, 1.0, 1.0, 0, 0)
-    continuous_bound(task.course, guess, task.running_time_s)
-    follow_between_nodes(task.course.data, speed2)
-    slow_to_possible(task.course.data, speed2)
+    continuous_bound(task.mesh, guess, task.running_time_s)
+    follow_between_nodes(task.mesh.data, speed2)
+    slow_to_possible(task.mesh.data, speed2)
 
 
 def drive_optimum() -> None:
@@ -121,7 +121,7 @@ def drive_maps() -> None:
 
 def drive_closed_loop() -> None:
     """Use the kernels of machines under field-oriented control."""
-    run = simulate_field_oriented(load_scenario(CLOSED_LOOP, {"simulation.flux": "least_loss"}))
+    run = simulate_field_oriented(load_scenario(CLOSED_LOOP, {"simulation.flux": "min_loss"}))
     current_ripple(run, 0.5 * run.planned.travel_time_s)
 
 

@@ -21,8 +21,8 @@ from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
 from railjoule.core.continuous_bound.hamiltonian import piece_values
 from railjoule.core.continuous_bound.prices import SAME_PLACE_M, Pieces, price_pieces
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.course import Course
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.motion.meshed_line import MeshedLine
+from railjoule.core.physics.mesh_data import MeshData
 
 
 class ContinuousBound(NamedTuple):
@@ -46,39 +46,39 @@ class ContinuousBound(NamedTuple):
     price_of_time_w: float
 
 
-def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) -> ContinuousBound:
+def continuous_bound(mesh: MeshedLine, optimum: Optimum, running_time_s: float) -> ContinuousBound:
     """Return the bound that the multipliers of an optimum prove for every driving within a time."""
-    data = course.data
-    rows = tabulate_drive(course)
+    data = mesh.data
+    rows = tabulate_drive(mesh)
     price_of_time = max(optimum.price_of_time_w, 0.0)
-    pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
-    shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
-    energy = float(shares.sum() + sum_of_ends(course, pieces) - price_of_time * running_time_s)
+    pieces = price_pieces(mesh, optimum, rows, price_of_time + data.auxiliary_power_w)
+    shares = piece_shares(mesh, rows, pieces, price_of_time + data.auxiliary_power_w)
+    energy = float(shares.sum() + sum_of_ends(mesh, pieces) - price_of_time * running_time_s)
     return ContinuousBound(energy, pieces, shares, float(price_of_time))
 
 
-def tabulate_drive(course: Course) -> DriveRows:
-    """Return the table of a course's drive up to the greatest speed of the course."""
-    return drive_rows(course.data, float(course.cell_limit_ms.max()))
+def tabulate_drive(mesh: MeshedLine) -> DriveRows:
+    """Return the table of a meshed line's drive up to the greatest speed of the meshed line."""
+    return drive_rows(mesh.data, float(mesh.cell_limit_ms.max()))
 
 
-def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
+def piece_shares(mesh: MeshedLine, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
     """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
     length, ceiling2 = np.diff(pieces.position_m), pieces.ceiling2
     # where the price of a curve cuts speeds off, none is left out beside
     has_price = pieces.curve.max(axis=0) > 0.0
-    limit = np.where(has_price, course.cell_limit_ms[pieces.cell], np.sqrt(ceiling2.max(axis=0)))
-    values = piece_values(course.data, rows, pieces, limit, price_of_time)
+    limit = np.where(has_price, mesh.cell_limit_ms[pieces.cell], np.sqrt(ceiling2.max(axis=0)))
+    values = piece_values(mesh.data, rows, pieces, limit, price_of_time)
     shares: FloatArray = 0.5 * length * (values[0] + values[1])
     # the integral of price times ceiling, both linear
     (c0, c1), (w0, w1) = pieces.curve, ceiling2
     shares -= length / 6.0 * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1))
-    _replace_at_rest(course.data, rows, pieces, limit, price_of_time, shares)
+    _replace_at_rest(mesh.data, rows, pieces, limit, price_of_time, shares)
     return shares
 
 
 def _replace_at_rest(
-    data: CourseData,
+    data: MeshData,
     rows: DriveRows,
     pieces: Pieces,
     limit_ms: FloatArray,
@@ -129,12 +129,12 @@ def _replace_at_rest(
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
 
 
-def sum_of_ends(course: Course, pieces: Pieces) -> float:
+def sum_of_ends(mesh: MeshedLine, pieces: Pieces) -> float:
     """Return at most what the prices at the ends of the line and their jumps add [J]."""
-    data = course.data
+    data = mesh.data
     price = -data.half_inertia_kg * pieces.motion
     # the first piece that begins at each node, and the one before
-    after = np.searchsorted(pieces.cell, np.arange(1, course.cell_count))
+    after = np.searchsorted(pieces.cell, np.arange(1, mesh.cell_count))
     # what depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
     slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
     fixed = data.fixed_speed2

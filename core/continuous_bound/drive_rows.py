@@ -32,8 +32,8 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, work_bounds
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.envelope import lower_hull
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort, upper_line
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
+from railjoule.core.physics.mesh_data import MeshData
 
 SPEEDS, LOSSLESS_SPEEDS = 240, 160
 """Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed. The second number is for a drive of constant
@@ -48,7 +48,7 @@ LIMIT_EXCESS = 2e-5
 """Strips in which the line above a limit exceeds it by more than this share of the largest effort are halved."""
 NARROWEST_MS = 1e-4
 """Strips are not halved below that."""
-MOST_KEPT = 8
+MAX_KEPT = 8
 """So many tables are kept, of 2 MB each."""
 PRICE_STEPS = ((0.17, 0.0025, 1.0), (3.0, 0.0, 1.015), (100.0, 0.0, 1.03), (1e8, 0.0, 1.1))
 """Up to a distance from 1 the distances of prices grow by a step, or by a ratio: a partial effort costs about 1."""
@@ -88,42 +88,40 @@ _KEPT: dict[Hashable, DriveRows] = {}
 _LOCK = threading.Lock()
 
 
-def drive_rows(course: CourseData, fastest_ms: float) -> DriveRows:
-    """Return the table of a course's drive up to a speed [m/s]; kept for the next call with the same drive."""
-    limits = course.traction, course.braking
+def drive_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
+    """Return the table of a meshed line's drive up to a speed [m/s]; kept for the next call with the same drive."""
+    limits = mesh.traction, mesh.braking
     key = (
-        course.drive_kind,
-        course.drive_parameters.tobytes(),
+        mesh.drive_kind,
+        mesh.drive_parameters.tobytes(),
         *((limit.constant_n, limit.power_w, limit.table.tobytes()) for limit in limits),
-        course.recuperation_factor,
-        course.friction_effort_n,
+        mesh.recuperation_factor,
+        mesh.friction_effort_n,
         fastest_ms,
     )
     with _LOCK:
         # the latest stands last
-        rows = _KEPT.pop(key) if key in _KEPT else _make_rows(course, fastest_ms)
+        rows = _KEPT.pop(key) if key in _KEPT else _make_rows(mesh, fastest_ms)
         _KEPT[key] = rows
-        while len(_KEPT) > MOST_KEPT:
+        while len(_KEPT) > MAX_KEPT:
             del _KEPT[next(iter(_KEPT))]
     return rows
 
 
-def _make_rows(course: CourseData, fastest_ms: float) -> DriveRows:
-    is_lossless = course.drive_kind == CONSTANT_EFFICIENCY
+def _make_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
+    is_lossless = mesh.drive_kind == CONSTANT_EFFICIENCY
     speed = _row_speeds(fastest_ms, LOSSLESS_SPEEDS if is_lossless else SPEEDS)
-    for limit in (course.traction, course.braking):
+    for limit in (mesh.traction, mesh.braking):
         speed = _halve_loose_strips(limit, speed)
-    most = np.array([_upper_efforts(limit, speed) for limit in (course.traction, course.braking)])
+    most = np.array([_upper_efforts(limit, speed) for limit in (mesh.traction, mesh.braking)])
     effort_share = ALL_OR_NOTHING if is_lossless else EFFORT_SHARES
-    energy = fill_energies(course, speed, most, effort_share)
-    bounds = work_bounds(course.drive_kind, course.drive_parameters)
-    price = _price_grid(course, bounds)
+    energy = fill_energies(mesh, speed, most, effort_share)
+    bounds = work_bounds(mesh.drive_kind, mesh.drive_parameters)
+    price = _price_grid(mesh, bounds)
     least = np.empty((len(price), len(speed)))
-    fill_least(energy, most, effort_share, price, course.friction_effort_n, least)
-    at_rest = np.array([course.traction.constant_n, course.braking.constant_n, *bounds])
-    return DriveRows(
-        speed, price, least, most[0], most[1] + course.friction_effort_n, at_rest, course.friction_effort_n
-    )
+    fill_least(energy, most, effort_share, price, mesh.friction_effort_n, least)
+    at_rest = np.array([mesh.traction.constant_n, mesh.braking.constant_n, *bounds])
+    return DriveRows(speed, price, least, most[0], most[1] + mesh.friction_effort_n, at_rest, mesh.friction_effort_n)
 
 
 def _row_speeds(fastest_ms: float, count: int) -> FloatArray:
@@ -135,21 +133,21 @@ def _row_speeds(fastest_ms: float, count: int) -> FloatArray:
     return np.append(slow, fast)
 
 
-def _price_grid(course: CourseData, bounds: tuple[float, float]) -> FloatArray:
+def _price_grid(mesh: MeshData, bounds: tuple[float, float]) -> FloatArray:
     """Return the prices at which h is known: those at which a drive without losses of its own begins to pay, too."""
     away = [0.0]
     for end, step, ratio in PRICE_STEPS:
         while away[-1] < end:
             away.append(away[-1] * ratio + step)
     distance = np.array(away)
-    returned = course.recuperation_factor * distance[distance < CLOSE]
+    returned = mesh.recuperation_factor * distance[distance < CLOSE]
     grids = [
         1.0 - distance,
         1.0 + distance,
-        course.recuperation_factor - returned,
-        course.recuperation_factor + returned,
+        mesh.recuperation_factor - returned,
+        mesh.recuperation_factor + returned,
     ]
-    kinks = [0.0, bounds[0], bounds[1] * course.recuperation_factor]
+    kinks = [0.0, bounds[0], bounds[1] * mesh.recuperation_factor]
     return np.unique(np.concatenate([*grids, kinks]))
 
 
@@ -160,7 +158,7 @@ def _halve_loose_strips(limit: EffortLimit, speed: FloatArray) -> FloatArray:
     while open_strips:
         v1, v2 = open_strips.pop()
         constant, slope = upper_line(limit, v1, v2)
-        excess = max(constant + slope * v - largest_effort(limit, v) for v in (v1, v2))
+        excess = max(constant + slope * v - max_effort(limit, v) for v in (v1, v2))
         if excess > LIMIT_EXCESS * limit.constant_n and v2 - v1 > NARROWEST_MS:
             middle = 0.5 * (v1 + v2)
             added.append(middle)
@@ -170,21 +168,21 @@ def _halve_loose_strips(limit: EffortLimit, speed: FloatArray) -> FloatArray:
 
 def _upper_efforts(limit: EffortLimit, speed: FloatArray) -> FloatArray:
     """Return efforts at the rows [N] whose linear interpolant lies at or above a limit; shape (m,)."""
-    most = np.full(len(speed), largest_effort(limit, float(speed[0])))
+    most = np.full(len(speed), max_effort(limit, float(speed[0])))
     for j in range(len(speed) - 1):
         constant, slope = upper_line(limit, float(speed[j]), float(speed[j + 1]))
         most[j] = max(most[j], constant + slope * speed[j])
-        most[j + 1] = max(largest_effort(limit, float(speed[j + 1])), constant + slope * speed[j + 1])
+        most[j + 1] = max(max_effort(limit, float(speed[j + 1])), constant + slope * speed[j + 1])
     return most
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def fill_energies(course: CourseData, speed: FloatArray, most: FloatArray, share: FloatArray) -> FloatArray:
+def fill_energies(mesh: MeshData, speed: FloatArray, most: FloatArray, share: FloatArray) -> FloatArray:
     """Return the energy from the supply per metre by share of effort [J/m], lowered by the sag; shape (2, m, k).
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Whose drive is asked.
     speed : array of shape (m,)
         Rows [m/s].
@@ -196,8 +194,8 @@ def fill_energies(course: CourseData, speed: FloatArray, most: FloatArray, share
     rows, columns = speed.shape[0], share.shape[0]
     energy, last, reach = np.empty((2, rows, columns)), np.full(rows, columns - 1), np.full(rows - 1, columns - 1)
     for mode in (DRIVING, BRAKING):
-        energy[mode] = lowered_energy(course, mode, speed, most[mode], share, last, reach)
-    if has_standstill_brake(course.drive_kind, course.drive_parameters):
+        energy[mode] = lowered_energy(mesh, mode, speed, most[mode], share, last, reach)
+    if has_standstill_brake(mesh.drive_kind, mesh.drive_parameters):
         # what it would draw another brake does without power: a concave function, above its chords
         energy[BRAKING] = np.minimum(energy[BRAKING], 0.0)
     return energy

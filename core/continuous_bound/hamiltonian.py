@@ -15,14 +15,14 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 from railjoule.core.continuous_bound.prices import Pieces
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 NEWTON_STEPS = 3
 """Steps towards the least of a convex strip: what they leave is subtracted."""
 
 
 @njit(cache=True, error_model="numpy")
-def least_hamiltonian(
+def min_hamiltonian(
     rows: DriveRows,
     bend: FloatArray,
     price: float,
@@ -81,11 +81,11 @@ def least_hamiltonian(
     for j in np.flatnonzero(np.minimum(total[:-1], total[1:]) - sag < least):
         slope = (h[j + 1] - h[j]) / (v[j + 1] - v[j]) + price * linear
         ends = v[j], v[j + 1], total[j], total[j + 1]
-        least = min(least, _least_of_strip(ends, slope, by_speed2, price_of_time))
+        least = min(least, _min_of_strip(ends, slope, by_speed2, price_of_time))
     if limit > before:
         slope = (last_h - h[-2]) / (limit - before) + price * linear
         ends = before, limit, total[-1], last
-        least = min(least, _least_of_strip(ends, slope, by_speed2, price_of_time))
+        least = min(least, _min_of_strip(ends, slope, by_speed2, price_of_time))
     return least
 
 
@@ -128,7 +128,7 @@ def _slowest_row(
 
 
 @njit(cache=True, error_model="numpy")
-def _least_of_strip(
+def _min_of_strip(
     ends: tuple[float, float, float, float], slope: float, by_speed2: float, price_of_time: float
 ) -> float:
     """Return at most the least of slope v + lambda / v + q v^2 + constant between two speeds with known values."""
@@ -168,13 +168,13 @@ def strip_bends(speed: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def piece_values(
-    course: CourseData, rows: DriveRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
+    mesh: MeshData, rows: DriveRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
 ) -> FloatArray:
     """Return at most the least Hamiltonians at both ends of pieces [J/m]; shape (2, k).
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     rows : DriveRows
         The table of the drive.
     pieces : Pieces
@@ -184,27 +184,27 @@ def piece_values(
     price_of_time : float
         Price of a second, auxiliary power included [W].
     """
-    bend, half_inertia, values = strip_bends(rows.speed_ms), course.half_inertia_kg, np.empty_like(pieces.motion)
+    bend, half_inertia, values = strip_bends(rows.speed_ms), mesh.half_inertia_kg, np.empty_like(pieces.motion)
     for i in range(values.shape[1]):
         cell, length = pieces.cell[i], pieces.position_m[i + 1] - pieces.position_m[i]
         slope = -half_inertia * (pieces.motion[1, i] - pieces.motion[0, i]) / length
         for side in range(2):
             motion, force = pieces.motion[side, i], pieces.force[side, i]
-            value = least_hamiltonian(
+            value = min_hamiltonian(
                 rows,
                 bend,
                 force,
-                force * course.resistance_quadratic[cell] + slope + pieces.curve[side, i],
-                course.resistance_constant_n + course.line_force_n[cell],
-                course.resistance_linear,
+                force * mesh.resistance_quadratic[cell] + slope + pieces.curve[side, i],
+                mesh.resistance_constant_n + mesh.line_force_n[cell],
+                mesh.resistance_linear,
                 limit_ms[i],
                 price_of_time,
-                course.supply_share[cell] >= 1.0,
+                mesh.supply_share[cell] >= 1.0,
             )
             # beyond the price of force, K w' is held only by its limits
             more = motion - force
             if more != 0.0:
-                limit = course.max_acceleration_ms2 if more > 0.0 else course.max_deceleration_ms2
+                limit = mesh.max_acceleration_ms2 if more > 0.0 else mesh.max_deceleration_ms2
                 value -= 2.0 * half_inertia * abs(more) * limit
             values[side, i] = value
     return values

@@ -41,9 +41,9 @@ class Drive:
             raise ValueError(f"drive kind {self.kind} has no row in railjoule.core.drive.kinds.CAPABILITIES.")
 
     @property
-    def jumps_at_no_effort(self) -> bool:
+    def has_idle_losses(self) -> bool:
         """Whether it has idle losses: it takes power without effort while it is on, and none while it is off."""
-        return CAPABILITIES[self.kind].jumps_at_no_effort
+        return CAPABILITIES[self.kind].has_idle_losses
 
     def electrical_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the power at the terminals of the drive [W], negative where it generates; shape as the arguments'."""
@@ -55,7 +55,7 @@ class Drive:
         electrical_power_array(self.kind, self.parameters, effort.ravel(), speed.ravel(), power)
         return power.reshape(effort.shape)
 
-    def line_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    def supply_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the supply power [W], negative where energy is recuperated; shape as the arguments'."""
         return line_power(self.electrical_power_w(effort_n, speed_ms), self.recuperation_factor)
 

@@ -21,7 +21,7 @@ from railjoule.core.drive.geared import (
     STANDSTILL_BRAKE,
     TURNS,
 )
-from railjoule.core.drive.induction import least_loss
+from railjoule.core.drive.induction import min_loss
 from railjoule.core.drive.induction.drive import make_induction
 from railjoule.core.drive.induction.machine import machine_of
 from railjoule.core.drive.kinds import (
@@ -64,7 +64,7 @@ def make_drive(parameters: DriveParameters) -> Drive:
 
 
 @njit(cache=True)
-def jumps_at_no_effort(kind: int) -> bool:
+def has_idle_losses(kind: int) -> bool:
     """Return whether a drive has idle losses: it takes power without effort while it is on, and none while off."""
     return JUMPS[kind]
 
@@ -93,7 +93,7 @@ def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, spee
     by_effort = share / (motors * turns)
     torque, rads = by_effort * effort, turns * speed
     if kind == INDUCTION:
-        power = least_loss.input_power_of_shaft(machine_of(parameters), torque, rads, smooth)
+        power = min_loss.input_power_of_shaft(machine_of(parameters), torque, rads, smooth)
         # the input power contains that of the shaft
         share = 0.0
     else:

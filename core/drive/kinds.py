@@ -17,7 +17,7 @@ class Capabilities(NamedTuple):
 
     Parameters
     ----------
-    jumps_at_no_effort : bool
+    has_idle_losses : bool
         Whether the drive has idle losses: it takes power without effort while it is on, and none while it is off. The
         parameters of such a kind begin with those of `railjoule.core.drive.geared`.
     may_draw_while_braking : bool
@@ -29,18 +29,18 @@ class Capabilities(NamedTuple):
         the relaxation then works on tabulated lower convex envelopes.
     """
 
-    jumps_at_no_effort: bool
+    has_idle_losses: bool
     may_draw_while_braking: bool
     geared: bool
     concave: bool = False
 
 
 CAPABILITIES = (
-    Capabilities(jumps_at_no_effort=False, may_draw_while_braking=False, geared=False),  # CONSTANT_EFFICIENCY
-    Capabilities(jumps_at_no_effort=False, may_draw_while_braking=True, geared=False),  # COPPER_LOSS
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=False),  # INDUCTION
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True),  # LOSS_POLYNOMIAL
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True, concave=True),  # LOSS_MAP
+    Capabilities(has_idle_losses=False, may_draw_while_braking=False, geared=False),  # CONSTANT_EFFICIENCY
+    Capabilities(has_idle_losses=False, may_draw_while_braking=True, geared=False),  # COPPER_LOSS
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=False),  # INDUCTION
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=True),  # LOSS_POLYNOMIAL
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=True, concave=True),  # LOSS_MAP
 )
 """The capabilities of each kind, by its number. A number without a row is an error, in compiled code as well."""
 

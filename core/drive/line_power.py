@@ -18,7 +18,7 @@ def line_power(power: Value, recuperation_factor: float) -> Value:
 
 
 @formula
-def smooth_line_power(taken: Value, generated: Numbers, drawn: Numbers, recuperation_factor: float) -> Value:
+def smooth_supply_power(taken: Value, generated: Numbers, drawn: Numbers, recuperation_factor: float) -> Value:
     """Return the supply power without the kink, for a power taken to drive and one generated in braking [W].
 
     `drawn` is a variable for max(0, -generated), bounded by both from below; no optimum leaves it above them. With that

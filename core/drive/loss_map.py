@@ -58,7 +58,7 @@ class MapDrive(GearedDrive):
 
     Parameters
     ----------
-    greatest_speed_ms : float
+    max_speed_ms : float
         Speed of the train at the end of the map [m/s].
     limit_speed_ms : array of shape (m,)
         Speeds of the train at which the limits of effort are given [m/s].
@@ -68,7 +68,7 @@ class MapDrive(GearedDrive):
         Largest braking efforts of the train there [N].
     """
 
-    greatest_speed_ms: float
+    max_speed_ms: float
     limit_speed_ms: FloatArray
     driving_n: FloatArray
     braking_n: FloatArray
@@ -104,10 +104,10 @@ class MapDrive(GearedDrive):
 
     def require_speed(self, speed_ms: float) -> None:
         """Raise DriveRangeError if the map ends below a speed [m/s]."""
-        if speed_ms > self.greatest_speed_ms * (1 + ROUNDING):
+        if speed_ms > self.max_speed_ms * (1 + ROUNDING):
             turns = self.parameters[TURNS]
             raise DriveRangeError(
-                f"the map of the drive ends at {self.greatest_speed_ms * turns:.4g} rad/s of the motor, below the "
+                f"the map of the drive ends at {self.max_speed_ms * turns:.4g} rad/s of the motor, below the "
                 f"{speed_ms * turns:.4g} rad/s of {speed_ms / MS_PER_KMH:.4g} km/h."
             )
 
@@ -117,7 +117,7 @@ def map_fields(
     driving: LossMap,
     braking: LossMap,
     limit_rads: FloatArray,
-    most_nm: tuple[FloatArray, FloatArray],
+    max_nm: tuple[FloatArray, FloatArray],
 ) -> dict[str, Any]:
     """Return the fields of a `MapDrive`.
 
@@ -129,12 +129,12 @@ def map_fields(
         Over the size of the torque, with the same last speed.
     limit_rads : array of shape (m,)
         Speeds of a motor at which its largest torques are given [rad/s].
-    most_nm : tuple of arrays of shape (m,)
+    max_nm : tuple of arrays of shape (m,)
         Largest torques in driving and braking [N m].
     """
     turns, gear = turns_per_metre(parameters), parameters.gear_loss_share
     wheel = parameters.motors * turns
-    pulling, slowing = wheel * most_nm[0] / (1 + gear), wheel * most_nm[1] / (1 - gear)
+    pulling, slowing = wheel * max_nm[0] / (1 + gear), wheel * max_nm[1] / (1 - gear)
     tables = [loss_table(*part) for part in (driving, braking)]
     head = [*geared_head(parameters, float(pulling.max())), DRIVING_TABLE + len(tables[0])]
     return {
@@ -142,7 +142,7 @@ def map_fields(
         "parameters": frozen_array(np.concatenate([head, *tables])),
         "recuperation_factor": parameters.recuperation_factor,
         "loss_kind": "motors_and_inverters",
-        "greatest_speed_ms": float(driving.speed_rads[-1] / turns),
+        "max_speed_ms": float(driving.speed_rads[-1] / turns),
         "limit_speed_ms": frozen_array(limit_rads / turns),
         "driving_n": frozen_array(pulling),
         "braking_n": frozen_array(slowing),

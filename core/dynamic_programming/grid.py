@@ -1,4 +1,4 @@
-"""Grids of speeds over the nodes of a course, as squares of speed [m2/s2].
+"""Grids of speeds over the nodes of a meshed line, as squares of speed [m2/s2].
 
 The grid of each node ends at the greatest speed that a train can have there. The cost to go is linear in the square of
 speed between grid points: that is kinetic energy but for a factor, and a train saves later the energy that it carries.
@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, TrainLimits, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_of, shared_by_cells
 
 # Beyond the last point there may be no run, and a cost to go between that point and an infinite one would be infinite
 ON_GRID = 1e-9
@@ -33,20 +33,20 @@ def exit_under(limits: TrainLimits, cell: Cell, entering_speed2: float, control:
 
 
 @njit(cache=True, error_model="numpy")
-def least_speeds(course: CourseData, greatest_speed2: FloatArray) -> FloatArray:
+def min_speeds(mesh: MeshData, fastest_speed2: FloatArray) -> FloatArray:
     """Return the least squares of speed [m2/s2] of a grid: from all of them, full traction leads on; shape (nodes,).
 
     Uphill a train may need its momentum: slower than this it comes to a stand, or falls below the least speed ahead.
     Elsewhere they are a small share of the greatest ones, as nothing can start from rest between stops.
     """
-    last = greatest_speed2.shape[0] - 1
-    limits = shared_by_cells(course)
-    least = np.where(course.fixed_speed2 >= 0.0, course.fixed_speed2, greatest_speed2 * SLOWEST_SHARE**2)
+    last = fastest_speed2.shape[0] - 1
+    limits = shared_by_cells(mesh)
+    least = np.where(mesh.fixed_speed2 >= 0.0, mesh.fixed_speed2, fastest_speed2 * SLOWEST_SHARE**2)
     for i in range(last - 1, -1, -1):
-        cell = cell_of(course, i)
-        if course.fixed_speed2[i] >= 0.0 or exit_under(limits, cell, least[i], FULL_TRACTION) >= least[i + 1]:
+        cell = cell_of(mesh, i)
+        if mesh.fixed_speed2[i] >= 0.0 or exit_under(limits, cell, least[i], FULL_TRACTION) >= least[i + 1]:
             continue
-        low, high = least[i], greatest_speed2[i]
+        low, high = least[i], fastest_speed2[i]
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             if exit_under(limits, cell, middle, FULL_TRACTION) >= least[i + 1]:
@@ -59,7 +59,7 @@ def least_speeds(course: CourseData, greatest_speed2: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy")
 def speed_band(
-    course: CourseData, greatest_speed2: FloatArray, centre_speed2: FloatArray, half_width_ms: float, points: int
+    mesh: MeshData, fastest_speed2: FloatArray, centre_speed2: FloatArray, half_width_ms: float, points: int
 ) -> FloatArray:
     """Return a grid whose speeds are evenly spaced within a band around a run, and hold its upper end.
 
@@ -68,9 +68,9 @@ def speed_band(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The line and the train.
-    greatest_speed2, centre_speed2 : array of shape (nodes,)
+    fastest_speed2, centre_speed2 : array of shape (nodes,)
         Greatest feasible squares of speed, and those in the middle of the band [m2/s2].
     half_width_ms : float
         Half of the width of the band [m/s].
@@ -82,13 +82,13 @@ def speed_band(
     array of shape (nodes, points)
         Squares of speed, rising at each node.
     """
-    nodes, least_speed2 = greatest_speed2.shape[0], least_speeds(course, greatest_speed2)
+    nodes, min_speed2 = fastest_speed2.shape[0], min_speeds(mesh, fastest_speed2)
     grid = np.empty((nodes, points))
     for i in range(nodes):
-        if course.fixed_speed2[i] >= 0.0:
-            grid[i] = course.fixed_speed2[i]
+        if mesh.fixed_speed2[i] >= 0.0:
+            grid[i] = mesh.fixed_speed2[i]
             continue
-        centre, greatest, least = math.sqrt(centre_speed2[i]), math.sqrt(greatest_speed2[i]), math.sqrt(least_speed2[i])
+        centre, greatest, least = math.sqrt(centre_speed2[i]), math.sqrt(fastest_speed2[i]), math.sqrt(min_speed2[i])
         high = max(min(greatest, centre + half_width_ms), least)
         low = max(least, min(centre, high) - half_width_ms)
         # counted from the upper end, which the fastest run needs to the last digit
@@ -96,21 +96,21 @@ def speed_band(
             speed = high - (high - low) * (points - 1 - k) / (points - 1)
             grid[i, k] = speed * speed
         if high == greatest:
-            grid[i, points - 1] = greatest_speed2[i]
-    _align_with_coasting(course, greatest_speed2, grid)
+            grid[i, points - 1] = fastest_speed2[i]
+    _align_with_coasting(mesh, fastest_speed2, grid)
     return grid
 
 
 @njit(cache=True, error_model="numpy")
-def _align_with_coasting(course: CourseData, greatest_speed2: FloatArray, grid: FloatArray) -> None:
+def _align_with_coasting(mesh: MeshData, fastest_speed2: FloatArray, grid: FloatArray) -> None:
     """Move the points of a grid in neutral sections to where the points before them coast, in place."""
     # Between two points the cost to go is infinite if it is at one of them, as at the edge of a band, beyond which no
     # state is known. A train that only coasts cannot steer clear of it, and each cell would take another point
-    limits, last = shared_by_cells(course), grid.shape[1] - 1
+    limits, last = shared_by_cells(mesh), grid.shape[1] - 1
     for i in range(grid.shape[0] - 1):
-        if course.supply_share[i] >= 1.0 or course.fixed_speed2[i] >= 0.0 or course.fixed_speed2[i + 1] >= 0.0:
+        if mesh.supply_share[i] >= 1.0 or mesh.fixed_speed2[i] >= 0.0 or mesh.fixed_speed2[i + 1] >= 0.0:
             continue
-        cell, greatest = cell_of(course, i), greatest_speed2[i + 1]
+        cell, greatest = cell_of(mesh, i), fastest_speed2[i + 1]
         top = exit_under(limits, cell, grid[i, last], COAST)
         # where it has to brake instead, the points stay
         if top > greatest * (1.0 + ON_GRID) or exit_under(limits, cell, grid[i, 0], COAST) <= 0.0:

@@ -9,7 +9,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.dynamic_programming.steps import REGIMES
-from railjoule.core.physics.course_data import MODES
+from railjoule.core.physics.mesh_data import MODES
 from railjoule.core.physics.stretches import NOTHING
 
 FORBIDDEN = -1

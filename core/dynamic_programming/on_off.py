@@ -21,17 +21,17 @@ from railjoule.core.dynamic_programming.power_table import tabulate_powers
 from railjoule.core.dynamic_programming.recursion import sweep_back
 from railjoule.core.dynamic_programming.search import TINY, log_price_range, meeting_prices
 from railjoule.core.dynamic_programming.steps import Steps, tabulate_steps
-from railjoule.core.physics.course_data import BRAKE, OFF, CourseData
+from railjoule.core.physics.mesh_data import BRAKE, OFF, MeshData
 from railjoule.core.physics.stretches import NEUTRAL_SECTION, actions_of_run, min_stretch_cells
 
 # A kernel's table grows with them. More than so many come where cells are short, next to stops, where a train that
 # starts or brakes stays as it is anyway
-MOST_BOUND_CELLS = 32
+MAX_BOUND_CELLS = 32
 """For how many cells a stretch is held to last, at most."""
 # The decision's own solution meets the time: only what it does where has to be about right
 TIME_TOLERANCE = 1e-2
 """How close to the running time a decision's run must come to end the search for its price, as a share of it."""
-MOST_LATE = 2.0
+MAX_LATE = 2.0
 """A run that ends early counts as taking this many running times, so that the bracket stays finite."""
 
 
@@ -92,7 +92,7 @@ class OnOffDecisions(NamedTuple):
     Parameters
     ----------
     modes : list of array of shape (n,)
-        Two decisions, modes of `course_data`, the more punctual one first, or one, or none if the band holds no run.
+        Two decisions, modes of `mesh_data`, the more punctual one first, or one, or none if the band holds no run.
     price_w : float
         Price of a second of the more punctual one, auxiliaries included [J/s].
     sweeps : int
@@ -105,11 +105,11 @@ class OnOffDecisions(NamedTuple):
 
 
 def on_off_decisions(
-    course: CourseData,
-    greatest_speed2: FloatArray,
+    mesh: MeshData,
+    fastest_speed2: FloatArray,
     time_s: float,
     centre_speed2: FloatArray,
-    least_on_off_s: float,
+    min_on_off_s: float,
     band: OnOffBand,
     price_w: float,
 ) -> OnOffDecisions:
@@ -117,40 +117,40 @@ def on_off_decisions(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The line and the train.
-    greatest_speed2, centre_speed2 : array of shape (nodes,)
+    fastest_speed2, centre_speed2 : array of shape (nodes,)
         Greatest feasible squares of speed, and those in the middle of the band [m2/s2].
-    time_s, least_on_off_s : float
+    time_s, min_on_off_s : float
         Running time allowed, and minimum on/off time [s].
     band : OnOffBand
     price_w : float
         First price of a second, auxiliaries included [J/s].
     """
-    done = actions_of_run(course, centre_speed2)
-    lasting = np.minimum(min_stretch_cells(done.duration_s, least_on_off_s), MOST_BOUND_CELLS)
+    done = actions_of_run(mesh, centre_speed2)
+    lasting = np.minimum(min_stretch_cells(done.duration_s, min_on_off_s), MAX_BOUND_CELLS)
     lasting[done.interrupted_by == NEUTRAL_SECTION] = 1
     labels = on_off_labels(lasting, done.interrupted_by)
-    half_width_ms = band.half_width_share * math.sqrt(greatest_speed2.max())
-    grid = speed_band(course, greatest_speed2, centre_speed2, half_width_ms, band.points)
-    steps = tabulate_steps(course, grid, tabulate_powers(course), by_regime=False)
-    another = bool(has_standstill_brake(course.drive_kind, course.drive_parameters))
-    most_late_s = (MOST_LATE - 1.0) * time_s
+    half_width_ms = band.half_width_share * math.sqrt(fastest_speed2.max())
+    grid = speed_band(mesh, fastest_speed2, centre_speed2, half_width_ms, band.points)
+    steps = tabulate_steps(mesh, grid, tabulate_powers(mesh), by_regime=False)
+    another = bool(has_standstill_brake(mesh.drive_kind, mesh.drive_parameters))
+    max_late_s = (MAX_LATE - 1.0) * time_s
 
     @cache
     def run(log_price: float) -> tuple[IntArray, float]:
         _, policy, _ = sweep_back(steps, grid, math.exp(log_price), labels, keeps_cost=False)
         modes, taken_s = follow(steps, grid, policy, labels, another)
-        return modes, min(taken_s - time_s, most_late_s)
+        return modes, min(taken_s - time_s, max_late_s)
 
     def lateness_s(log_price: float) -> float:
         return run(log_price)[1]
 
     first = math.log(max(price_w, TINY))
     # a band that no run passes at one price holds none at another
-    if lateness_s(first) == most_late_s:
+    if lateness_s(first) == max_late_s:
         return OnOffDecisions([], price_w, 1)
-    pair = meeting_prices(lateness_s, first, band.factor, log_price_range(course, time_s), TIME_TOLERANCE * time_s)
+    pair = meeting_prices(lateness_s, first, band.factor, log_price_range(mesh, time_s), TIME_TOLERANCE * time_s)
     closest = sorted(dict.fromkeys(pair), key=lambda price: abs(lateness_s(price)))
-    modes = [run(price)[0] for price in closest if lateness_s(price) < most_late_s]
+    modes = [run(price)[0] for price in closest if lateness_s(price) < max_late_s]
     return OnOffDecisions(modes, math.exp(closest[0]), run.cache_info().currsize)

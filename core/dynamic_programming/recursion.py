@@ -24,9 +24,9 @@ from railjoule.core.dynamic_programming.steps import (
     reachable_range,
     step_cost,
 )
-from railjoule.core.golden_section import Bracket, inner_points, lowest_point, narrowed, next_point
+from railjoule.core.golden_section import Bracket, inner_points, min_point, narrowed, next_point
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, TrainLimits, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_of, shared_by_cells
 
 # a grid point this close to the best speed squared, relatively, is the best one itself: its neighbours bracket it
 SAME_POINT = 1e-9
@@ -182,18 +182,18 @@ def _best_exit(
         value = _total_cost(limits, cell, entering_speed2, next_point(bracket), row, cost, label, price)
         bracket = narrowed(bracket, value)
     # the bracket may hold a kink at the grid point with a second valley beside it: only what is better counts
-    return lowest_point(bracket) if min(bracket.value_left, bracket.value_right) < best else best2, chosen
+    return min_point(bracket) if min(bracket.value_left, bracket.value_right) < best else best2, chosen
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def roll_out(
-    course: CourseData, grid: FloatArray, cost_j: FloatArray, price: float, labels: Labels, narrowings: int
+    mesh: MeshData, grid: FloatArray, cost_j: FloatArray, price: float, labels: Labels, narrowings: int
 ) -> tuple[FloatArray, IntArray]:
     """Return the run that follows a cost to go, with exact dynamics from cell to cell.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The line and the train.
     grid, price, labels
         As for `sweep_back`.
@@ -210,13 +210,13 @@ def roll_out(
         The action in each cell; -1 from there.
     """
     nodes = grid.shape[0]
-    limits = shared_by_cells(course)
+    limits = shared_by_cells(mesh)
     speed2, actions, label = np.full(nodes, -1.0), np.full(nodes - 1, -1), 0
     speed2[0] = grid[0, 0]
     for i in range(nodes - 1):
         moves = labels.moves[i, label]
         leaving_speed2, action = _best_exit(
-            limits, cell_of(course, i), speed2[i], grid[i + 1], cost_j[i + 1], price, moves, narrowings
+            limits, cell_of(mesh, i), speed2[i], grid[i + 1], cost_j[i + 1], price, moves, narrowings
         )
         if action < 0:
             break

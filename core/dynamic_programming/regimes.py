@@ -13,13 +13,13 @@ from railjoule.core.dynamic_programming.grid import exit_under
 from railjoule.core.dynamic_programming.steps import BRAKE, HOLD, POWER, ROUNDING
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, TrainLimits, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_of, shared_by_cells
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def drive_regimes(
-    course: CourseData,
-    greatest_speed2: FloatArray,
+    mesh: MeshData,
+    fastest_speed2: FloatArray,
     planned2: FloatArray,
     regimes: IntArray,
     cell_number: int,
@@ -32,9 +32,9 @@ def drive_regimes(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The line and the train.
-    greatest_speed2, planned2 : array of shape (nodes,)
+    fastest_speed2, planned2 : array of shape (nodes,)
         Greatest feasible squares of speed, and those of the run whose brakes are taken over [m2/s2].
     regimes : array of shape (nodes - 1,)
         The regime of each cell.
@@ -47,11 +47,11 @@ def drive_regimes(
         Squares of speed [m2/s2]; -1 from where the train comes to a stand or cannot keep below the greatest.
     """
     nodes = planned2.shape[0]
-    limits = shared_by_cells(course)
+    limits = shared_by_cells(mesh)
     speed2 = np.full(nodes, -1.0)
     speed2[0] = planned2[0]
     for i in range(nodes - 1):
-        cell, entering = cell_of(course, i), speed2[i]
+        cell, entering = cell_of(mesh, i), speed2[i]
         leaving = _exit_of_regime(limits, cell, entering, regimes[i], planned2[i + 1])
         if i == cell_number and i + 1 < nodes - 1:
             other = _exit_of_regime(limits, cell, entering, regimes[i + 1], planned2[i + 1])
@@ -60,12 +60,12 @@ def drive_regimes(
         if regimes[i] == BRAKE:
             # a train that is faster than planned brakes fully until the plan is met
             leaving = max(leaving, least)
-        leaving = min(leaving, greatest_speed2[i + 1])
-        fixed = course.fixed_speed2[i + 1]
+        leaving = min(leaving, fastest_speed2[i + 1])
+        fixed = mesh.fixed_speed2[i + 1]
         if fixed >= 0.0 and leaving >= fixed * (1.0 - ROUNDING):
             leaving = fixed
         stands = leaving <= 0.0 and fixed != 0.0
-        if stands or leaving < least - ROUNDING * greatest_speed2.max() or (fixed >= 0.0 and leaving != fixed):
+        if stands or leaving < least - ROUNDING * fastest_speed2.max() or (fixed >= 0.0 and leaving != fixed):
             break
         speed2[i + 1] = leaving
     return speed2

@@ -37,7 +37,7 @@ OUTLIER = 3.0
 """Standard deviations from which on a residual counts linearly."""
 NOISE_ROUNDS = 2
 """How often the noise is estimated again from the residuals: after two it stays."""
-LEAST_FREEDOM = 0.1
+MIN_FREEDOM = 0.1
 """Minimum rest of a residual that decides a fit by itself."""
 TINY = 1e-300
 DEFAULT_GAUGES = GaugeErrors()
@@ -281,7 +281,7 @@ def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:
     # A residual that decides much of the fit is small because of that: over 1 less its leverage it has its own size
     # (MacKinnon and White's third variant). It takes the place of the factor for few samples.
     leverage = slope * np.sum((jacobian @ bread) * jacobian, axis=1)
-    size = influence / np.maximum(1 - leverage, LEAST_FREEDOM)
+    size = influence / np.maximum(1 - leverage, MIN_FREEDOM)
     # of priors the deviations are stated, and no residual is a sample of them
     size[len(size) - len(unknowns) :] = 1.0
     pulled = jacobian * size[:, None]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, fields
 
 from railjoule.core.errors import RecordingError
 
-LARGEST_PERCENT = 50.0
+MAX_PERCENT = 50.0
 """A gauge with a larger deviation measures nothing."""
 
 
@@ -50,8 +50,8 @@ class GaugeErrors:
 
     def __post_init__(self) -> None:
         for name, percent in self.percent.items():
-            if not 0 <= percent <= LARGEST_PERCENT:
-                raise RecordingError(f"--gauge {name} = {percent:g} %: must lie within 0 to {LARGEST_PERCENT:g} %.")
+            if not 0 <= percent <= MAX_PERCENT:
+                raise RecordingError(f"--gauge {name} = {percent:g} %: must lie within 0 to {MAX_PERCENT:g} %.")
 
     @classmethod
     def from_percent(cls, percent: Mapping[str, float]) -> "GaugeErrors":

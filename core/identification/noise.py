@@ -38,9 +38,9 @@ PRIOR_DEVIATION = 1.0
 """Of the logarithms: within a factor of e about two times in three."""
 LEAST, MOST = np.log([0.01, 1e-4, 1e-4]), np.log([1.0, 1.0, 1.0])
 """Bounds of the share, the push and the recorder's: no recorder measures an effort better than to 1 %."""
-MOST_EVALUATIONS = 200
+MAX_EVALUATIONS = 200
 # a recorder without steps still has one in its last digit
-LEAST_VARIANCE_MS2 = 1e-6
+MIN_VARIANCE_MS2 = 1e-6
 """Of a recorder's speed [m2/s2]."""
 
 
@@ -87,7 +87,7 @@ class Whitener:
 
     def __init__(self, steps: Steps, train: Driven, noise: Noise) -> None:
         self.kept = np.where(steps.begins, 0.0, train.kept)
-        recorder = np.maximum(steps.speed_variance * noise.speed_factor**2, LEAST_VARIANCE_MS2)
+        recorder = np.maximum(steps.speed_variance * noise.speed_factor**2, MIN_VARIANCE_MS2)
         per_force = steps.step_s / train.inertia_kg
         at_end = (0.5 * noise.effort_share * train.end_effort_n) ** 2
         # of the sample before: that at the end of the step before, or where a section begins about the same
@@ -137,7 +137,7 @@ def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noi
 
     first = np.log([FIRST_SHARE, FIRST_PUSH, FIRST_WORSE])
     found = scipy.optimize.minimize(
-        unlikeliness, first, method="Nelder-Mead", options={"maxfev": MOST_EVALUATIONS, "xatol": 0.02, "fatol": 0.01}
+        unlikeliness, first, method="Nelder-Mead", options={"maxfev": MAX_EVALUATIONS, "xatol": 0.02, "fatol": 0.01}
     )
     return _noise_of(np.clip(found.x, LEAST, MOST))
 
@@ -151,7 +151,7 @@ def expected_residual_ms(steps: Steps, train: Driven) -> float:
         As `estimated_noise`.
     """
     usual = Noise()
-    recorder = np.maximum(steps.speed_variance, LEAST_VARIANCE_MS2)
+    recorder = np.maximum(steps.speed_variance, MIN_VARIANCE_MS2)
     variance = usual.effort_share**2 * train.end_effort_n**2 + steps.effort_jump_n**2 / 12
     driven = (steps.step_s / train.inertia_kg) ** 2 * variance
     added = np.cumsum(driven + usual.push_ms**2 * steps.step_s)

@@ -27,11 +27,11 @@ UNITS: Mapping[str, str] = MappingProxyType(
     dict(zip(NAMES, ("N", "N per km/h", "N per (km/h)^2", "", "kg", "", "kW"), strict=True))
 )
 # specific resistances lie between 0.8 and 3 N/kN: a train of which nothing is known begins with one
-LEAST_SPECIFIC_N_PER_KN = 1.0
+MIN_SPECIFIC_N_PER_KN = 1.0
 """Size of a resistance that the scenario has as zero."""
-LEAST_EFFICIENCY = 0.01
+MIN_EFFICIENCY = 0.01
 """A drive below takes a hundred times what it gives."""
-LEAST_AUXILIARY_KW = 20.0
+MIN_AUXILIARY_KW = 20.0
 """Size of auxiliaries that the scenario has as zero."""
 
 
@@ -72,11 +72,11 @@ class Model:
         top_kmh = max(self.top_speed_ms / MS_PER_KMH, 1.0)
         whole = max(
             sum(first[name] * top_kmh**power for power, name in enumerate(RESISTANCE)),
-            LEAST_SPECIFIC_N_PER_KN * weight_kn,
+            MIN_SPECIFIC_N_PER_KN * weight_kn,
         )
         # each term by what it adds at the highest speed, as the scenario may have it as zero
         resistance = {name: whole / top_kmh**power for power, name in enumerate(RESISTANCE)}
-        auxiliary = max(first[AUXILIARY], LEAST_AUXILIARY_KW)
+        auxiliary = max(first[AUXILIARY], MIN_AUXILIARY_KW)
         return {**resistance, MASS_FACTOR: 0.2, MASS: 0.3 * first[MASS], EFFICIENCY: 0.2, AUXILIARY: auxiliary}
 
     def values(self, scaled: FloatArray) -> dict[str, float]:
@@ -142,7 +142,7 @@ def physical_range(model: Model) -> tuple[FloatArray, FloatArray]:
     """Return the least and the largest values that the free parameters of a train can have; each of shape (free,)."""
     # no train is pushed by its resistance, and no drive gives more than it takes
     high = np.array([1.0 if name == EFFICIENCY else np.inf for name in model.free])
-    return np.array([LEAST_EFFICIENCY if name == EFFICIENCY else 0.0 for name in model.free]), high
+    return np.array([MIN_EFFICIENCY if name == EFFICIENCY else 0.0 for name in model.free]), high
 
 
 EXACT = 1e-6

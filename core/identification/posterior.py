@@ -13,7 +13,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import LogNormal
 
 # a distribution of no width would be a fixed value, which is another kind
-LEAST_DEVIATION = 1e-4
+MIN_DEVIATION = 1e-4
 """Of the logarithm of the resistance factor."""
 
 
@@ -27,7 +27,7 @@ def monte_carlo_scenario(fit: Fit, scenario: Scenario) -> Scenario:
     options = scenario.montecarlo.model_copy(
         update={
             "resistance_factor": LogNormal(
-                distribution="log_normal", median=1.0, log_standard_deviation=max(deviation, LEAST_DEVIATION)
+                distribution="log_normal", median=1.0, log_standard_deviation=max(deviation, MIN_DEVIATION)
             )
         }
     )

@@ -32,7 +32,7 @@ EFFORT_SHARE = 0.01
 """Errors of an effort as those of a power, scaled to the residuals as well."""
 POWER_SHARE = 0.003
 """Errors of a power that its effort does not explain, over the largest power; scaled to the residuals afterwards."""
-LEAST_DRIVING_FACTOR, LEAST_COASTING_FACTOR = 0.2, 0.02
+MIN_DRIVING_FACTOR, MIN_COASTING_FACTOR = 0.2, 0.02
 """By which these two deviations are scaled at least."""
 FEWEST_COASTING = 10
 """Fewer samples without effort do not give the errors of their power."""
@@ -75,7 +75,7 @@ class Problem:
     def _gauges(self, stated: GaugeErrors) -> tuple[GaugeError, ...]:
         """Return the gauge errors that change a residual."""
         steps = self.steps
-        effort, power = steps.largest_effort_n, steps.largest_power_w
+        effort, power = steps.max_effort_n, steps.max_power_w
         if not np.any(steps.pulled_share):
             effort = 0.0
         if not np.any(self.by_power | self.metered):
@@ -170,7 +170,7 @@ class Problem:
         if EFFICIENCY in self.model.free:
             modelled = effort * speed / values[EFFICIENCY]
         else:
-            modelled = self.drive.line_power_w(effort, speed)
+            modelled = self.drive.supply_power_w(effort, speed)
         taken = (modelled + values[AUXILIARY] * W_PER_KW) * math.exp(errors[POWER_GAIN]) + errors[POWER_OFFSET]
         return np.asarray(taken - steps.read_power_w[rows])
 
@@ -180,7 +180,7 @@ class Problem:
         effort, speed = steps.read_effort_n[rows], steps.read_speed_ms[rows]
         per_effort = effort / self.model.first[EFFICIENCY]
         by_effort = (EFFORT_SHARE * per_effort * speed) ** 2 + per_effort**2 * steps.speed_variance[rows]
-        own = (POWER_SHARE * steps.largest_power_w) ** 2 + steps.read_variance[rows]
+        own = (POWER_SHARE * steps.max_power_w) ** 2 + steps.read_variance[rows]
         return by_effort, own
 
     def power_residual(self, unknowns: FloatArray) -> FloatArray:
@@ -200,10 +200,10 @@ class Problem:
         coasts = by_effort == 0
         if coasts.sum() >= FEWEST_COASTING:
             factor = float(np.median(np.sqrt(square[coasts] / own[coasts])))
-            self.coasting_factor = max(factor, LEAST_COASTING_FACTOR)
+            self.coasting_factor = max(factor, MIN_COASTING_FACTOR)
         if not np.all(coasts):
             left = (square - self.coasting_factor**2 * own)[~coasts] / by_effort[~coasts]
-            self.driving_factor = max(float(np.median(left)), LEAST_DRIVING_FACTOR**2) ** 0.5
+            self.driving_factor = max(float(np.median(left)), MIN_DRIVING_FACTOR**2) ** 0.5
 
     def inflate(self, unknowns: FloatArray) -> None:
         """Let the deviations of speeds and powers be as large as their correlation over time makes them."""

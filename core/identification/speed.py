@@ -12,7 +12,7 @@ from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.resistance import running_resistance
 
 # a step changes the resistance by less than a thousandth of itself: three or four rounds leave rounding
-MOST_ROUNDS = 30
+MAX_ROUNDS = 30
 EXACT_MS = 1e-12
 """Between two rounds the speed may still change by this."""
 FASTEST_MS = 1e3
@@ -56,7 +56,7 @@ def simulated_speed(
         if begins[i]:
             before = start_speed_ms[i]
         after = before
-        for _ in range(MOST_ROUNDS):
+        for _ in range(MAX_ROUNDS):
             v = mean_speed(before, after)
             speed2 = 0.5 * (before * before + after * after)
             resistance = running_resistance(constant_n, linear, quadratic * tunnel_factor[i], v, speed2)

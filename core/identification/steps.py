@@ -10,7 +10,7 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured import MeasuredRun, Recording
 from railjoule.core.measured.speed import quantisation, true_runs
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Line, Scenario
 
 FEWEST_STEPS = 20
@@ -56,7 +56,7 @@ class Steps:
         Of the steps of the recorder's speed [m2/s2].
     is_between_stations : array of bool of shape (n,)
         Whether the run begins and ends at rest in a station, so that the line gives the scale of its speeds.
-    largest_effort, largest_power : array of shape (n,)
+    max_effort, max_power : array of shape (n,)
         Largest magnitudes of the run's readings [N, W]; 0 where there are none.
     """
 
@@ -77,18 +77,18 @@ class Steps:
     read_variance: FloatArray
     speed_variance: FloatArray
     is_between_stations: BoolArray
-    largest_effort: FloatArray
-    largest_power: FloatArray
+    max_effort: FloatArray
+    max_power: FloatArray
 
     @property
-    def largest_effort_n(self) -> float:
+    def max_effort_n(self) -> float:
         """Largest magnitude of all measured efforts [N]; 0 where there are none."""
-        return float(np.max(self.largest_effort))
+        return float(np.max(self.max_effort))
 
     @property
-    def largest_power_w(self) -> float:
+    def max_power_w(self) -> float:
         """Largest magnitude of all measured powers [W]; 0 where there are none."""
-        return float(np.max(self.largest_power))
+        return float(np.max(self.max_power))
 
     @property
     def mean_speed_ms(self) -> FloatArray:
@@ -157,8 +157,8 @@ def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
     moves = np.diff(run.position_m) > 0
     line_force, tunnel = np.zeros(len(known)), np.ones(len(known))
     # stands are steps without length, of which no cell can be made
-    course = build_course(run.scenario, position_m=run.position_m[np.append(moves, True)])
-    line_force[moves], tunnel[moves] = course.gradient_force_n + course.curve_force_n, course.tunnel_factor
+    mesh = build_meshed_line(run.scenario, position_m=run.position_m[np.append(moves, True)])
+    line_force[moves], tunnel[moves] = mesh.gradient_force_n + mesh.curve_force_n, mesh.tunnel_factor
     step = run.placement.scale * recording.speed_step_ms
     pulled = np.nan_to_num(effort) != 0
     count = int(known.sum())
@@ -181,8 +181,8 @@ def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
         # an error spread evenly over a step of q has the variance q^2 / 12
         speed_variance=np.full(count, step**2 / 12),
         is_between_stations=np.full(count, _is_between_stations(run, line)),
-        largest_effort=np.full(count, _largest(effort)),
-        largest_power=np.full(count, _largest(power)),
+        max_effort=np.full(count, _largest(effort)),
+        max_power=np.full(count, _largest(power)),
     )
 
 

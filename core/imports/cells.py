@@ -13,7 +13,7 @@ from typing import Any
 from railjoule.core.csv_text import unguarded
 from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.findings import Finding
-from railjoule.core.imports.source_file import LARGEST_BYTES, SourceFile, text_of
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, text_of
 from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
@@ -21,8 +21,8 @@ Cell = str | float
 
 Row = tuple[int, tuple[Cell, ...]]
 
-MOST_ROWS = 200_000
-MOST_COLUMNS = 250
+MAX_ROWS = 200_000
+MAX_COLUMNS = 250
 LONGEST_NAME = 200
 """Characters of a column's name."""
 # in this order: a decimal comma never splits a row where another separator does
@@ -33,8 +33,8 @@ HeaderTest = Callable[[Sequence[str]], bool]
 """Whether some names can be those of a table's columns."""
 ZIP_MARK, OLD_WORKBOOK_MARK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 # a workbook is a zip file: of the 50 MB that may come in, a thousand times as much may come out
-LARGEST_UNPACKED_BYTES = 4 * LARGEST_BYTES
-MOST_FILES = 2000
+MAX_UNPACKED_BYTES = 4 * MAX_BYTES
+MAX_FILES = 2000
 """Files in the zip file; a workbook has one a sheet, picture and chart, and some ten of its own."""
 ROWS_OF_TITLES = 100
 """A sheet whose first so many rows are empty counts as empty."""
@@ -103,10 +103,10 @@ def _checked_row(name: str, number: int, row: list[Cell]) -> Row:
     """Strip empty cells at the end of a row; ScenarioError if it is one too many or has too many cells."""
     while row and (row[-1] == "" or (isinstance(row[-1], str) and not row[-1].strip())):
         row.pop()
-    if len(row) > MOST_COLUMNS:
-        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MOST_COLUMNS} are allowed.")
-    if number > MOST_ROWS:
-        raise ScenarioError(f"{name}: more than the {MOST_ROWS} rows allowed.")
+    if len(row) > MAX_COLUMNS:
+        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MAX_COLUMNS} are allowed.")
+    if number > MAX_ROWS:
+        raise ScenarioError(f"{name}: more than the {MAX_ROWS} rows allowed.")
     return number, tuple(row)
 
 
@@ -126,7 +126,7 @@ def _csv_rows(name: str, text: str, separator: str) -> list[Row]:
     # The library's limit of 131,072 characters in a cell is one for all readers. The shape of a line on a map exceeds
     # it, and the file is limited anyway.
     with _LONG_CELLS:
-        before = csv.field_size_limit(LARGEST_BYTES)
+        before = csv.field_size_limit(MAX_BYTES)
         try:
             return [_checked_row(name, reader.line_num, [unguarded(cell) for cell in cells]) for cells in reader]
         except csv.Error as error:
@@ -244,8 +244,8 @@ def _workbook_rows(source: SourceFile, sheet: str | None) -> tuple[list[Row], tu
 def _require_small(source: SourceFile) -> None:
     """Raise ScenarioError if the file would unpack to more than allowed; nothing is unpacked for that."""
     name = source.name
-    if len(source.content) > LARGEST_BYTES:
-        raise ScenarioError(f"{name}: larger than the {LARGEST_BYTES / 1e6:g} MB allowed.")
+    if len(source.content) > MAX_BYTES:
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
     try:
         with zipfile.ZipFile(io.BytesIO(source.content)) as package:
             parts = package.infolist()
@@ -253,12 +253,12 @@ def _require_small(source: SourceFile) -> None:
         raise ScenarioError(f"{name}: not a workbook that can be read: {error}.") from None
     # a part that unpacks to more than it declares is cut off there by the library, and its checksum is then wrong
     unpacked = sum(part.file_size for part in parts)
-    if unpacked > LARGEST_UNPACKED_BYTES:
+    if unpacked > MAX_UNPACKED_BYTES:
         raise ScenarioError(
-            f"{name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED_BYTES / 1e6:g} MB are allowed."
+            f"{name}: unpacks to {unpacked / 1e6:.0f} MB; at most {MAX_UNPACKED_BYTES / 1e6:g} MB are allowed."
         )
-    if len(parts) > MOST_FILES:
-        raise ScenarioError(f"{name}: holds {len(parts)} files; at most {MOST_FILES} are allowed.")
+    if len(parts) > MAX_FILES:
+        raise ScenarioError(f"{name}: holds {len(parts)} files; at most {MAX_FILES} are allowed.")
 
 
 def _filled_sheets(book: Any) -> tuple[str, ...]:

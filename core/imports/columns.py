@@ -67,7 +67,7 @@ SHORTEST_LINE_M = 50.0
 """Of a run that a train can be driven over; below it the unit was another."""
 SHORTEST_RUN_S = 20.0
 """For which no line is long enough that a train may run over at its highest limit."""
-STEEPEST_PERMILLE, LEVELLEST_PERMILLE, SMALLEST_RADIUS_M = 60.0, 0.3, 50.0
+STEEPEST_PERMILLE, LEVELLEST_PERMILLE, MIN_RADIUS_M = 60.0, 0.3, 50.0
 """Limits of railways with usual wheels and tracks; beyond it another unit is likely, though none is certain."""
 UnitKey = Literal["position_unit", "value_unit"]
 
@@ -353,8 +353,8 @@ class TableUnits:
             if steepest < LEVELLEST_PERMILLE:
                 # a fraction of 0.06 is the steepest, and a line in per cent is rarely as level
                 return f"no gradient exceeds {steepest:.4g} per mille", ("fraction",) if steepest < 0.06 else ()
-        elif self.kind == "curves" and amounts and min(amounts) < SMALLEST_RADIUS_M:
-            return f"radii go down to {min(amounts):.4g} m", ("km",) if max(amounts) < SMALLEST_RADIUS_M else ()
+        elif self.kind == "curves" and amounts and min(amounts) < MIN_RADIUS_M:
+            return f"radii go down to {min(amounts):.4g} m", ("km",) if max(amounts) < MIN_RADIUS_M else ()
         return "", ()
 
 

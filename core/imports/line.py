@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Finding, Imported
-from railjoule.core.imports.table import DIGITS_M, LEAST_STRETCH_M, WHOLE, ImportedTable, Interval, place
+from railjoule.core.imports.table import DIGITS_M, MIN_STRETCH_M, WHOLE, ImportedTable, Interval, place
 from railjoule.core.scenario import Line
 from railjoule.core.scenario._sentences import counted, shown_list, validated
 
@@ -168,7 +168,7 @@ def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Findin
             stop,
         )
         for which, start, stop in (("begin", begin, table.begin_m), ("end", reached, end))
-        if stop - start > LEAST_STRETCH_M
+        if stop - start > MIN_STRETCH_M
     ]
 
 

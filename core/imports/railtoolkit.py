@@ -20,8 +20,8 @@ from railjoule.core.scenario._sentences import show, shown_list, validated
 
 VERSIONS = ("2022.05", "2024.07")
 # the reader is written in Python: 100 kB take it a second
-LARGEST_YAML_BYTES = 2_000_000
-MOST_LEVELS = 20
+MAX_YAML_BYTES = 2_000_000
+MAX_LEVELS = 20
 """Lists and tables within each other; the files have 6."""
 
 
@@ -94,8 +94,8 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
         raise ScenarioError(
             f"{source.name}: reading YAML needs PyYAML, which is not installed: pip install 'railjoule[yaml]'."
         ) from None
-    if len(source.content) > LARGEST_YAML_BYTES:
-        raise ScenarioError(f"{source.name}: larger than the {LARGEST_YAML_BYTES / 1e6:g} MB allowed.")
+    if len(source.content) > MAX_YAML_BYTES:
+        raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB allowed.")
     text = unicode_text_of(source, "YAML")
     try:
         level = 0
@@ -104,7 +104,7 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
             if isinstance(event, yaml.AliasEvent):
                 alias = f"the alias *{event.anchor} is not read; write out what it stands for"
                 raise ScenarioError(f"{source.name}: {alias}.")
-            if level > MOST_LEVELS:
+            if level > MAX_LEVELS:
                 raise ScenarioError(f"{source.name}: its lists or tables are nested too deeply.")
         document = yaml.safe_load(text)
     except yaml.YAMLError as error:

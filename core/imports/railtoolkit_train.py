@@ -20,7 +20,7 @@ REFERENCE_KMH = 100.0
 # for a file without one: TrainRuns.jl, after Bruenger, Dahlhaus 2014, p. 74
 USUAL_DECELERATION_MS2 = 0.375
 # an integer may have more digits than a number with a point can hold
-LARGEST_FORCE_N = 1e12
+MAX_FORCE_N = 1e12
 FLAT_KEYS = {
     "resistance": ("rotation_mass", "base_resistance", "rolling_resistance", "air_resistance"),
     "traction": ("tractive_effort",),
@@ -178,7 +178,7 @@ def _nested(vehicles: Any) -> Any:
 
 def _pair(pair: Any) -> Any:
     """Return a pair of km/h and N as a table with kN."""
-    if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < LARGEST_FORCE_N:
+    if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < MAX_FORCE_N:
         return {"speed": pair[0], "force": pair[1] / N_PER_KN}
     return pair
 

@@ -19,7 +19,7 @@ from railjoule.core.scenario._sentences import show
 from railjoule.core.scenario.text_file import read_bytes
 
 # a whole network's speed limits with the shape of each line are about 30 MB
-LARGEST_BYTES = 50_000_000
+MAX_BYTES = 50_000_000
 
 
 UTF_16_MARKS = (b"\xff\xfe", b"\xfe\xff")
@@ -63,7 +63,7 @@ class SourceFile:
     def read(cls, path: str | Path, encoding: str = "") -> "SourceFile":
         """Read a file of at most 50 MB; ScenarioError if it is missing or too large."""
         path = Path(path)
-        return cls(path.name, read_bytes(path, LARGEST_BYTES), encoding)
+        return cls(path.name, read_bytes(path, MAX_BYTES), encoding)
 
 
 def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
@@ -77,8 +77,8 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
         If it is larger than 50 MB or no text, or its code page is unknown or another.
     """
     name, content, encoding = source.name, source.content, source.encoding
-    if len(content) > LARGEST_BYTES:
-        raise ScenarioError(f"{name}: larger than the {LARGEST_BYTES / 1e6:g} MB allowed.")
+    if len(content) > MAX_BYTES:
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
     if encoding:
         require_code_page(encoding)
     findings = []

@@ -23,7 +23,7 @@ KEYS: Mapping[IntervalKind, str] = {
 """Keys of the values of each kind in a section of a scenario's line."""
 BOUNDS = (("ge", "at least", operator.ge), ("gt", "above", operator.gt), ("le", "at most", operator.le))
 # a millimetre less or more is how positions were rounded
-LEAST_STRETCH_M = 0.001
+MIN_STRETCH_M = 0.001
 WHOLE = {"gradients": "level", "limits": "without a limit"}
 """Kinds of tables that tell of the whole line, and what a stretch without a row is taken to be."""
 RULES = {
@@ -97,7 +97,7 @@ def add_continuity(kind: IntervalKind, ordered: Sequence[Interval], notes: Notes
     for one in ordered[1:]:
         rows = (furthest.row, one.row)
         gap = one.from_m - furthest.to_m
-        if gap > LEAST_STRETCH_M and kind in WHOLE:
+        if gap > MIN_STRETCH_M and kind in WHOLE:
             notes.add(
                 "gap",
                 f"nothing from {place(furthest.to_m)} to {place(one.from_m)} m, between rows {rows[0]} and "
@@ -106,7 +106,7 @@ def add_continuity(kind: IntervalKind, ordered: Sequence[Interval], notes: Notes
                 furthest.to_m,
                 one.from_m,
             )
-        elif gap < -LEAST_STRETCH_M:
+        elif gap < -MIN_STRETCH_M:
             end = min(furthest.to_m, one.to_m)
             rule = "they agree" if furthest.value == one.value else RULES[kind]
             sentence = f"rows {rows[0]} and {rows[1]} overlap from {place(one.from_m)} to {place(end)} m; {rule}."
@@ -168,7 +168,7 @@ def in_order(rows: TableRows, kind: IntervalKind, notes: Notes) -> list[Interval
     if not with_value:
         raise ScenarioError(f"{notes.source}: no row has a length: all begin where they end.")
     for one, beside in pairwise(with_value if kind in ONE_VALUE else ()):
-        if beside.from_m - one.from_m <= LEAST_STRETCH_M and one.value != beside.value:
+        if beside.from_m - one.from_m <= MIN_STRETCH_M and one.value != beside.value:
             end = place(min(one.to_m, beside.to_m))
             raise _two_values(one, beside, f"give two values from {place(beside.from_m)} to {end} m", notes.source)
     if kind in WHOLE:

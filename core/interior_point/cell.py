@@ -4,9 +4,9 @@ import math
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
+from railjoule.core.drive.kernels import driving_power, generated_power, has_idle_losses
 from railjoule.core.drive.kinds import PowerTerms
-from railjoule.core.drive.line_power import smooth_line_power
+from railjoule.core.drive.line_power import smooth_supply_power
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
@@ -19,8 +19,8 @@ from railjoule.core.physics.cell import (
     mean_speed_slope,
     needed_force,
 )
-from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -31,12 +31,12 @@ def scaled_energy_per_metre(power: PowerTerms, scale: float, speed: float) -> Po
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def evaluate(course: CourseData, scale: float, time_price: float, work: Work) -> tuple[float, float, float, float]:
+def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tuple[float, float, float, float]:
     """Evaluate cost, constraints, gradients and curvatures of all cells at the present point.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     scale : float
         The effort that 1 stands for [N].
     time_price : float
@@ -49,12 +49,12 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
     (energy, gross_energy, travel_time, violation) : floats
         Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
     """
-    h, w, free = course.cell_length_m, work.nodes.speed2, work.nodes.free
+    h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
     cells, z, used = work.cells, work.rows.multiplier, work.used
-    kind, parameters = course.drive_kind, course.drive_parameters
-    share, jumps = course.recuperation_factor, jumps_at_no_effort(course.drive_kind)
+    kind, parameters = mesh.drive_kind, mesh.drive_parameters
+    share, jumps = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
     friction = used[ix.FRICTION_POSITIVE] > 0.0
-    top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
+    top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
     energy = gross = total_time = 0.0
@@ -67,7 +67,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         # a fixed node may stand still: no derivative, rather than one over zero
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
-        cell = scaled_cell_of(course, i, scale)
+        cell = scaled_cell_of(mesh, i, scale)
         force = needed_force(cell, w[i], w[i + 1], v)
         d0, d1 = force_slopes(cell, u0, u1)
         f = cells.traction[i]
@@ -76,13 +76,13 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         cells.braking[i] = x
         if jumps:
             efforts = max(f, 0.0) * scale, max(x, 0.0) * scale
-            taken, generated = switched_powers(course, i, work.rays, work.envelope, *efforts, v)
+            taken, generated = switched_powers(mesh, i, work.rays, work.envelope, *efforts, v)
         else:
             taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
         taken, generated = scaled_energy_per_metre(taken, scale, v), scaled_energy_per_metre(generated, scale, v)
         e, g = taken[0], generated[0]
-        energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
+        energy += h[i] * smooth_supply_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
         largest = cell.supply_share, cell.supply_share * top_braking, top_friction
         _fill_constant_rows(work, i, (f, x, f - force - x), largest)
@@ -93,8 +93,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
             returned += z[ix.DRAWN, i]
             _fill_drawn_rows(work, i, generated)
         _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
-        _add_over_speed(course.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
-        _add_over_speed(course.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
+        _add_over_speed(mesh.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
+        _add_over_speed(mesh.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
         # D acts through the brake that balances the cell, q = f - D - x, or x = f - D where there is no friction: the
         # Lagrangian's derivative by D is minus that by this brake's effort
         price = z[ix.FRICTION_CONSTANT, i] - z[ix.FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
@@ -105,7 +105,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         v0 = v1
     if jumps:
         keep_larger_curvature(work.curvature, work.last_curvature)
-    _limit_change_of_speed(course, scale, work)
+    _limit_change_of_speed(mesh, scale, work)
     return energy, gross, total_time, _finish_residuals(work)
 
 
@@ -243,16 +243,16 @@ def _scatter_to_nodes(work: Work, i: int, time_by_speed: float, by_mean_speed: f
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _limit_change_of_speed(course: CourseData, scale: float, work: Work) -> None:
+def _limit_change_of_speed(mesh: MeshData, scale: float, work: Work) -> None:
     """Evaluate the limits of acceleration and deceleration."""
     w, inertia, z = work.nodes.speed2, work.cells.inertia, work.rows.multiplier
     for row, sign, limit in (
-        (ix.ACCELERATION, -1.0, course.max_acceleration_ms2),
-        (ix.DECELERATION, 1.0, course.max_deceleration_ms2),
+        (ix.ACCELERATION, -1.0, mesh.max_acceleration_ms2),
+        (ix.DECELERATION, 1.0, mesh.max_deceleration_ms2),
     ):
         if work.used[row] <= 0.0:
             continue
-        largest = 2.0 * course.half_inertia_kg * limit / scale
+        largest = 2.0 * mesh.half_inertia_kg * limit / scale
         for i in range(inertia.shape[0]):
             work.rows.residual[row, i] = largest + sign * inertia[i] * (w[i + 1] - w[i])
             price = sign * inertia[i] * z[row, i]

@@ -21,8 +21,8 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import power_when_on
 from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, RAY_COUNT
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import largest_effort_slope
+from railjoule.core.physics.effort_limit import max_effort_slope
+from railjoule.core.physics.mesh_data import MeshData
 
 VALUE, BY_EFFORT, BY_SPEED, BY_BOTH = range(4)
 """Columns of a node: power [W] and its derivatives by effort [N] and speed [m/s]."""
@@ -30,7 +30,7 @@ SLOWEST_MS = 1e-3
 """Speed that stands for none [m/s]."""
 # Of energy per work, which tends to one at high speeds. Nearer to rest braking generates less than that, or draws, and
 # a ratio of two such numbers would scale it without bound
-LEAST_GAIN = 0.2
+MIN_GAIN = 0.2
 """Braking is scaled only at speeds from which on it generates at least so much energy per work."""
 
 
@@ -51,37 +51,37 @@ def lower_hull(x: FloatArray, y: FloatArray, count: int, hull: IntArray) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def envelope_steps(course: CourseData) -> tuple[float, float]:
+def envelope_steps(mesh: MeshData) -> tuple[float, float]:
     """Return the steps of effort [N], driving and braking alike, and of speed [m/s] of a table."""
-    effort = max(course.traction.constant_n, course.braking.constant_n) / (ENVELOPE_EFFORTS - 1)
-    return effort, math.sqrt(course.largest_speed2.max()) / (RAY_COUNT - 2)
+    effort = max(mesh.traction.constant_n, mesh.braking.constant_n) / (ENVELOPE_EFFORTS - 1)
+    return effort, math.sqrt(mesh.limit_speed2.max()) / (RAY_COUNT - 2)
 
 
 @njit(cache=True, error_model="numpy")
-def tabulate_envelope(course: CourseData, table: FloatArray) -> None:
+def tabulate_envelope(mesh: MeshData, table: FloatArray) -> None:
     """Fill the envelopes of driving and braking power.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : array of shape (2, RAY_COUNT, ENVELOPE_EFFORTS, 4)
         By side, speed and effort; the columns as numbered above.
     """
-    step, speed_step = envelope_steps(course)
+    step, speed_step = envelope_steps(mesh)
     slopes = np.empty((RAY_COUNT, 2))
     for side in range(2):
         for k in range(RAY_COUNT):
-            slopes[k] = _fill_effort_hull(course, side == 1, max(k * speed_step, SLOWEST_MS), step, table[side, k])
+            slopes[k] = _fill_effort_hull(mesh, side == 1, max(k * speed_step, SLOWEST_MS), step, table[side, k])
         _scale_to_convex(slopes, speed_step, side == 1, table[side])
 
 
 @njit(cache=True, error_model="numpy")
 def _fill_effort_hull(
-    course: CourseData, braking: bool, speed: float, step: float, nodes: FloatArray
+    mesh: MeshData, braking: bool, speed: float, step: float, nodes: FloatArray
 ) -> tuple[float, float]:
     """Fill the nodes of one speed; return the slope of the line from zero [W/N] and its derivative by speed."""
-    kind, parameters = course.drive_kind, course.drive_parameters
-    end, end_v = largest_effort_slope(course.braking if braking else course.traction, speed)
+    kind, parameters = mesh.drive_kind, mesh.drive_parameters
+    end, end_v = max_effort_slope(mesh.braking if braking else mesh.traction, speed)
     if end < step:
         # The drive can do next to nothing here. A line to its limit would be as steep as its idle power is over that,
         # and the cubics would carry it on to the speeds beside
@@ -186,7 +186,7 @@ def _scale_to_convex(slopes: FloatArray, step: float, braking: bool, nodes: Floa
     first = 1
     if braking:
         first = RAY_COUNT
-        while first > 1 and slopes[first - 1, 0] < -LEAST_GAIN * (first - 1) * step:
+        while first > 1 and slopes[first - 1, 0] < -MIN_GAIN * (first - 1) * step:
             first -= 1
     count = RAY_COUNT - first
     if count < 3:
@@ -214,17 +214,17 @@ def _scale_to_convex(slopes: FloatArray, step: float, braking: bool, nodes: Floa
 
 
 @njit(cache=True, error_model="numpy")
-def envelope_power(course: CourseData, table: FloatArray, effort: float, speed: float) -> PowerTerms:
+def envelope_power(mesh: MeshData, table: FloatArray, effort: float, speed: float) -> PowerTerms:
     """Return the power of the envelope [W] at an effort [N] and speed [m/s], and its derivatives.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : array of shape (RAY_COUNT, ENVELOPE_EFFORTS, 4)
         Of driving or braking.
     effort, speed : float
     """
-    df, dv = envelope_steps(course)
+    df, dv = envelope_steps(mesh)
     # not a number becomes a large negative integer: it must not lead out of the table
     j = max(min(int(effort / df), ENVELOPE_EFFORTS - 2), 0)
     k = max(min(int(speed / dv), RAY_COUNT - 2), 0)

@@ -199,7 +199,7 @@ def _rows(count: int, length: int) -> Rows:
 
 @njit(cache=True)
 def allocate(n: int, envelope_efforts: int) -> Work:
-    """Return the zeroed work arrays of a course with `n` cells; all slacks are 1.
+    """Return the zeroed work arrays of a meshed line with `n` cells; all slacks are 1.
 
     The table of envelopes holds so many efforts, none where a drive has no use for it.
     """

@@ -7,7 +7,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Rows, Work
 from railjoule.core.interior_point.newton import back_substitute
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 # From Mehrotra's corrector the product of the two predictor steps can exceed the target by orders where one pair is
 # nearly active; unbounded it pushes other pairs off the centre. 10 leaves the corrector as it is in ordinary
@@ -42,9 +42,9 @@ def set_targets(rows: Rows, used: FloatArray, barrier: float, second_order: bool
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def set_right_side(course: CourseData, work: Work) -> None:
+def set_right_side(mesh: MeshData, work: Work) -> None:
     """Fill the right-hand sides of the efforts, and that of the nodes into `nodes.speed2_step`."""
-    h, cells, rows, used = course.cell_length_m, work.cells, work.rows, work.used
+    h, cells, rows, used = mesh.cell_length_m, work.cells, work.rows, work.used
     right, rhs, bounds = work.nodes.speed2_step, work.rows.rhs, work.bounds
     for i in range(right.shape[0]):
         right[i] = bounds.rhs[ix.FLOOR, i] + bounds.multiplier[ix.FLOOR, i]
@@ -61,7 +61,7 @@ def set_right_side(course: CourseData, work: Work) -> None:
         speed += over * rows.by_speed[ix.BRAKING_OVER_SPEED, i]
         if used[ix.DRAWN] > 0.0:
             over = rhs[ix.DRAWN, i]
-            price = h[i] * (1.0 - course.recuperation_factor)
+            price = h[i] * (1.0 - mesh.recuperation_factor)
             drawn = over + rhs[ix.DRAWN_POSITIVE, i] - price
             drawn += rows.multiplier[ix.DRAWN, i] + rows.multiplier[ix.DRAWN_POSITIVE, i]
             cells.drawn_right[i] = drawn
@@ -162,7 +162,7 @@ def set_multiplier_steps(rows: Rows, used: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def set_direction(
-    course: CourseData,
+    mesh: MeshData,
     work: Work,
     response: float,
     barrier: float,
@@ -176,7 +176,7 @@ def set_direction(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     work : Work
         Factored.
     response : float
@@ -191,7 +191,7 @@ def set_direction(
     nodes, step = work.nodes, work.nodes.speed2_step
     set_targets(work.rows, work.used, barrier, second_order)
     set_targets(work.bounds, np.ones(2), barrier, second_order)
-    set_right_side(course, work)
+    set_right_side(mesh, work)
     back_substitute(nodes, step)
     along = np.sum(nodes.time_gradient * step)
     if second_order:

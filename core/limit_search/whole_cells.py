@@ -17,8 +17,8 @@ from railjoule.core.limit_search.trip import comes_to_a_stand, trip
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.motion.driving import ROUNDING, reachable_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
 
 # its cell would tell nothing but rounding, and a train whose regulator changes its effort a millimetre beside its mark
 # drives no other run
@@ -53,7 +53,7 @@ def _coasting_speed2(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def trip_over_cells(
-    course: CourseData,
+    mesh: MeshData,
     regulation: Regulation,
     borders_m: FloatArray,
     limits_ms: FloatArray,
@@ -65,14 +65,14 @@ def trip_over_cells(
     Arguments and results as `railjoule.core.limit_search.trip.trip`. A failed trip has infinite time and ends at the
     node of its failure: at a stand, or faster than it may be.
     """
-    curve, _ = braking_curves(course, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = shared_by_cells(course)
+    curve, _ = braking_curves(mesh, regulation, borders_m, limits_ms)
+    train, traction, braking, drive = shared_by_cells(mesh)
     record = position_m.shape[0] > 0
-    w, time, energy, section = max(course.fixed_speed2[0], 0.0), 0.0, 0.0, 0
+    w, time, energy, section = max(mesh.fixed_speed2[0], 0.0), 0.0, 0.0, 0
     if record:
         position_m[0], speed2[0] = regulation.position_m[0], w
     for i in range(regulation.top_speed2.shape[0]):
-        cell = cell_of(course, i)
+        cell = cell_of(mesh, i)
         # a border that all but falls on a node was merged with it
         middle = regulation.position_m[i] + 0.5 * cell.length_m
         while section < borders_m.shape[0] and borders_m[section] <= middle:
@@ -99,12 +99,12 @@ def trip_over_cells(
 
 @njit(cache=True, nogil=True)
 def trip_cost(
-    course: CourseData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
+    mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
 ) -> tuple[float, float]:
     """Return running time [s] and line energy without auxiliaries [J] of a trip; arguments as `trip`."""
     nothing = np.empty(0)
     if regulation.whole_cells:
-        _, time, energy = trip_over_cells(course, regulation, borders_m, limits_ms, nothing, nothing)
+        _, time, energy = trip_over_cells(mesh, regulation, borders_m, limits_ms, nothing, nothing)
     else:
-        _, time, energy = trip(course, regulation, borders_m, limits_ms, nothing, nothing)
+        _, time, energy = trip(mesh, regulation, borders_m, limits_ms, nothing, nothing)
     return time, energy

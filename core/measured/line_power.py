@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
-from railjoule.core.line_current import power_of_line_current_w
+from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.recording import Recording
 
 UNIT_FACTOR = 3.0
@@ -15,7 +15,7 @@ SIGN = "regenerated current counts as negative"
 NO_SIGN = "the current is never negative: nothing went back, or the recorder leaves out its sign"
 
 
-def with_line_power(recording: Recording, line_voltage_v: float | None) -> Recording:
+def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Recording:
     """Compute the electric power of a recording from its line current, with a note.
 
     A measured power and an energy meter precede it; the current is then not used.
@@ -32,22 +32,22 @@ def with_line_power(recording: Recording, line_voltage_v: float | None) -> Recor
     RecordingError
         If the measured voltage is none of a line of this voltage.
     """
-    current, voltage, power = recording.line_current_a, recording.line_voltage_v, recording.power_w
+    current, voltage, power = recording.supply_current_a, recording.line_voltage_v, recording.power_w
     if current is None:
         return recording
     if power is not None or recording.energy_j is not None:
         note = f"The line current is not used: the file has the {'energy meter' if power is None else 'power'}."
     elif voltage is not None:
         _require_unit(recording.name, voltage, line_voltage_v)
-        power = power_of_line_current_w(current, voltage)
+        power = power_of_supply_current_w(current, voltage)
         note = f"The electric power is the line current times the line voltage; {sign_words(current)}."
     elif line_voltage_v is not None:
-        power = power_of_line_current_w(current, line_voltage_v)
+        power = power_of_supply_current_w(current, line_voltage_v)
         by = f"the vehicle's line_voltage_v of {line_voltage_v:g} V"
         note = f"The electric power is the line current times {by}; {sign_words(current)}."
     else:
         note = "The line current gives no power: the file has no line voltage, and the vehicle no line_voltage_v."
-    return replace(recording, power_w=power, line_current_a=None, line_voltage_v=None, notes=(*recording.notes, note))
+    return replace(recording, power_w=power, supply_current_a=None, line_voltage_v=None, notes=(*recording.notes, note))
 
 
 def sign_words(current_a: FloatArray) -> str:

@@ -21,7 +21,7 @@ from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, Stretch
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # worn wheels are 3 to 4 % smaller than new ones
-LARGEST_SCALE = 0.05
+MAX_SCALE = 0.05
 """By which share an odometer may be off."""
 WHOLE_LINE_SHARE = 0.02
 """A run that is longer than the line by less is one over all of it, as is one that is shorter and from rest to rest."""
@@ -92,10 +92,10 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
         )
     else:
         placement = _searched(recording, scenario, line, length)
-    if abs(placement.scale - 1) > LARGEST_SCALE:
+    if abs(placement.scale - 1) > MAX_SCALE:
         raise RecordingError(
             f"{recording.name}: the speeds cover {covered:.5g} m where the line has "
-            f"{placement.end_m - placement.start_m:.5g} m; they may differ by at most {100 * LARGEST_SCALE:g} %."
+            f"{placement.end_m - placement.start_m:.5g} m; they may differ by at most {100 * MAX_SCALE:g} %."
         )
     return placement
 

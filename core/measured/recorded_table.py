@@ -12,7 +12,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
-from railjoule.core.line_current import power_of_line_current_w
+from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
 from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, effort_of, time_of_positions
@@ -54,9 +54,9 @@ class RunTable:
     position_m: FloatArray
     speed_ms: FloatArray
     effort_n: FloatArray | None
-    line_power_w: FloatArray | None
-    line_energy_j: FloatArray | None
-    line_current_a: FloatArray | None
+    supply_power_w: FloatArray | None
+    supply_energy_j: FloatArray | None
+    supply_current_a: FloatArray | None
     line_voltage_v: FloatArray | None
     brake_pressure_pa: FloatArray | None
     brake_applied: FloatArray | None
@@ -69,9 +69,9 @@ class RunTable:
             "time_s": (self.time_s, 1.0),
             "speed_kmh": (self.speed_ms, MS_PER_KMH),
             "effort_kn": (self.effort_n, N_PER_KN),
-            "line_power_kw": (self.line_power_w, W_PER_KW),
-            "line_energy_kwh": (self.line_energy_j, J_PER_KWH),
-            "line_current_a": (self.line_current_a, 1.0),
+            "line_power_kw": (self.supply_power_w, W_PER_KW),
+            "line_energy_kwh": (self.supply_energy_j, J_PER_KWH),
+            "line_current_a": (self.supply_current_a, 1.0),
             "line_voltage_v": (self.line_voltage_v, 1.0),
             "brake_pressure_kpa": (self.brake_pressure_pa, PA_PER_KPA),
             "brake_applied": (self.brake_applied, 1.0),
@@ -116,7 +116,7 @@ def run_table(cells: CellTable, form: RecorderFormat = GENERIC) -> RunTable:
     # a measured power or energy precedes that of the line current
     if current is not None and voltage is not None and not {"power", "energy"} & values.keys():
         notes.append(f"The electric power is the line current times the line voltage; {sign_words(current)}.")
-        values["power"] = power_of_line_current_w(current, voltage)
+        values["power"] = power_of_supply_current_w(current, voltage)
     if "energy" in values:
         finite = values["energy"][np.isfinite(values["energy"])]
         values["energy"] = values["energy"] - (finite[0] if len(finite) else 0.0)
@@ -130,9 +130,9 @@ def run_table(cells: CellTable, form: RecorderFormat = GENERIC) -> RunTable:
         frozen_array(position - position[0]),
         frozen_array(values["speed"]),
         effort_n=frozen(effort_of(values)),
-        line_power_w=frozen(values.get("power")),
-        line_energy_j=frozen(values.get("energy")),
-        line_current_a=frozen(current),
+        supply_power_w=frozen(values.get("power")),
+        supply_energy_j=frozen(values.get("energy")),
+        supply_current_a=frozen(current),
         line_voltage_v=frozen(values.get("line_voltage")),
         brake_pressure_pa=frozen(values.get("brake") if brake == "pressure" else None),
         brake_applied=frozen(values.get("brake") if brake == "applied" else None),

@@ -34,9 +34,9 @@ FEWEST_SAMPLES = 10
 """Fewer show no course of a speed."""
 SHORTEST_RUN_S = 1.0
 """Shorter runs are those whose times are in another unit."""
-LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
+MAX_SPEED_MS = 600.0 * MS_PER_KMH
 """As of the vehicles of a scenario."""
-LARGEST_VOLTAGE_V = 100_000.0
+MAX_VOLTAGE_V = 100_000.0
 """As of `vehicle.line_voltage_v`."""
 GAP_STEPS = 3.0
 """Steps longer than so many usual ones are gaps."""
@@ -59,7 +59,7 @@ class Recording:
         Time from the first sample, samples at rest moved to where the motion begins or ends, and speed.
     clock_s : array of shape (n,)
         Time as written, on the same scale.
-    position_m, effort_n, power_w, energy_j, line_current_a, line_voltage_v : array of shape (n,) or None
+    position_m, effort_n, power_w, energy_j, supply_current_a, line_voltage_v : array of shape (n,) or None
         Odometer, effort at the wheels (braking negative), power and current taken from the line (negative if energy
         goes back), energy meter, line voltage; NaN if not known, None if not recorded.
     brake_applied : array of bool of shape (n,) or None
@@ -83,7 +83,7 @@ class Recording:
     brake_applied: BoolArray | None
     power_w: FloatArray | None
     energy_j: FloatArray | None
-    line_current_a: FloatArray | None
+    supply_current_a: FloatArray | None
     line_voltage_v: FloatArray | None
     speed_step_ms: float
     speed_noise_ms: float
@@ -148,8 +148,8 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     step = quantisation(table.values["speed"] / factor) * factor
     noise = noise_deviation(table.values["speed"], step)
     # a sensor may show a speed below 0 at standstill
-    _require_within(table, "speed", -standstill_ms(noise), LARGEST_SPEED_MS)
-    _require_within(table, "line_voltage", 0.0, LARGEST_VOLTAGE_V)
+    _require_within(table, "speed", -standstill_ms(noise), MAX_SPEED_MS)
+    _require_within(table, "line_voltage", 0.0, MAX_VOLTAGE_V)
     if not np.any(table.values["speed"] > 0):
         raise RecordingError(f"{source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
     table = _without_repeats(table, notes)
@@ -191,7 +191,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         brake_applied=None if brake is None else brake > 0,
         power_w=values.get("power"),
         energy_j=values.get("energy"),
-        line_current_a=values.get("line_current"),
+        supply_current_a=values.get("line_current"),
         line_voltage_v=values.get("line_voltage"),
         speed_step_ms=step,
         speed_noise_ms=noise,

@@ -20,7 +20,7 @@ from railjoule.core.errors import InfeasibleLineError, RailjouleError, Recording
 from railjoule.core.measured.place import Placement
 from railjoule.core.measured.recording import Recording, between_samples
 from railjoule.core.measured.run import MeasuredRun, run_at
-from railjoule.core.measured.speed import LEAST_STEP_MS, SLOWEST_SHARE, noise_deviation
+from railjoule.core.measured.speed import MIN_STEP_MS, SLOWEST_SHARE, noise_deviation
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
@@ -177,7 +177,7 @@ def _recorded_again(
     run: MeasuredRun, time_s: FloatArray, speed_ms: FloatArray, random: np.random.Generator
 ) -> Recording:
     recording = run.recording
-    step = max(recording.speed_step_ms, LEAST_STEP_MS)
+    step = max(recording.speed_step_ms, MIN_STEP_MS)
     clock = recording.clock_s
     # both ends stay: beyond them the speed is not known
     time = np.concatenate([clock[:1], clock[:-1] + random.uniform(*MOMENTS) * np.diff(clock), clock[-1:]])

@@ -4,7 +4,7 @@ A speed in steps of q is off by up to q / 2, one with noise by more. From one sa
 which the train never had, and a model would pay for it in traction and brakes in turn: 30 % of the energy of a metro
 that coasts most of its way in steps of 0.1 m/s, and as much again as the whole energy at a noise of 0.6 km/h. The steps
 leave open a band of q / 2 to both sides of each sample; noise of a standard deviation s leaves it by |e_i|, in the mean
-by s sqrt(2 / pi). Of all courses of speed v that differ by so much from the samples the one is taken whose effort
+by s sqrt(2 / pi). Of all meshed lines of speed v that differ by so much from the samples the one is taken whose effort
 changes least,
 
     minimise    sum |f_(i+1) - f_i| + epsilon sum |f_i|       f_i = (v_(i+1) - v_i) / dt + pull_i
@@ -28,16 +28,16 @@ from railjoule.core.errors import SolverError
 
 FEWEST_POINTS = 4
 """Between fewer samples there is no change of effort."""
-MOST_POINTS = 1500
+MAX_POINTS = 1500
 """Of a stretch that is longer, means of some samples are smoothed: the time of the linear program grows faster."""
 # at 1 Hz half of it is 5 mm/s2, the effort that holds a metro against a tenth of its resistance
-LEAST_STEP_MS = 0.01
+MIN_STEP_MS = 0.01
 """No recorder is more accurate than this [m/s]."""
 COASTING_WEIGHT = 0.05
 """Epsilon: any small number, so that changes of effort count first."""
 SLOWEST_SHARE = 0.01
 """Of a step: a train that moves is not let stand."""
-LARGEST_DEVIATIONS = 3.5
+MAX_DEVIATIONS = 3.5
 """Noise exceeds so many standard deviations in one of 2,000 samples."""
 MEAN_OF_NORMAL = np.sqrt(2 / np.pi)
 """Mean of the absolute values of a normal variable with deviation 1."""
@@ -55,7 +55,7 @@ def smoothed_speed(
     time_s, speed_ms : array of shape (n,)
         Samples.
     step_ms : float
-        In such steps the speeds are given, at least `LEAST_STEP_MS` [m/s].
+        In such steps the speeds are given, at least `MIN_STEP_MS` [m/s].
     noise_ms : float
         Standard deviation of their errors beyond those of the steps [m/s].
     pull_ms2 : array of shape (n - 1,)
@@ -91,7 +91,7 @@ def _smoothed_stretch(
 ) -> FloatArray:
     """Return the smoothed speeds of one stretch [m/s], of many samples by means of several."""
     inner = len(speed_ms) - 2
-    size = -(-inner // MOST_POINTS)
+    size = -(-inner // MAX_POINTS)
     if size == 1:
         return _steadiest(time_s, speed_ms, step_ms, noise_ms, pull_ms2)
     # both ends, which may be at rest, stay samples of their own
@@ -124,7 +124,7 @@ def _steadiest(
     budget = {}
     if noise_ms > 0:
         # the train moves at low + e+ - e-, or above
-        most = np.where(moving, LARGEST_DEVIATIONS * noise_ms, 0.0)
+        most = np.where(moving, MAX_DEVIATIONS * noise_ms, 0.0)
         errors = np.concatenate([most, np.minimum(most, np.maximum(low - SLOWEST_SHARE * step_ms, 0.0))])
         blocks = [[*blocks[0], change_of_speed, -change_of_speed], [*blocks[1], None, None]]
         bounds = np.concatenate([bounds, np.column_stack([np.zeros(2 * n), errors])])
@@ -149,11 +149,11 @@ def _steadiest(
     return speeds
 
 
-MOST_PARTS = 5
+MAX_PARTS = 5
 """Among few levels, no two may differ by a single step, but hardly by more than so many."""
-LEAST_SHARE = 1e-4
+MIN_SHARE = 1e-4
 """Of the largest value: a step as small is none."""
-MOST_DECIMALS = 9
+MAX_DECIMALS = 9
 DECIMALS_PER_STEP = 1.99
 """Of a step of fewer last decimals, nearly all levels are multiples within half a decimal."""
 CHANCE = 0.01
@@ -164,7 +164,7 @@ STEADY_WEIGHTS = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 """Fourth difference, of which independent errors keep their variance and a smooth speed leaves next to nothing."""
 MAD_OF_NORMAL = 0.6745
 """Median of the absolute values of a normal variable with deviation 1."""
-LEAST_ERROR = 0.6
+MIN_ERROR = 0.6
 """Of the deviation that steps have: an even change of speed, rounded to decimals, has less."""
 CLIPPED, CLIPPED_VARIANCE, CLIPPING_ROUNDS = 2.5, 0.9113, 5
 """A normal variable of deviation 1 within 2.5 to both sides has this variance."""
@@ -174,13 +174,13 @@ NOISE_FACTOR = 1.6
 """Errors of steps are not quite independent: only beyond this factor of theirs is an estimate that of a noise."""
 UNIFORM = 1 / np.sqrt(12.0)
 """Standard deviation of an error spread evenly over a step of 1."""
-STANDSTILL_MS, MOST_STANDSTILL_MS = 0.2, 0.6
+STANDSTILL_MS, MAX_STANDSTILL_MS = 0.2, 0.6
 """A train at rest may show the first: sensors have an offset, receivers of satellites a noise; no train creeps at less
 than the second."""
 STANDSTILL_S = 2.0
 """A train that brakes or starts by 0.1 m/s2 is slower than `STANDSTILL_MS` for no longer."""
 # emergency brakes of trams, magnetic track brakes included, reach some 3 m/s2
-LARGEST_CHANGE_MS2 = 5.0
+MAX_CHANGE_MS2 = 5.0
 """More no train does: the recorder was reset, or columns are mixed up."""
 CHANGE_S = 1.0
 """Over so long a change counts: a reading may be off by a step, and a stop lies anywhere between two samples."""
@@ -199,27 +199,27 @@ def quantisation(values: FloatArray) -> float:
     values : array
         In the unit in which they are written.
     """
-    levels = np.unique(np.abs(np.round(values, MOST_DECIMALS)))
+    levels = np.unique(np.abs(np.round(values, MAX_DECIMALS)))
     differences = np.diff(levels)
     if len(differences) < 2:
         return 0.0
     decimal = _last_decimal(levels)
     least, largest = float(np.min(differences)), float(levels[-1])
     # values of a continuous quantity hardly repeat, and have tiny differences
-    for parts in range(1, MOST_PARTS + 1):
-        low = max((least - decimal) / parts, LEAST_SHARE * largest, DECIMALS_PER_STEP * decimal)
+    for parts in range(1, MAX_PARTS + 1):
+        low = max((least - decimal) / parts, MIN_SHARE * largest, DECIMALS_PER_STEP * decimal)
         high = (least + decimal) / parts
         if high > low and (step := _common_step(levels, decimal, low, high)) and _has_step_errors(step, values):
             return step
-    return decimal if decimal > LEAST_SHARE * largest else 0.0
+    return decimal if decimal > MIN_SHARE * largest else 0.0
 
 
 def _last_decimal(levels: FloatArray) -> float:
     """Return the value of the last decimal with which levels are written."""
-    for digits in range(MOST_DECIMALS):
-        if np.all(np.abs(levels - np.round(levels, digits)) < 10.0**-MOST_DECIMALS):
+    for digits in range(MAX_DECIMALS):
+        if np.all(np.abs(levels - np.round(levels, digits)) < 10.0**-MAX_DECIMALS):
             return 10.0**-digits
-    return 10.0**-MOST_DECIMALS
+    return 10.0**-MAX_DECIMALS
 
 
 def _common_step(levels: FloatArray, decimal: float, low: float, high: float) -> float | None:
@@ -248,7 +248,7 @@ def _has_step_errors(step: float, values: FloatArray) -> bool:
     if 2 * len(changing) <= len(windows):
         return True
     errors = changing @ STEADY_WEIGHTS
-    return bool(np.sqrt(np.mean(errors**2)) > LEAST_ERROR * UNIFORM * step)
+    return bool(np.sqrt(np.mean(errors**2)) > MIN_ERROR * UNIFORM * step)
 
 
 def _windows(values: FloatArray) -> FloatArray:
@@ -295,7 +295,7 @@ def impossible_change(time_s: FloatArray, speed_ms: FloatArray) -> tuple[int, in
     within = np.searchsorted(time_s, time_s[:-1] + CHANGE_S, side="right") - 1
     # of samples many times a second, also pairs with a second between them
     for later in (first + 1, np.maximum(within, first + 1)):
-        allowed = LARGEST_CHANGE_MS2 * np.maximum(time_s[later] - time_s[first], CHANGE_S)
+        allowed = MAX_CHANGE_MS2 * np.maximum(time_s[later] - time_s[first], CHANGE_S)
         for row in np.flatnonzero(np.abs(speed_ms[later] - speed_ms[first]) > allowed)[:1]:
             return int(row), int(later[row])
     return None
@@ -303,7 +303,7 @@ def impossible_change(time_s: FloatArray, speed_ms: FloatArray) -> tuple[int, in
 
 def standstill_ms(noise_ms: float) -> float:
     """Return up to which speed a recorder may show a train at rest [m/s]."""
-    return min(max(STANDSTILL_MS, DEVIATIONS * noise_ms), MOST_STANDSTILL_MS)
+    return min(max(STANDSTILL_MS, DEVIATIONS * noise_ms), MAX_STANDSTILL_MS)
 
 
 def standing_samples(time_s: FloatArray, speed_ms: FloatArray, noise_ms: float) -> BoolArray:

@@ -25,7 +25,7 @@ from railjoule.core.measured.columns import (
     has_plain_name,
     recognised,
 )
-from railjoule.core.measured.speed import LARGEST_CHANGE_MS2, impossible_change
+from railjoule.core.measured.speed import MAX_CHANGE_MS2, impossible_change
 from railjoule.core.scenario._sentences import counted, show, shown_list
 from railjoule.core.units import plain_number
 
@@ -42,7 +42,7 @@ EPOCH_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType(
 )
 """Between which numbers a time since 1970 lies in such units, from 1973 to 5138; below the first it is one in s."""
 DAY_FIRST = re.compile(rf"(\d{{1,2}})[./](\d{{1,2}})[./](\d{{4}})[ T]+({TIME_OF_DAY})")
-MOST_ROWS_SHOWN = 5
+MAX_ROWS_SHOWN = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,7 @@ def _whole_rows(table: Table, notes: list[str]) -> Table:
     empty = np.flatnonzero(~whole).tolist()
     if empty:
         names = " or ".join(table.columns[quantity].header for quantity in needed)
-        rows = shown_list([str(table.rows[row]) for row in empty], MOST_ROWS_SHOWN)
+        rows = shown_list([str(table.rows[row]) for row in empty], MAX_ROWS_SHOWN)
         are = "is" if len(empty) == 1 else "are"
         notes.append(f"{counted(len(empty), 'row')} without {names} {are} left out: {rows}.")
         table = table.at(whole)
@@ -246,7 +246,7 @@ def _seconds(hours: str, minutes: str, seconds: str | None, half: str | None) ->
 
 
 FALLING = "Positions fall: the train runs in falling chainage, counted from the first row."
-LARGEST_NOISE_SHARE = 0.02
+MAX_NOISE_SHARE = 0.02
 """Of the distance: positions that leave the speeds by more, as a root mean square, were reset."""
 
 
@@ -276,7 +276,7 @@ def impossible_change_words(table: Table, time_s: FloatArray) -> str:
     row, later = found
     return (
         f"{table.shown('speed', later)} follows {table.shown_value('speed', row)} after "
-        f"{time_s[later] - time_s[row]:.4g} s, but no train changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2"
+        f"{time_s[later] - time_s[row]:.4g} s, but no train changes its speed by more than {MAX_CHANGE_MS2:g} m/s2"
     )
 
 
@@ -302,7 +302,7 @@ def readable_position(table: Table, covered_m: FloatArray, notes: list[str]) -> 
     basis = np.column_stack([np.ones(len(covered_m)), covered_m])
     (offset, factor), *_ = np.linalg.lstsq(basis, position, rcond=None)
     noise = float(np.sqrt(np.mean((position - offset - factor * covered_m) ** 2)))
-    if noise > LARGEST_NOISE_SHARE * covered_m[-1]:
+    if noise > MAX_NOISE_SHARE * covered_m[-1]:
         notes.append(
             f"{name} is not used: it goes back by {-steps[worst]:.4g} m in row {table.rows[worst + 1]}. Distances "
             "follow from speed and time."

@@ -1,4 +1,4 @@
-"""One cell of a course: the speed that a control leads to, and what it costs to go from one speed to another."""
+"""One cell of a meshed line: the speed that a control leads to, and what it costs to go from one speed to another."""
 
 import math
 
@@ -6,8 +6,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, reached_speed2
-from railjoule.core.physics.course_data import Train
 from railjoule.core.physics.effort_limit import EffortLimit, supplied_effort
+from railjoule.core.physics.mesh_data import Train
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
 # A step of the fixed point shrinks its error by what effort and resistance change over what the change of speed takes.
@@ -67,4 +67,4 @@ def cell_cost(
         return math.inf, math.inf, False
     account = account_of_cell(cell, train, traction, braking, drive, entering_speed2, leaving_speed2)
     allowed = account.excess_n <= ALLOWED_EXCESS * traction.constant_n
-    return account.line_power_w * account.duration_s, account.duration_s, allowed
+    return account.supply_power_w * account.duration_s, account.duration_s, allowed

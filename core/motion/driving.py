@@ -11,11 +11,11 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, exit_speed2
-from railjoule.core.motion.course import FREE, Course
-from railjoule.core.motion.passes import greatest_speeds
+from railjoule.core.motion.meshed_line import FREE, MeshedLine
+from railjoule.core.motion.passes import max_speeds
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
 
 STANDING_SPEED2 = 1e-9
 """Square of a speed that counts as standing, 0.03 mm/s: rounding of the last braking cell [m2/s2]."""
@@ -24,7 +24,7 @@ ROUNDING = 1e-10
 
 
 def drive(
-    course: CourseData,
+    mesh: MeshData,
     wanted_speed2: FloatArray,
     entering_speed2: float,
     *,
@@ -33,11 +33,11 @@ def drive(
     pace_speed2: float = 0.0,
     highest_speed2: FloatArray | None = None,
 ) -> tuple[FloatArray, int]:
-    """Drive a train over a course of n cells.
+    """Drive a train over a meshed line of n cells.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Train and line.
     wanted_speed2 : array of shape (n + 1,)
         Squares of speed to reach at the nodes [m2/s2].
@@ -60,7 +60,7 @@ def drive(
         The node before the last at which the train stands; -1 if there is none.
     """
     return _drive(
-        course,
+        mesh,
         wanted_speed2,
         entering_speed2,
         np.zeros(len(wanted_speed2) - 1, dtype=np.bool_) if coasts is None else coasts,
@@ -70,23 +70,23 @@ def drive(
     )
 
 
-def brake_fully(course: CourseData, entering_speed2: float) -> tuple[FloatArray, float]:
+def brake_fully(mesh: MeshData, entering_speed2: float) -> tuple[FloatArray, float]:
     """Return squares of speed under full braking, 0 from the stand on, and the way to it [m]; NaN without a stand."""
-    speed2, stand = drive(course, np.full(len(course.cell_length_m) + 1, -np.inf), entering_speed2)
+    speed2, stand = drive(mesh, np.full(len(mesh.cell_length_m) + 1, -np.inf), entering_speed2)
     if speed2[-1] > 0.0:
         return speed2, math.nan
     # constant force within a cell: v^2 falls linearly, so its zero is found by proportion
     last = (stand if stand > 0 else len(speed2) - 1) - 1
     share = speed2[last] / (speed2[last] - speed2[last + 1])
-    return np.maximum(speed2, 0.0), float(course.cell_length_m[:last].sum() + course.cell_length_m[last] * share)
+    return np.maximum(speed2, 0.0), float(mesh.cell_length_m[:last].sum() + mesh.cell_length_m[last] * share)
 
 
-def braking_envelope(course: Course) -> FloatArray:
+def braking_envelope(mesh: MeshedLine) -> FloatArray:
     """Return the greatest squares of speed from which full braking keeps all limits and stops ahead; shape (n + 1,)."""
     # the start is left free: whether the train is slow enough there is the question
-    fixed = course.data.fixed_speed2.copy()
+    fixed = mesh.data.fixed_speed2.copy()
     fixed[0] = FREE
-    speed2, _, _ = greatest_speeds(course.data._replace(fixed_speed2=fixed))
+    speed2, _, _ = max_speeds(mesh.data._replace(fixed_speed2=fixed))
     return speed2
 
 
@@ -107,7 +107,7 @@ def reachable_speed2(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _drive(
-    course: CourseData,
+    mesh: MeshData,
     wanted_speed2: FloatArray,
     entering_speed2: float,
     coasts: BoolArray,
@@ -116,12 +116,12 @@ def _drive(
     highest_speed2: FloatArray,
 ) -> tuple[FloatArray, int]:
     """Return squares of speed and the node of a stand; arguments as in `drive`."""
-    n = course.cell_length_m.shape[0]
-    train, traction, braking, _ = shared_by_cells(course)
+    n = mesh.cell_length_m.shape[0]
+    train, traction, braking, _ = shared_by_cells(mesh)
     speed2 = np.zeros(n + 1)
     speed2[0] = entering_speed2
     for i in range(n):
-        cell, before, wanted2 = cell_of(course, i), speed2[i], wanted_speed2[i + 1]
+        cell, before, wanted2 = cell_of(mesh, i), speed2[i], wanted_speed2[i + 1]
         if response_m > 0.0 and i < n - 1:
             answered2 = wanted2 + (before - wanted_speed2[i]) * math.exp(-cell.length_m / response_m)
             # a deviation can exceed the last metres per second of a plan

@@ -19,10 +19,10 @@ from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
 
 # 64 of them, of 64 bytes a cell, are 80 MB at most
-MOST_KEPT_CELLS = 20_000
+MAX_KEPT_CELLS = 20_000
 """Geometries of more cells are not kept for the next call."""
 # a node within a metre of an end would cut the shortest cells, which the mesh has at stops, once more
-LEAST_TO_END_M = 1.0
+MIN_TO_END_M = 1.0
 
 
 class TrainExtent(NamedTuple):
@@ -122,7 +122,7 @@ def meshed_geometry(line: Line, mesh_m: float, train: TrainExtent = POINT) -> Li
         If the mesh would need more cells than the current budget has.
     """
     rows = len(line.sections) * max(train.crossing_points, 1)
-    large = line.length_m > MOST_KEPT_CELLS * mesh_m or rows > MOST_KEPT_CELLS
+    large = line.length_m > MAX_KEPT_CELLS * mesh_m or rows > MAX_KEPT_CELLS
     geometry = (_geometry.__wrapped__ if large else _geometry)(line, mesh_m, train)
     # what is kept may come from a larger budget
     crossings = (len(line.sections) - 1) * train.crossing_points
@@ -239,7 +239,7 @@ def car_crossings(line: Line, offsets_m: FloatArray) -> FloatArray:
     places = np.unique(np.add.outer(borders[1:-1], offsets_m))
     # where sections are as long as cars, one place comes as several sums that differ in their last digits
     places = places[np.append(True, np.diff(places) > SHORTEST_CELL_M)] if len(places) else places
-    inside: FloatArray = places[(places > LEAST_TO_END_M) & (places < borders[-1] - LEAST_TO_END_M)]
+    inside: FloatArray = places[(places > MIN_TO_END_M) & (places < borders[-1] - MIN_TO_END_M)]
     return inside
 
 

@@ -19,7 +19,7 @@ from railjoule.core.units import MS_PER_KMH
 
 
 def permitted_speed2(
-    vehicle: Vehicle, cell_length_m: FloatArray, largest_speed2: FloatArray, fixed_speed2: FloatArray
+    vehicle: Vehicle, cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray
 ) -> FloatArray:
     """Return the largest squares of speed at the nodes under limits and, where the vehicle has one, a braking curve.
 
@@ -29,7 +29,7 @@ def permitted_speed2(
         With `braking.permitted_deceleration`, or without.
     cell_length_m : array of shape (n,)
         Lengths of the cells [m].
-    largest_speed2 : array of shape (n + 1,)
+    limit_speed2 : array of shape (n + 1,)
         Squares of the limits at the nodes [m2/s2].
     fixed_speed2 : array of shape (n + 1,)
         Squares of prescribed speeds [m2/s2], NaN where there is none. The curve before such a node ends there;
@@ -41,7 +41,7 @@ def permitted_speed2(
         Squares of speed [m2/s2].
     """
     steps = curve_steps(vehicle)
-    return _under_curve(cell_length_m, largest_speed2, fixed_speed2, steps) if steps.size else largest_speed2
+    return _under_curve(cell_length_m, limit_speed2, fixed_speed2, steps) if steps.size else limit_speed2
 
 
 def curve_steps(vehicle: Vehicle) -> FloatArray:
@@ -53,7 +53,7 @@ def curve_steps(vehicle: Vehicle) -> FloatArray:
     return np.array([(steps[:, 0] * MS_PER_KMH) ** 2, steps[:, 1]])
 
 
-def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
+def min_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
     """Return the least deceleration of a vehicle's braking curve [m/s2], infinite where it has none.
 
     Braking at this rate towards a place on the curve stays under the curve.
@@ -63,10 +63,10 @@ def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
 
 @njit(cache=True)
 def _under_curve(
-    cell_length_m: FloatArray, largest_speed2: FloatArray, fixed_speed2: FloatArray, steps: FloatArray
+    cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray, steps: FloatArray
 ) -> FloatArray:
     """Return `permitted_speed2` for the steps of `curve_steps`."""
-    permitted = largest_speed2.copy()
+    permitted = limit_speed2.copy()
     # backwards, as what a place permits depends only on what lies ahead
     for i in range(cell_length_m.shape[0] - 1, -1, -1):
         leaving = permitted[i + 1]

@@ -20,12 +20,12 @@ class HasEnergy(Protocol):
 Plan = TypeVar("Plan", bound=HasEnergy)
 
 # Parabolas after the scan; their accuracy ends them earlier: 6 or 24 give the same plans
-MOST_STEPS = 12
+MAX_STEPS = 12
 # A parabola whose sides differ by more than this factor always halves the longer one, as below. 2, 8 or no bound at all
 # change 8 ppm of a run's energy at most
-MOST_UNEVEN = 4.0
+MAX_UNEVEN = 4.0
 # The marginal energy diverges at the shortest time: this share of the slack stands for none.
-LEAST_SLACK = 1e-9
+MIN_SLACK = 1e-9
 
 
 def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: int, accuracy: float) -> Plan:
@@ -43,7 +43,7 @@ def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: 
         Share of the range within which the number is found.
     """
     points = {float(x): plan_at(float(x)) for x in np.linspace(low, high, count)}
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         best = min(points, key=lambda x: points[x].energy_j)
         left = max((x for x in points if x < best), default=None)
         right = min((x for x in points if x > best), default=None)
@@ -69,7 +69,7 @@ def _vertex(left: tuple[float, float], best: tuple[float, float], right: tuple[f
     x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p != q else 0.5 * (a + c)
     longer = a if b - a > c - b else c
     # on repeated steps to the same side, the other point stays far away and no longer represents the curvature
-    return x if max(b - a, c - b) < MOST_UNEVEN * min(b - a, c - b) else 0.5 * (b + longer)
+    return x if max(b - a, c - b) < MAX_UNEVEN * min(b - a, c - b) else 0.5 * (b + longer)
 
 
 def equally_priced(
@@ -86,7 +86,7 @@ def equally_priced(
     slack_s : float
         Time of all parts beyond the sum of these [s].
     """
-    least, most = LEAST_SLACK * slack_s, slack_s
+    least, most = MIN_SLACK * slack_s, slack_s
 
     # At a price each part takes the time of that marginal energy; the lower the price, the more time all parts take. So
     # one price uses the slack: two nested root searches of monotone functions.

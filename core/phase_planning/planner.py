@@ -27,7 +27,7 @@ from railjoule.core.scenario.options import PhasesOptions
 RESTART_FRACTIONS = (0.4, 0.995)
 # The least current of a start, over the largest. With half of this the tram does not overcome its resistance and the
 # strategy is refused; with 0.3 energies rise by up to 7 ppm, with 0.5 by up to 2500 ppm
-LEAST_CURRENT_FRACTION = 0.15
+MIN_CURRENT_FRACTION = 0.15
 # Points of the scans before parabolas. 4 currents miss the best valley (up to 1900 ppm), 14 change 15 ppm at most; 5 or
 # 18 restarts change 12 ppm
 CURRENTS_SCANNED, FRACTIONS_SCANNED = 7, 9
@@ -199,7 +199,7 @@ class PhasePlanner:
     def cruise_power_w(self, speed_ms: float) -> float:
         """Return the line power that holds a speed [W]."""
         at = np.array([speed_ms])
-        return float(self.model.drive.line_power_w(self.model.resistance_n(at), at)[0])
+        return float(self.model.drive.supply_power_w(self.model.resistance_n(at), at)[0])
 
     def price_of_time_w(self, plan: PhasePlan, step_s: float = 0.05) -> float | None:
         """Return by how much the energy of a plan falls if it may take a second longer, without auxiliaries [J/s]."""
@@ -225,7 +225,7 @@ class PhasePlanner:
             return self._with_current(task, self.options.starting_current_a)
         # `__post_init__` refuses a drive without a current
         most = self.largest_current_a or 0.0
-        bounds = LEAST_CURRENT_FRACTION * most, most
+        bounds = MIN_CURRENT_FRACTION * most, most
         return best_plan(lambda current: self._with_current(task, current), *bounds, CURRENTS_SCANNED, ACCURACY)
 
     def _with_current(self, task: PhaseTask, current_a: float | None) -> PhasePlan:
@@ -267,13 +267,13 @@ class PhasePlanner:
         )
 
     def _two_times(
-        self, distances_m: Sequence[float], initial_speed_ms: float, least_s: Sequence[float], slack_s: float
+        self, distances_m: Sequence[float], initial_speed_ms: float, min_s: Sequence[float], slack_s: float
     ) -> list[float]:
         """Return the times of two parts, found by a search over the share of the first."""
 
         def energy(more: float) -> float:
-            first = PhaseTask(distances_m[0], least_s[0] + more, initial_speed_ms, 0.0)
-            second = PhaseTask(distances_m[1], least_s[1] + slack_s - more, 0.0, 0.0)
+            first = PhaseTask(distances_m[0], min_s[0] + more, initial_speed_ms, 0.0)
+            second = PhaseTask(distances_m[1], min_s[1] + slack_s - more, 0.0, 0.0)
             return self._best(first).energy_j + self._best(second).energy_j
 
         found = scipy.optimize.minimize_scalar(
@@ -281,16 +281,16 @@ class PhasePlanner:
         )
         if not np.isfinite(found.fun):
             raise StrategyRefusedError("has no run over these parts with these phases.")
-        return [least_s[0] + found.x, least_s[1] + slack_s - found.x]
+        return [min_s[0] + found.x, min_s[1] + slack_s - found.x]
 
     def _equally_priced_times(
-        self, distances_m: Sequence[float], initial_speed_ms: float, least_s: Sequence[float], slack_s: float
+        self, distances_m: Sequence[float], initial_speed_ms: float, min_s: Sequence[float], slack_s: float
     ) -> list[float]:
         """Return the times of parts with equal marginal energy per second."""
         # the samples are even over the square root of the slack, as is the curve below
         extra = slack_s * (np.arange(TIMES_A_PART) / (TIMES_A_PART - 1)) ** 2
         prices = []
-        for k, (distance, shortest) in enumerate(zip(distances_m, least_s, strict=True)):
+        for k, (distance, shortest) in enumerate(zip(distances_m, min_s, strict=True)):
             initial = initial_speed_ms if k == 0 else 0.0
             later = [PhaseTask(distance, shortest + more, initial, 0.0) for more in extra[1:].tolist()]
             energy = [self.fastest(distance, initial).energy_j, *(self._best(task).energy_j for task in later)]
@@ -300,4 +300,4 @@ class PhasePlanner:
             # loses time as x^2. Over the root of the slack, energy is smooth, and dE/dt = dE/d(root) / (2 root).
             curve = scipy.interpolate.CubicSpline(np.sqrt(extra), energy).derivative()
             prices.append(lambda more, curve=curve: -float(curve(np.sqrt(more))) / (2 * np.sqrt(more)))
-        return equally_priced(prices, least_s, slack_s)
+        return equally_priced(prices, min_s, slack_s)

@@ -13,7 +13,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import SolverError
 from railjoule.core.phase_planning.plan import PhasePlan
-from railjoule.core.phase_planning.search import LEAST_BRAKED_SPEED2
+from railjoule.core.phase_planning.search import MIN_BRAKED_SPEED2
 from railjoule.core.phase_planning.tables import PhaseModel
 
 # Speed from node to node: a cell has one effort, that of its mean speed. With 0.05 energies change by up to 5 ppm, with
@@ -24,7 +24,7 @@ CRUISE_CELLS = 20
 # Nodes closer than this share of a step are one: a cell of no length has no force
 SAME_NODE = 1e-3
 # Newton's method starts close to its root and needs 3 to 4 steps; 6 give the same runs
-MOST_STEPS = 12
+MAX_STEPS = 12
 # Distance and time are met this closely if rounding lets them, and to the second number in any case
 TOLERANCE, WORST_TOLERANCE = 1e-11, 1e-9
 # Step of difference quotients, over distance and speed: about the root of the rounding of time and distance
@@ -115,7 +115,7 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
 def _is_driven_in_order(model: PhaseModel, plan: PhasePlan) -> bool:
     """Return whether a plan's train never turns round, and brakes last from a speed from which the search lets it."""
     lengths = _cells(model, plan)[1]
-    least2 = plan.final_speed_ms**2 + LEAST_BRAKED_SPEED2
+    least2 = plan.final_speed_ms**2 + MIN_BRAKED_SPEED2
     slows = plan.brake_speed_ms >= min(math.sqrt(least2) * (1 - SAME_SPEED), plan.cruise_speed_ms)
     return slows and plan.brake_speed_ms <= plan.cruise_speed_ms and plan.cruise_m >= 0 and bool((lengths > 0).all())
 
@@ -147,7 +147,7 @@ def _moved(model: PhaseModel, plan: PhasePlan, names: tuple[str, ...]) -> PhaseP
         return difference
 
     values = np.array([getattr(plan, name) for name in names])
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         missing = mismatch(values)
         if (np.abs(missing) <= TOLERANCE * targets).all():
             return with_values(values)

@@ -15,7 +15,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2
+from railjoule.core.motion.permitted_speed import min_permitted_deceleration_ms2
 from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
@@ -26,12 +26,12 @@ from railjoule.core.units import N_PER_KN
 # Speed from knot to knot of the cubics: half or double of it changes 2 ppm of a run's energy
 KNOT_STEP_MS = 0.25
 # A train with fewer knots than this has cubics too long for its curve of resistance
-LEAST_KNOTS = 8
+MIN_KNOTS = 8
 # A start goes no further than to where the train still gains this much: beyond, 1 / a grows without bound, and a train
 # that needs more than two minutes for a km/h does not use it to save energy. 1e-3 to 2e-2 give the same runs
-LEAST_ACCELERATION_MS2 = 2e-3
+MIN_ACCELERATION_MS2 = 2e-3
 # A brake that has less than this share of the tractive effort is none: the effort of a missing one is not exactly zero
-LEAST_BRAKING_SHARE = 1e-6
+MIN_BRAKING_SHARE = 1e-6
 # Distances from the tables are good to a millionth or two; a curve of braking must not be passed by their error
 UNDER_CURVE = 1e-5
 """A train brakes by this share less than its braking curve."""
@@ -111,7 +111,7 @@ class PhaseModel:
         else:
             by_vehicle = vehicle_limit_n(self.vehicle, speed_ms, True, self.driven_n)
             effort = np.minimum(by_vehicle, self.drive.effort_limit_n(speed_ms, braking=True))
-        limit_ms2, _ = self._largest_deceleration
+        limit_ms2, _ = self._max_deceleration
         effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         return np.asarray(np.maximum(effort, 0.0))
 
@@ -131,7 +131,7 @@ class PhaseModel:
             return np.zeros(np.shape(speed_ms))
         friction_n = N_PER_KN * self.vehicle.braking.friction_effort_kn
         electric = electric_efforts(self.drive.kind, self.drive.parameters, effort_n, speed_ms, effort_n, friction_n)
-        return self.drive.line_power_w(-electric, speed_ms)
+        return self.drive.supply_power_w(-electric, speed_ms)
 
     def start(self, starting_current_a: float | None = None) -> FloatArray:
         """Return the table of a start from rest; shape (7, k)."""
@@ -142,7 +142,7 @@ class PhaseModel:
 
         # The integrands have a corner where the effort has one: between knots they must be smooth.
         knots = self._knots(self._corner_ms(starting_current_a, braking=False))
-        slow = np.flatnonzero(motion(knots)[0] < LEAST_ACCELERATION_MS2)
+        slow = np.flatnonzero(motion(knots)[0] < MIN_ACCELERATION_MS2)
         count = int(slow[0]) if len(slow) else len(knots)
         if count < 2:
             raise StrategyRefusedError("needs a train that its drive can start.")
@@ -155,7 +155,7 @@ class PhaseModel:
             current = self.drive.starting_current_a if starting_current_a is None else starting_current_a
             return self.drive.full_current_start(speed_ms, current)
         effort = self.starting_effort_n(speed_ms, starting_current_a)
-        return effort, self.drive.line_power_w(effort, speed_ms)
+        return effort, self.drive.supply_power_w(effort, speed_ms)
 
     @cached_property
     def coasting(self) -> FloatArray:
@@ -179,27 +179,27 @@ class PhaseModel:
             return deceleration, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
-        limit_ms2, key = self._largest_deceleration
+        limit_ms2, key = self._max_deceleration
         if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
             raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {key}.")
-        if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
+        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * self._max_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
         return _table(motion, knots)
 
     @cached_property
-    def _largest_deceleration(self) -> tuple[float, str]:
+    def _max_deceleration(self) -> tuple[float, str]:
         """The largest deceleration of braking [m/s2], infinite where there is none, and the key that sets it."""
-        largest_ms2 = self.vehicle.braking.max_deceleration_ms2
-        permitted_ms2 = least_permitted_deceleration_ms2(self.vehicle)
-        if largest_ms2 is not None and largest_ms2 <= permitted_ms2:
-            return largest_ms2, f"vehicle.braking.max_deceleration_ms2 = {largest_ms2:g} m/s2"
+        max_ms2 = self.vehicle.braking.max_deceleration_ms2
+        permitted_ms2 = min_permitted_deceleration_ms2(self.vehicle)
+        if max_ms2 is not None and max_ms2 <= permitted_ms2:
+            return max_ms2, f"vehicle.braking.max_deceleration_ms2 = {max_ms2:g} m/s2"
         # of several steps the smallest, which stays under the curve: a table over speed would jump between two of them
         key = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
         return (1 - UNDER_CURVE) * permitted_ms2, key
 
     @cached_property
-    def _largest_effort_n(self) -> float:
+    def _max_effort_n(self) -> float:
         return float(np.max(self.starting_effort_n(self._knots())))
 
     def _drawing_until_ms(self) -> float:
@@ -210,10 +210,10 @@ class PhaseModel:
 
         def power(speed: float) -> float:
             at = np.array([speed])
-            return float(self.drive.line_power_w(-self.braking_effort_n(at), at)[0])
+            return float(self.drive.supply_power_w(-self.braking_effort_n(at), at)[0])
 
         knots = self._knots()[1:]
-        idle = np.flatnonzero(self.drive.line_power_w(-self.braking_effort_n(knots), knots) >= 0)
+        idle = np.flatnonzero(self.drive.supply_power_w(-self.braking_effort_n(knots), knots) >= 0)
         if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
             return 0.0
         low, high = knots[idle[-1]], knots[idle[-1] + 1]
@@ -239,7 +239,7 @@ class PhaseModel:
             corners += limit_corners_ms(limits).tolist()
         corners += self._adhesion_corners_ms()
         inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
-        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)
+        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), MIN_KNOTS)
         uniform = np.linspace(0, self.top_speed_ms, count + 1)
         if inside:
             to_corner = np.min(np.abs(uniform[:, None] - np.array(inside)), axis=1)

@@ -200,7 +200,7 @@ def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
         average over the cell [m/s2].
     """
     half = 0.5 * run.inertia_kg
-    spare = max(run.largest_braking_n[cell] + run.effort_n[cell] + half * gain_ms2, 0.0)
+    spare = max(run.max_braking_n[cell] + run.effort_n[cell] + half * gain_ms2, 0.0)
     if run.max_deceleration_ms2 < math.inf:
         change = run.speed_ms[cell + 1] ** 2 - run.speed_ms[cell] ** 2
         # d(v^2)/dx = 2 a: the deceleration that is left is the limit less that of the run

@@ -43,8 +43,8 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
     speed, effort = run.speed_ms, run.effort_n
     # standing first: a start has full effort too, at a speed that is still almost zero
     stands = (np.diff(run.position_m) <= 0) | (np.maximum(speed[1:], speed[:-1]) < NEGLIGIBLE_MS)
-    idle = np.abs(effort) <= NO_EFFORT_SHARE * np.max(run.largest_effort_n)
-    conditions = [stands, idle, effort < 0, effort > FULL_SHARE * run.largest_effort_n]
+    idle = np.abs(effort) <= NO_EFFORT_SHARE * np.max(run.max_effort_n)
+    conditions = [stands, idle, effort < 0, effort > FULL_SHARE * run.max_effort_n]
     labels = np.select(conditions, [STAND, COAST, BRAKE, FULL_POWER], PART_POWER).astype(np.int64)
     # before the holds, as a hold may lie across coasting but not across its noise
     negligible = _coast_through_negligible(run, labels)

@@ -59,7 +59,7 @@ class RunData(NamedTuple):
         Energy taken from the line so far, without auxiliaries [J].
     effort_n : array of shape (n,)
         Effort at the wheels in each cell, braking negative [N].
-    largest_effort_n, largest_braking_n : array of shape (n,)
+    max_effort_n, max_braking_n : array of shape (n,)
         Largest tractive and braking effort at the speed of each cell, both positive [N].
     limit_ms : array of shape (n,)
         Speed limit of each cell [m/s].
@@ -74,8 +74,8 @@ class RunData(NamedTuple):
     speed_ms: FloatArray
     energy_j: FloatArray
     effort_n: FloatArray
-    largest_effort_n: FloatArray
-    largest_braking_n: FloatArray
+    max_effort_n: FloatArray
+    max_braking_n: FloatArray
     limit_ms: FloatArray
     inertia_kg: float
     max_deceleration_ms2: float
@@ -83,7 +83,7 @@ class RunData(NamedTuple):
     def work_j(self, first: int, last: int) -> tuple[float, float]:
         """Return the work of the effort over cells, and that of the largest effort [J]."""
         lengths = self.position_m[first + 1 : last + 1] - self.position_m[first:last]
-        return float(lengths @ self.effort_n[first:last]), float(lengths @ self.largest_effort_n[first:last])
+        return float(lengths @ self.effort_n[first:last]), float(lengths @ self.max_effort_n[first:last])
 
     def keeps_one_limit(self, first: int, last: int, excess_ms: float) -> bool:
         """Return whether all speeds of cells keep the lowest limit of them, with an excess allowed [m/s]."""

@@ -14,7 +14,7 @@ REDUCED_POWER_SHARE = 0.5
 PULSE_TOLERANCE_MS = 2.0 * HOLD_TOLERANCE_MS
 """The mean speeds of pulses stay within this of one another's middle; so far up and down a driver lets it swing."""
 # A limit or a gradient may cause two; three are a pattern.
-LEAST_PULSES = 3
+MIN_PULSES = 3
 """So many times power is taken off and on before the advice is to hold by turns."""
 
 
@@ -139,7 +139,7 @@ def with_pulses(run: RunData, segments: list[Segment]) -> list[Segment]:
         powered = k > 0 and segments[k - 1].kind in (FULL_POWER, PART_POWER, HOLD)
         while not powered and first < last and segments[first].kind == COAST:
             first += 1
-        if _coast_count(segments[first:last]) < LEAST_PULSES:
+        if _coast_count(segments[first:last]) < MIN_PULSES:
             last = first = max(end, k + 1)
         out += segments[k:first]
         unassigned = first
@@ -147,7 +147,7 @@ def with_pulses(run: RunData, segments: list[Segment]) -> list[Segment]:
             group = _level_group(run, segments, first, last)
             pulses = segments[first:group]
             # many pulses of one mean speed, none of them under another limit
-            many = _coast_count(pulses) >= LEAST_PULSES
+            many = _coast_count(pulses) >= MIN_PULSES
             cells = pulses[0].first, pulses[-1].last
             lasts = run.time_s[cells[1]] - run.time_s[cells[0]] > PULSE_S
             if many and lasts and run.keeps_one_limit(*cells, NEGLIGIBLE_MS):

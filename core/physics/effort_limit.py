@@ -30,7 +30,7 @@ NARROWEST_MS = 1e-4
 INSIDE = np.arange(1, 8) / 8
 """Points at which a piece is compared with the limit that it stands for, as shares of its width."""
 # a limit may end at no effort, of which nothing is a share
-LEAST_SHARE = 0.01
+MIN_SHARE = 0.01
 """Limits below this share of the largest effort count as this much where a table's excess is a share of them."""
 # errors of the differences go with its square, those of rounding with its inverse
 SLOPE_SHARE = 1e-3
@@ -120,7 +120,7 @@ def fitted_limit(
         fitted.append(np.column_stack([start, cubic / width[:, None] ** np.arange(4)])[~split])
         # above the constant limit, which caps it, a table may exceed what it stands for
         limited = true[~split] < constant_n
-        excess = (found - true)[~split][limited] / np.maximum(true[~split][limited], LEAST_SHARE * constant_n)
+        excess = (found - true)[~split][limited] / np.maximum(true[~split][limited], MIN_SHARE * constant_n)
         over = max(over, 1.0 + float(np.max(excess, initial=0.0)))
         width = 0.5 * width[split]
         start = np.concatenate([start[split], start[split] + width])
@@ -197,7 +197,7 @@ def supplied_effort(limit: EffortLimit, supply_share: float, speed: float) -> fl
 
 
 @njit(cache=True, error_model="numpy")
-def largest_effort_slope(limit: EffortLimit, speed: float) -> tuple[float, float]:
+def max_effort_slope(limit: EffortLimit, speed: float) -> tuple[float, float]:
     """Return the largest effort [N] at a speed above zero [m/s], and its derivative by the speed."""
     # most efforts are limited by the constant: no look at the limit that varies
     if limit.table.shape[0] > 0 or limit.power_w / speed < limit.constant_n:
@@ -214,7 +214,7 @@ def supplied_limit(limit: EffortLimit, supply_share: float) -> EffortLimit:
 
 
 @njit(cache=True, error_model="numpy")
-def largest_effort(limit: EffortLimit, speed: float) -> float:
+def max_effort(limit: EffortLimit, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s]."""
     return supplied_effort(limit, 1.0, speed)
 
@@ -235,7 +235,7 @@ def bezier_points(limit: EffortLimit, piece: int, start: float, end: float) -> t
 @njit(cache=True, error_model="numpy")
 def effort_range(limit: EffortLimit, slow: float, fast: float) -> tuple[float, float]:
     """Return at most the least and at least the greatest of a limit [N] between two speeds above zero [m/s]."""
-    at_slow, at_fast = largest_effort(limit, slow), largest_effort(limit, fast)
+    at_slow, at_fast = max_effort(limit, slow), max_effort(limit, fast)
     least, greatest = min(at_slow, at_fast), max(at_slow, at_fast)
     # a limit of power falls with speed: its ends tell all. A curve may rise
     if limit.table.shape[0] > 0:
@@ -253,7 +253,7 @@ def upper_line(limit: EffortLimit, v1: float, v2: float) -> tuple[float, float]:
     """Return a0, a1 with limit(v) <= a0 + a1 v [N] for all speeds between two above zero [m/s]."""
     wide = 1.0 + WIDENING
     constant = limit.constant_n * wide
-    f1, f2 = wide * largest_effort(limit, v1), wide * largest_effort(limit, v2)
+    f1, f2 = wide * max_effort(limit, v1), wide * max_effort(limit, v2)
     untabulated = limit.table.shape[0] == 0
     if untabulated and (limit.power_w == math.inf or f2 >= constant):
         return constant, 0.0
@@ -289,4 +289,4 @@ def upper_line(limit: EffortLimit, v1: float, v2: float) -> tuple[float, float]:
 @njit(cache=True, nogil=True)
 def _fill_efforts(limit: EffortLimit, speed: FloatArray, effort: FloatArray) -> None:
     for i in range(speed.shape[0]):
-        effort[i] = largest_effort(limit, speed[i])
+        effort[i] = max_effort(limit, speed[i])

@@ -15,8 +15,8 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.account import CellAccount, account_of_cell
-from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF, CourseData, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
 
 NONE_BEFORE = -1
 NOTHING, STOP, NEUTRAL_SECTION = range(3)
@@ -45,7 +45,7 @@ class RunActions(NamedTuple):
     Parameters
     ----------
     action, mode : array of int
-        As `action_of_cell` returns them: OFF, DRIVE or BRAKE of `course_data`.
+        As `action_of_cell` returns them: OFF, DRIVE or BRAKE of `mesh_data`.
     duration_s : array
         For how long [s].
     interrupted_by : array of int
@@ -59,30 +59,30 @@ class RunActions(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def interruptions(course: CourseData) -> IntArray:
-    """Return the interruptions of the drive before each cell of a course; shape (n,)."""
-    found = np.where(course.fixed_speed2[:-1] == 0.0, STOP, NOTHING)
+def interruptions(mesh: MeshData) -> IntArray:
+    """Return the interruptions of the drive before each cell of a meshed line; shape (n,)."""
+    found = np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING)
     for i in range(1, found.shape[0]):
-        if found[i] == NOTHING and course.supply_share[i] != course.supply_share[i - 1]:
+        if found[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:
             found[i] = NEUTRAL_SECTION
     return found
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def actions_of_run(course: CourseData, speed2: FloatArray) -> RunActions:
+def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
     """Return the actions of the drive in each cell of a run, given by its squares of speed [m2/s2] at n + 1 nodes."""
-    n = course.cell_length_m.shape[0]
-    done = RunActions(np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), interruptions(course))
-    train, traction, braking, drive = shared_by_cells(course)
-    another = has_standstill_brake(course.drive_kind, course.drive_parameters)
+    n = mesh.cell_length_m.shape[0]
+    done = RunActions(np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), interruptions(mesh))
+    train, traction, braking, drive = shared_by_cells(mesh)
+    another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
-        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s
     return done
 
 
-def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
+def shortest_stretch_s(mesh: MeshData, speed2: FloatArray) -> float:
     """Return how long a run's drive stays as it is at least [s], to the nearest cell; infinite if it never switches.
 
     A stretch that ends with a stop does not count, as nobody switches there, nor one that a neutral section cuts, nor
@@ -90,12 +90,12 @@ def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The line and the train.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     """
-    done = actions_of_run(course, speed2)
+    done = actions_of_run(mesh, speed2)
     return float(stretch_durations_s(done.action, done.duration_s, done.interrupted_by).min(initial=np.inf))
 
 
@@ -126,21 +126,21 @@ def stretch_durations_s(actions: IntArray, durations_s: FloatArray, interrupted_
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def min_stretch_cells(durations_s: FloatArray, least_s: float) -> IntArray:
+def min_stretch_cells(durations_s: FloatArray, min_s: float) -> IntArray:
     """Return how many cells a stretch lasts at least that begins with a cell, to the nearest; shape (n,).
 
     Parameters
     ----------
     durations_s : array of shape (n,)
         Times of the cells [s].
-    least_s : float
+    min_s : float
         For how long a stretch lasts at least [s].
     """
     n = durations_s.shape[0]
     counts = np.empty(n, dtype=np.int64)
     for i in range(n):
         lasts, end = durations_s[i], i + 1
-        while end < n and lasts + 0.5 * durations_s[end - 1] < least_s:
+        while end < n and lasts + 0.5 * durations_s[end - 1] < min_s:
             lasts += durations_s[end]
             end += 1
         counts[i] = end - i

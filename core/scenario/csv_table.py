@@ -6,7 +6,7 @@ from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import show, suggestion
-from railjoule.core.scenario.drive import LEAST_POINTS
+from railjoule.core.scenario.drive import MIN_POINTS
 from railjoule.core.scenario.line import Section
 from railjoule.core.scenario.text_file import read_text
 
@@ -86,8 +86,8 @@ def read_map(name: str, folder: Folder | None) -> list[list[float]]:
             raise ScenarioError(f"drive.file {name!r}: point {number} has no {missing[0]}.")
         points.append([row[column] for column in MAP_COLUMNS])
     # the model has the same bound, but here the sentence can name the file
-    if len(points) < LEAST_POINTS:
-        raise ScenarioError(f"drive.file {name!r} has {len(points)} of at least {LEAST_POINTS} points.")
+    if len(points) < MIN_POINTS:
+        raise ScenarioError(f"drive.file {name!r} has {len(points)} of at least {MIN_POINTS} points.")
     return points
 
 

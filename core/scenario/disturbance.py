@@ -6,7 +6,7 @@ from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Number, Part
 from railjoule.core.scenario.line import RailCondition, SpeedLimit
-from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
+from railjoule.core.scenario.vehicle import MAX_LOAD_FACTOR
 
 
 class Fixed(Part):
@@ -144,7 +144,7 @@ class Disturbance(Part):
         0.0, ge=-10_000, le=10_000, description="Position error: the train assumes it is this much farther on [m]."
     )
     actual_load_factor: Number | None = Field(
-        None, ge=0, le=MOST_LOAD_FACTOR, description="Actual share of the capacity on board."
+        None, ge=0, le=MAX_LOAD_FACTOR, description="Actual share of the capacity on board."
     )
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)

@@ -15,8 +15,8 @@ from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.text_file import (
-    LARGEST_FILE_BYTES,
-    MOST_KEY_PARTS,
+    MAX_FILE_BYTES,
+    MAX_KEY_PARTS,
     NESTED_TOO_DEEPLY,
     read_text,
     read_toml,
@@ -127,8 +127,8 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
         _require_consistent(keys, parent or "scenario")
     for path, value in changes.items():
         # before any table is made: a path of a million parts would nest as many dictionaries
-        if path.count(".") >= MOST_KEY_PARTS:
-            raise ScenarioError(f"{shorten(path)}: a key has at most {MOST_KEY_PARTS} parts with dots between them.")
+        if path.count(".") >= MAX_KEY_PARTS:
+            raise ScenarioError(f"{shorten(path)}: a key has at most {MAX_KEY_PARTS} parts with dots between them.")
         *parents, key = (
             path.removeprefix("vehicle.").split(".") if path.startswith("vehicle.drive.") else path.split(".")
         )
@@ -325,8 +325,8 @@ def parse_scenario(
         If the text is no TOML, larger than 10 MB, or anything in it is wrong.
     """
     # also for texts that never were a file, as those pasted into the page
-    if len(text) > LARGEST_FILE_BYTES:
-        raise ScenarioError(f"{source}: more than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+    if len(text) > MAX_FILE_BYTES:
+        raise ScenarioError(f"{source}: more than the {MAX_FILE_BYTES / 1e6:g} MB allowed.")
     document = read_toml(text, source)
     try:
         # the changes come before the checks: keys that only fit together can be changed together

@@ -63,9 +63,9 @@ MapPoint = tuple[
 ]
 # Losses are extrapolated to no torque and no speed by a parabola through the next three points, and a torque or speed
 # of 0 is one of the values.
-LEAST_MAP_POINTS = 3
+MIN_MAP_POINTS = 3
 """Torques and speeds that an efficiency map has at least."""
-LEAST_POINTS = LEAST_MAP_POINTS**2
+MIN_POINTS = MIN_MAP_POINTS**2
 
 
 class DriveParameters(Part):
@@ -222,7 +222,7 @@ class EfficiencyMap(GearedMotors):
 
     model: Literal["efficiency_map"]
     points: tuple[MapPoint, ...] = Field(
-        min_length=LEAST_POINTS, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
+        min_length=MIN_POINTS, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
     )
 
     @model_validator(mode="after")
@@ -243,8 +243,8 @@ class EfficiencyMap(GearedMotors):
         if 0 not in torques or speeds[0] != 0:
             raise ValueError("points must begin at torque_nm = 0 and speed_rads = 0, where a train starts")
         for first, least in (("torque_nm", [t for t in torques if t >= 0]), ("speed_rads", speeds)):
-            if len(least) < LEAST_MAP_POINTS:
-                raise ValueError(f"points need {LEAST_MAP_POINTS} values of {first} from 0 on")
+            if len(least) < MIN_MAP_POINTS:
+                raise ValueError(f"points need {MIN_MAP_POINTS} values of {first} from 0 on")
         for torque, speed, efficiency in self.points:
             # driving loss is M w (1 / eta - 1); in braking an efficiency of 0 is a machine that generates nothing,
             # which exists

@@ -103,7 +103,7 @@ class SimulationOptions(Part):
     rotor_resistance_factor: Number = Field(
         1.0, ge=0.2, le=5, description="Rotor resistance that the motor controller assumes, over the true one."
     )
-    flux: Literal["constant", "least_loss"] = Field(
+    flux: Literal["constant", "min_loss"] = Field(
         "constant", description="Rated flux as long as the voltage allows it, or the flux of least loss."
     )
     speed_noise_rads: Number = Field(

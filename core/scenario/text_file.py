@@ -11,7 +11,7 @@ from typing import Any
 from railjoule.core.errors import ScenarioError
 
 # the 100,000 sections that a line may have, in lines of 100 characters
-LARGEST_FILE_BYTES = 10_000_000
+MAX_FILE_BYTES = 10_000_000
 LONGEST_SHOWN_PATH = 200
 
 
@@ -26,8 +26,8 @@ def read_text(path: Path) -> str:
     return decoded(read_bytes(path), path.name)
 
 
-def read_bytes(path: Path, largest_bytes: int = LARGEST_FILE_BYTES) -> bytes:
-    """Read a file of at most `largest_bytes`.
+def read_bytes(path: Path, max_bytes: int = MAX_FILE_BYTES) -> bytes:
+    """Read a file of at most `max_bytes`.
 
     Raises
     ------
@@ -36,22 +36,22 @@ def read_bytes(path: Path, largest_bytes: int = LARGEST_FILE_BYTES) -> bytes:
     """
     try:
         with path.open("rb") as file:
-            content = file.read(largest_bytes + 1)  # never all of it: a device has no end
+            content = file.read(max_bytes + 1)  # never all of it: a device has no end
     except FileNotFoundError:
         raise ScenarioError(f"{_shown(path)}: there is no such file.") from None
     except OSError as error:
         raise ScenarioError(f"{_shown(path)}: {error.strerror or error}.") from None
     except ValueError:
         raise ScenarioError(f"{_shown(path)!r}: not a valid file name.") from None
-    if len(content) > largest_bytes:
-        raise ScenarioError(f"{path.name}: larger than the {largest_bytes / 1e6:g} MB allowed.")
+    if len(content) > max_bytes:
+        raise ScenarioError(f"{path.name}: larger than the {max_bytes / 1e6:g} MB allowed.")
     return content
 
 
 def decoded(content: bytes, name: str) -> str:
     """Return the text of a file's content; errors as of `read_text`."""
-    if len(content) > LARGEST_FILE_BYTES:
-        raise ScenarioError(f"{name}: larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+    if len(content) > MAX_FILE_BYTES:
+        raise ScenarioError(f"{name}: larger than the {MAX_FILE_BYTES / 1e6:g} MB allowed.")
     try:
         # -sig: spreadsheet programs put a byte order mark first, which would become a part of the first key or column
         return content.decode("utf-8-sig")
@@ -66,13 +66,13 @@ def _shown(path: Path) -> str:
 
 
 # two more than needed, so that a wrong key of ordinary depth is reported as unknown, with a proposal, by the model
-MOST_KEY_PARTS = 6
+MAX_KEY_PARTS = 6
 """The deepest key of a scenario has 4."""
 NESTED_TOO_DEEPLY = "not a valid scenario: its tables or lists are nested too deeply."
 # All repetitions are possessive (++, *+): they never give back what they took, so that a text built to make the
 # expression try all splittings still takes time in proportion to its length.
 PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]|\\.)*+"|'[^'\n]*+')"""
-CHAIN = re.compile(rf"{PART}(?:[ \t]*+\.[ \t]*+{PART}){{{MOST_KEY_PARTS}}}")
+CHAIN = re.compile(rf"{PART}(?:[ \t]*+\.[ \t]*+{PART}){{{MAX_KEY_PARTS}}}")
 TOKEN = re.compile(
     # of several quotes at the end of a long string the last three end it
     r'"""(?:[^"\\]|\\(?s:.)|"(?!""))*+"{3,5}'
@@ -118,12 +118,12 @@ def read_toml(text: str, source: str) -> dict[str, Any]:
 def require_short_keys(text: str, source: str) -> None:
     """Raise ScenarioError if a key or the name of a table has too many parts, wherever it stands but in strings."""
     # nearly every text ends here; only those with many dots in one line are looked at token by token
-    if not any(line.count(".") >= MOST_KEY_PARTS and CHAIN.search(line) for line in text.split("\n")):
+    if not any(line.count(".") >= MAX_KEY_PARTS and CHAIN.search(line) for line in text.split("\n")):
         return
     for token in TOKEN.finditer(text):
         if token["chain"]:
             number = text.count("\n", 0, token.start()) + 1
             raise ScenarioError(
-                f"{source}: not a valid scenario: a key in line {number} has more than {MOST_KEY_PARTS} parts with "
+                f"{source}: not a valid scenario: a key in line {number} has more than {MAX_KEY_PARTS} parts with "
                 "dots between them."
             )

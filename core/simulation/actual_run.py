@@ -94,7 +94,7 @@ class ActualRun:
         return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
     @property
-    def largest_cause(self) -> Cause | None:
+    def max_cause(self) -> Cause | None:
         """The cause that changes the energy most, if there is one."""
         return max(self.causes, key=lambda cause: abs(cause.energy_j), default=None)
 

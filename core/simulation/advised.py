@@ -26,7 +26,7 @@ from railjoule.core.advice import Instruction
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.errors import InfeasibleLineError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.cell_step import COAST as NOTHING
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.mesh import finer_at_stops, line_borders, with_nodes_at
@@ -34,7 +34,7 @@ from railjoule.core.phases import NAMES
 from railjoule.core.phases.labels import SHORTEST_S
 from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -91,13 +91,13 @@ def drive_advice(
     InfeasibleLineError
         If the train comes to a stand before a stop, or runs past one.
     """
-    course = build_course(scenario, position_m=_mesh(scenario, advice))
+    mesh = build_meshed_line(scenario, position_m=_mesh(scenario, advice))
     moving = [instruction for instruction in advice if instruction.action != "stand"]
     entry_ms = scenario.timetable.end_speeds_ms[0] if initial_speed_ms is None else initial_speed_ms
-    place, speed2, stand = drive_cells(course.data, course.position_m, _orders(moving), entry_ms**2)
+    place, speed2, stand = drive_cells(mesh.data, mesh.position_m, _orders(moving), entry_ms**2)
     if stand >= 0:
         raise InfeasibleLineError(f"At {place[-1]:.0f} m the train comes to a stand before its stop.")
-    driven = build_course(scenario, position_m=place)
+    driven = build_meshed_line(scenario, position_m=place)
     dwell = np.zeros(len(place))
     for stop in (instruction for instruction in advice if instruction.to_kmh == 0 or instruction.stand_s is not None):
         node = int(np.argmin(np.abs(place - (stop.from_m if stop.at_m is None else stop.at_m))))
@@ -148,16 +148,16 @@ def _orders(moving: Sequence[Instruction]) -> Orders:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def drive_cells(
-    course: CourseData, position_m: FloatArray, orders: Orders, initial_speed2: float
+    mesh: MeshData, position_m: FloatArray, orders: Orders, initial_speed2: float
 ) -> tuple[FloatArray, FloatArray, int]:
     """Return places and squares of speed of a train that follows orders, and where it comes to a stand.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Train and line.
     position_m : array of shape (n + 1,)
-        Nodes of the course [m], all places of the orders among them.
+        Nodes of the meshed line [m], all places of the orders among them.
     orders : Orders
         The advice to the driver.
     initial_speed2 : float
@@ -170,18 +170,18 @@ def drive_cells(
     stand : int
         The cell in which the train comes to a stand too early; -1 if it does not.
     """
-    n, last = course.cell_length_m.shape[0], orders.action.shape[0] - 1
+    n, last = mesh.cell_length_m.shape[0], orders.action.shape[0] - 1
     place, speed2 = [position_m[0]], [initial_speed2]
     k, switched, braking, w = 0, False, -1.0, initial_speed2
     for i in range(n):
-        whole, x, left = cell_of(course, i), position_m[i], position_m[i + 1] - position_m[i]
+        whole, x, left = cell_of(mesh, i), position_m[i], position_m[i + 1] - position_m[i]
         while left > SHORTEST_M:
             following = _order_at(orders, k, x)
             if following != k:
                 k, switched = following, orders.action[following] == HOLD and w >= orders.high_ms[following] ** 2
             if orders.fully[k] and x == orders.begins_m[k]:
-                braking = _braking_fraction(course, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
-            after, part, switched = _driven(course, part_of_cell(whole, left), (orders, k), (x, w), switched, braking)
+                braking = _braking_fraction(mesh, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
+            after, part, switched = _driven(mesh, part_of_cell(whole, left), (orders, k), (x, w), switched, braking)
             # the speed is reached within the cell: coasting takes over in the rest of it
             if switched and orders.action[k] == FULL_POWER and k < last and orders.begins_m[k + 1] == math.inf:
                 k, switched = k + 1, False
@@ -205,9 +205,9 @@ def _order_at(orders: Orders, present: int, place_m: float) -> int:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _reach(course: CourseData, cell: Cell, speed2: float) -> tuple[float, float, float]:
+def _reach(mesh: MeshData, cell: Cell, speed2: float) -> tuple[float, float, float]:
     """Return the squares of speed that full braking, coasting and full power lead to."""
-    train, traction, braking, _ = shared_by_cells(course)
+    train, traction, braking, _ = shared_by_cells(mesh)
     return (
         exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
         exit_speed2(cell, train, traction, braking, speed2, NOTHING),
@@ -217,7 +217,7 @@ def _reach(course: CourseData, cell: Cell, speed2: float) -> tuple[float, float,
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _driven(
-    course: CourseData,
+    mesh: MeshData,
     cell: Cell,
     order: tuple[Orders, int],
     state: tuple[float, float],
@@ -239,7 +239,7 @@ def _driven(
     orders, k = order
     place, speed2 = state
     action, aim2 = orders.action[k], orders.speed_ms[k] ** 2
-    low, free, top = _reach(course, cell, speed2)
+    low, free, top = _reach(mesh, cell, speed2)
     if action == COAST and not _comes_to_stand(orders.at_m[k] - place, speed2, switched):
         rolling = min(speed2, CREEPING_MS**2, top) if switched else 0.0
         return max(free, rolling), 1.0, switched or free > CREEPING_MS**2
@@ -260,7 +260,7 @@ def _driven(
     elif action == FULL_POWER:
         request = aim2
     else:
-        # constant acceleration is v^2 linear over distance; the rest of the course shrinks with each cell
+        # constant acceleration is v^2 linear over distance; the rest of the meshed line shrinks with each cell
         request = speed2 + (aim2 - speed2) * min(cell.length_m / max(orders.at_m[k] - place, SHORTEST_M), 1.0)
     return min(max(request, low), top), 1.0, switched
 
@@ -283,17 +283,17 @@ def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _braking_fraction(
-    course: CourseData, position_m: FloatArray, section: tuple[int, float], speed2: float, aim2: float
+    mesh: MeshData, position_m: FloatArray, section: tuple[int, float], speed2: float, aim2: float
 ) -> float:
     """Return which fraction of full braking leads to a speed at a position; negative where none is needed."""
     first, at_m = section
     last = int(np.searchsorted(position_m, at_m - SHORTEST_M))
-    if _braked(course, first, last, speed2, 0.0) <= aim2:
+    if _braked(mesh, first, last, speed2, 0.0) <= aim2:
         return -1.0
     low, high = 0.0, 1.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
-        if _braked(course, first, last, speed2, middle) > aim2:
+        if _braked(mesh, first, last, speed2, middle) > aim2:
             low = middle
         else:
             high = middle
@@ -302,10 +302,10 @@ def _braking_fraction(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _braked(course: CourseData, first: int, last: int, speed2: float, fraction: float) -> float:
+def _braked(mesh: MeshData, first: int, last: int, speed2: float, fraction: float) -> float:
     """Return the square of speed after cells under part of full braking; negative where it stands before."""
     for i in range(first, last):
-        low, free, _ = _reach(course, cell_of(course, i), speed2)
+        low, free, _ = _reach(mesh, cell_of(mesh, i), speed2)
         speed2 = free + fraction * (low - free)
         if speed2 <= 0.0:
             # further below zero the earlier it stands, so that bisection sees which of two fractions is larger

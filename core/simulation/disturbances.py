@@ -22,7 +22,7 @@ import numpy as np
 
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, braking_envelope, drive
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -199,18 +199,18 @@ class _Simulation:
     def _stop_by_driver(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
         nodes = nodes_ahead(state, stop.position_m)
-        course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
-        envelope = braking_envelope(course)
+        mesh = build_meshed_line(state.scenario, state.speed_ms, 0.0, nodes)
+        envelope = braking_envelope(mesh)
         # too fast even for full braking: the replanning handles that
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self.replanner.plan(state)
         # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
-        moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * course.data.traction.constant_n
+        moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * mesh.data.traction.constant_n
         if moves_steadily:
-            is_coasting = abs(effort) <= 1e-6 * course.data.traction.constant_n
+            is_coasting = abs(effort) <= 1e-6 * mesh.data.traction.constant_n
             held2 = np.full(len(nodes), 0.0 if is_coasting else state.speed2)
-            target2, _ = drive(course.data, held2, state.speed2, coasts=np.full(len(nodes) - 1, is_coasting))
+            target2, _ = drive(mesh.data, held2, state.speed2, coasts=np.full(len(nodes) - 1, is_coasting))
         else:
             target2 = np.interp(nodes, rest.position_m, rest.speed2)
         # only the braking before the stop cuts it: full braking, as a driver who is surprised does
@@ -224,7 +224,7 @@ class _Simulation:
 
     def _slow_by_driver(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
-        # a leg ends at its first stop, as its course has no dwell within
+        # a leg ends at its first stop, as its meshed line has no dwell within
         end = min(limit.to_m, float(rest.position_m[-1]))
         stops = rest.position_m[rest.dwell_s > 0]
         beyond = stops[(stops > state.position_m + SAME_PLACE_M) & (stops < end)]
@@ -232,12 +232,12 @@ class _Simulation:
             end = float(beyond[0])
         nodes = nodes_ahead(state, end)
         final = min(float(np.sqrt(np.interp(end, rest.position_m, rest.speed2))), limit.limit_kmh * MS_PER_KMH)
-        course = build_course(state.scenario, state.speed_ms, final, nodes)
-        envelope = braking_envelope(course)
+        mesh = build_meshed_line(state.scenario, state.speed_ms, final, nodes)
+        envelope = braking_envelope(mesh)
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self.replanner.plan(state)
         target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
-        speed2, _ = drive(course.data, target2, state.speed2)
+        speed2, _ = drive(mesh.data, target2, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
         return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
 
@@ -249,10 +249,10 @@ def _kept(rest: Leg, state: State) -> Leg:
     first = 0
     for last in dict.fromkeys(ends):
         if last > first:
-            course = build_course(state.scenario, position_m=rest.position_m[first : last + 1])
-            driven, stand = drive(course.data, rest.speed2[first : last + 1], float(speed2[first]))
+            mesh = build_meshed_line(state.scenario, position_m=rest.position_m[first : last + 1])
+            driven, stand = drive(mesh.data, rest.speed2[first : last + 1], float(speed2[first]))
             if stand >= 0:
-                raise InfeasibleLineError(f"At {course.position_m[stand]:.0f} m the train comes to a stand.")
+                raise InfeasibleLineError(f"At {mesh.position_m[stand]:.0f} m the train comes to a stand.")
             speed2[first : last + 1] = driven
         first = last
     return replace(rest, scenario=state.scenario, speed2=speed2)

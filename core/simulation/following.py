@@ -20,10 +20,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
-from railjoule.core.physics.course_data import data_between
+from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
@@ -41,7 +41,7 @@ OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000
 
 @dataclass(frozen=True)
 class Stretch:
-    """A part of a course between two sensors: the estimate is `estimated_m` + `scale` (position - `from_m`).
+    """A part of a meshed line between two sensors: the estimate is `estimated_m` + `scale` (position - `from_m`).
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ class Following:
         The run as planned, and as driven.
     stop_errors_m : tuple of float
         Overshoot at each stop, negative where the train stops short [m].
-    courses : tuple of list of Stretch
+    meshed lines : tuple of list of Stretch
         Estimated positions between one stop and the next.
     departure_delay_s : float
         How much later than planned it left [s].
@@ -88,7 +88,7 @@ class Following:
     planned: Trajectory
     actual: Trajectory
     stop_errors_m: tuple[float, ...]
-    courses: tuple[list[Stretch], ...]
+    meshes: tuple[list[Stretch], ...]
     departure_delay_s: float
 
     @property
@@ -134,20 +134,20 @@ def plan_knowing_load(scenario: Scenario, load_factor: float) -> Trajectory | No
 
 def plannable_task(scenario: Scenario) -> Task:
     """Return the task of a scenario with the target braking curves (11) before its stops as speed limits."""
-    course, options = build_course(scenario), scenario.simulation
+    mesh, options = build_meshed_line(scenario), scenario.simulation
     if not options.target_braking:
-        return task_over(scenario, course)
-    largest = course.data.largest_speed2
+        return task_over(scenario, mesh)
+    largest = mesh.data.limit_speed2
     # the target curve begins at D1, where the train learns its position; without that sensor it holds all along
-    zone = options.reset_sensor_m or course.length_m
+    zone = options.reset_sensor_m or mesh.length_m
     for stop in stops_of(scenario):
-        before = stop - course.position_m
+        before = stop - mesh.position_m
         inside = (before >= 0) & (before <= zone)
         # the end of the line may be passed in motion, a station not
-        end_ms = scenario.timetable.end_speeds_ms[1] if stop >= course.position_m[-1] else 0.0
+        end_ms = scenario.timetable.end_speeds_ms[1] if stop >= mesh.position_m[-1] else 0.0
         curve = 2 * options.target_deceleration_ms2 * before + end_ms**2
         largest = np.where(inside, np.minimum(largest, curve), largest)
-    task = task_over(scenario, replace(course, data=course.data._replace(largest_speed2=largest)))
+    task = task_over(scenario, replace(mesh, data=mesh.data._replace(limit_speed2=largest)))
     return replace(task, can_be_remeshed=False)
 
 
@@ -177,7 +177,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     _require_errors_within_a_section(scenario)
     real = actual_vehicle(scenario)
     entry2 = planned.speed_ms[:1] ** 2
-    nodes, speeds, stop_nodes, errors, courses = [np.zeros(1)], [entry2], [], [], []
+    nodes, speeds, stop_nodes, errors, meshes = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
     for stop in stops_of(scenario):
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
@@ -185,18 +185,18 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         nodes.append(leg[1:])
         speeds.append(speed2[1:])
         errors.append(float(leg[-1] - stop))
-        courses.append(stretched)
+        meshes.append(stretched)
         stop_nodes.append(sum(map(len, nodes)) - 1)
         start, planned_start = float(leg[-1]), stop
-    course = build_course(real, position_m=np.concatenate(nodes))
-    dwell = np.zeros(course.cell_count + 1)
+    mesh = build_meshed_line(real, position_m=np.concatenate(nodes))
+    dwell = np.zeros(mesh.cell_count + 1)
     # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
     plan = leg_of(planned)
     stands = [plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stops_of(scenario)[:-1])]
     dwell[[0, *stop_nodes[:-1]]] = stands
-    course = replace(course, dwell_s=dwell)
-    actual = make_trajectory(real, course, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
-    return Following(planned, actual, tuple(errors), tuple(courses), scenario.disturbance.departure_delay_s)
+    mesh = replace(mesh, dwell_s=dwell)
+    actual = make_trajectory(real, mesh, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
+    return Following(planned, actual, tuple(errors), tuple(meshes), scenario.disturbance.departure_delay_s)
 
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:
@@ -233,21 +233,21 @@ def _drive_leg(
     target2 = np.where(estimated < plan_m[launch], np.maximum(target2, np.interp(covered, plan_m, plan2)), target2)
     # a leg begins and ends at rest but where the plan itself enters or leaves the line in motion
     target2[[0, -1]] = plan2[[0, -1]]
-    course = build_course(real, position_m=nodes)
-    speed2, stand = drive(course.data, target2, float(plan2[0]), response_m=real.simulation.response_length_m)
+    mesh = build_meshed_line(real, position_m=nodes)
+    speed2, stand = drive(mesh.data, target2, float(plan2[0]), response_m=real.simulation.response_length_m)
     if stand >= 0:
-        raise InfeasibleLineError(_stand_reason(course, stand))
+        raise InfeasibleLineError(_stand_reason(mesh, stand))
     arrives = speed2[-1] <= STANDING_SPEED2 or plan2[-1] > STANDING_SPEED2
     return (nodes, speed2) if arrives else _overrun(nodes, speed2, real)
 
 
-def _stand_reason(course: Course, node: int) -> str:
+def _stand_reason(mesh: MeshedLine, node: int) -> str:
     """Return why a train comes to a stand at a node."""
     cell = node - 1
-    needed = course.gradient_force_n[cell] + course.curve_force_n[cell] + course.data.resistance_constant_n
-    effort = course.data.traction.constant_n * course.data.supply_share[cell]
+    needed = mesh.gradient_force_n[cell] + mesh.curve_force_n[cell] + mesh.data.resistance_constant_n
+    effort = mesh.data.traction.constant_n * mesh.data.supply_share[cell]
     return (
-        f"At {course.position_m[node]:.0f} m, on a gradient of {course.gradient_permille[cell]:.4g} per mille, the "
+        f"At {mesh.position_m[node]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille, the "
         f"train with its actual load comes to a stand: to start there takes {needed / N_PER_KN:.1f} kN, and it pulls "
         f"with {effort / N_PER_KN:.1f} kN at most. Use a lower disturbance.actual_load_factor or resistance_factor."
     )
@@ -285,7 +285,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
     stop = nodes[-1]
     beyond = stop + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
     # the first cell is the last one of the leg, so that gradients and limits go on from there
-    data = build_course(real, position_m=np.concatenate([nodes[-2:], beyond])).data
+    data = build_meshed_line(real, position_m=np.concatenate([nodes[-2:], beyond])).data
     braked2, distance = brake_fully(data_between(data, 1, len(beyond)), float(speed2[-1]))
     if math.isnan(distance):
         raise InfeasibleLineError(f"Beyond {stop:.0f} m the brakes of the train with its actual load cannot stop it.")
@@ -295,7 +295,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
 
 
 def stretches(start_m: float, stop_m: float, coordinate_error_m: float, options: SimulationOptions) -> list[Stretch]:
-    """Return the stretches of the course from one stop to the next, in order.
+    """Return the stretches of the meshed line from one stop to the next, in order.
 
     Parameters
     ----------
@@ -308,38 +308,38 @@ def stretches(start_m: float, stop_m: float, coordinate_error_m: float, options:
     """
     measured = 1.0 + options.speed_error
     # sensors belong to the target braking: without it the train drives to its stop on its own estimate
-    course = [Stretch(start_m, start_m + coordinate_error_m, measured)]
+    mesh = [Stretch(start_m, start_m + coordinate_error_m, measured)]
     if not options.target_braking:
-        return course
+        return mesh
     errors, reset, calibration = options.sensor_errors_m, options.reset_sensor_m, options.calibration_length_m
     scale = measured
     if reset is not None and stop_m - reset + errors[0] > start_m:
         first = stop_m - reset + errors[0]
-        course.append(Stretch(first, stop_m - reset, scale, "D1"))
+        mesh.append(Stretch(first, stop_m - reset, scale, "D1"))
         # D2 calibrates only a train that comes to it after D1: errors of the sensors may reverse their order
         second = stop_m - reset + (calibration or 0.0) + errors[1]
         if calibration is not None and second > first:
             # what the distance between the sensors should measure, over what it measured
             scale *= calibration / (measured * (second - first))
-            course.append(Stretch(second, course[-1].estimated(second), scale, "D2"))
-    if options.stop_sensor_m is not None and stop_m - options.stop_sensor_m + errors[2] > course[-1].from_m:
-        course.append(Stretch(stop_m - options.stop_sensor_m + errors[2], stop_m - options.stop_sensor_m, scale, "D3"))
-    return course
+            mesh.append(Stretch(second, mesh[-1].estimated(second), scale, "D2"))
+    if options.stop_sensor_m is not None and stop_m - options.stop_sensor_m + errors[2] > mesh[-1].from_m:
+        mesh.append(Stretch(stop_m - options.stop_sensor_m + errors[2], stop_m - options.stop_sensor_m, scale, "D3"))
+    return mesh
 
 
-def stopping_position(course: list[Stretch], stop_m: float) -> float:
+def stopping_position(mesh: list[Stretch], stop_m: float) -> float:
     """Return the position of a train whose estimate is the stop [m]: after the last sensor that it passes."""
-    for stretch, after in zip(course, [*course[1:], None], strict=True):
+    for stretch, after in zip(mesh, [*mesh[1:], None], strict=True):
         position = stretch.true(stop_m)
         if after is None or position <= after.from_m:
             return position
     raise AssertionError("the last stretch has no end")
 
 
-def estimated_positions(course: list[Stretch], position_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+def estimated_positions(mesh: list[Stretch], position_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the estimated positions [m] and the scales of the measured speed at true positions [m]; as many."""
-    starts = np.array([stretch.from_m for stretch in course])
-    index = np.clip(np.searchsorted(starts, position_m, side="right") - 1, 0, len(course) - 1)
-    offset = np.array([stretch.estimated_m for stretch in course])[index]
-    scale = np.array([stretch.scale for stretch in course])[index]
+    starts = np.array([stretch.from_m for stretch in mesh])
+    index = np.clip(np.searchsorted(starts, position_m, side="right") - 1, 0, len(mesh) - 1)
+    offset = np.array([stretch.estimated_m for stretch in mesh])[index]
+    scale = np.array([stretch.scale for stretch in mesh])[index]
     return offset + scale * (position_m - starts[index]), scale

@@ -9,7 +9,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.energy import total_energy
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -20,11 +20,11 @@ CELL_FIELDS = (
     "tractive_effort_n",
     "electric_braking_n",
     "friction_braking_n",
-    "largest_effort_n",
-    "largest_braking_n",
-    "line_power_w",
+    "max_effort_n",
+    "max_braking_n",
+    "supply_power_w",
     "current_a",
-    "line_current_a",
+    "supply_current_a",
     "gradient_permille",
 )
 """Fields of a trajectory with one value a cell."""
@@ -118,14 +118,14 @@ class Leg:
         """Return the effort at the wheels just before a place [N]; braking is negative."""
         cell = int(np.clip(np.searchsorted(self.position_m, place_m, side="left") - 1, 0, len(self.position_m) - 2))
         nodes = slice(cell, cell + 2)
-        course = build_course(self.scenario, position_m=self.position_m[nodes])
-        return float(course.net_force_n(self.speed2[nodes])[0])
+        mesh = build_meshed_line(self.scenario, position_m=self.position_m[nodes])
+        return float(mesh.net_force_n(self.speed2[nodes])[0])
 
     def trajectory(self, strategy: str) -> Trajectory:
         """Return the trajectory of this leg."""
-        course = build_course(self.scenario, position_m=self.position_m)
-        course = replace(course, dwell_s=self.dwell_s)
-        return make_trajectory(self.scenario, course, strategy, self.speed2)
+        mesh = build_meshed_line(self.scenario, position_m=self.position_m)
+        mesh = replace(mesh, dwell_s=self.dwell_s)
+        return make_trajectory(self.scenario, mesh, strategy, self.speed2)
 
 
 def leg_of(run: Trajectory) -> Leg:
@@ -168,7 +168,9 @@ def _join_two(one: Trajectory, other: Trajectory) -> Trajectory:
         position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
         speed_ms=frozen_array(np.append(one.speed_ms, other.speed_ms[1:])),
         time_s=frozen_array(np.append(one.time_s, one.time_s[-1] + other.time_s[1:])),
-        line_energy_j=frozen_array(np.append(one.line_energy_j, one.line_energy_j[-1] + other.line_energy_j[1:])),
+        supply_energy_j=frozen_array(
+            np.append(one.supply_energy_j, one.supply_energy_j[-1] + other.supply_energy_j[1:])
+        ),
         energy=total_energy([one.energy, other.energy]),
         **cells,
     )

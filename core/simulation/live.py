@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -49,7 +49,7 @@ TABLES: dict[type[Event], str] = {
     RecuperationChange: "recuperation_changes",
 }
 """Fields of a disturbance by the kind of their events."""
-LEAST_WAIT_S = 1.0
+MIN_WAIT_S = 1.0
 """Shortest further wait at a signal that is still red at the expected end of its stop [s]."""
 
 
@@ -152,7 +152,7 @@ class LiveRun:
     @property
     def energy_j(self) -> float:
         """Energy so far [J]."""
-        return self.spent_j + float(np.interp(self.elapsed_s, self.ahead.time_s, self.ahead.line_energy_j))
+        return self.spent_j + float(np.interp(self.elapsed_s, self.ahead.time_s, self.ahead.supply_energy_j))
 
     @property
     def remaining_j(self) -> float:
@@ -264,7 +264,7 @@ def wait_longer(run: LiveRun) -> LiveRun:
     if signal is None:
         return run
     assert isinstance(signal.event, UnplannedStop)
-    return _replanned(run, run.events, max(signal.event.duration_s, LEAST_WAIT_S))
+    return _replanned(run, run.events, max(signal.event.duration_s, MIN_WAIT_S))
 
 
 def finished_run(run: LiveRun) -> DisturbedRun:
@@ -317,7 +317,7 @@ def _braking_distance_m(run: LiveRun) -> float:
     """Return the way to a stand under full braking [m], up to the end of the line at most."""
     state = run.state
     nodes = nodes_ahead(state, state.scenario.line.length_m)
-    _, distance = brake_fully(build_course(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
+    _, distance = brake_fully(build_meshed_line(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
     return float(nodes[-1] - nodes[0]) if np.isnan(distance) else distance
 
 

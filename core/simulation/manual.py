@@ -14,7 +14,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion import Course
+from railjoule.core.motion import MeshedLine
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION
 from railjoule.core.motion.driving import braking_envelope, drive
 from railjoule.core.motion.passes import slowed_to_reach
@@ -33,51 +33,51 @@ PARTED_MS = 1.0 * MS_PER_KMH
 """Difference of speed at which two runs have parted."""
 
 
-def drive_manually(scenario: Scenario, course: Course, commands: IntArray) -> Trajectory:
+def drive_manually(scenario: Scenario, mesh: MeshedLine, commands: IntArray) -> Trajectory:
     """Return the run under commands.
 
     Parameters
     ----------
     scenario : Scenario
         The scenario of the run.
-    course : Course
-        Its course, from rest or from a prescribed speed and without stops on the way.
+    mesh : MeshedLine
+        Its meshed line, from rest or from a prescribed speed and without stops on the way.
     commands : array of shape (n,)
         One of COMMANDS for each cell.
 
     Raises
     ------
     ScenarioError
-        If there is not one known command a cell, the course has neutral sections or stops, or full traction does not
+        If there is not one known command a cell, the mesh has neutral sections or stops, or full traction does not
         move the train.
     """
-    require_drivable(course)
+    require_drivable(mesh)
     given = np.asarray(commands)
-    if given.shape != (course.cell_count,) or not np.isin(given, COMMANDS).all():
-        raise ScenarioError(f"commands must have {course.cell_count:,} entries of 0, 1 or 2, one for each cell.")
+    if given.shape != (mesh.cell_count,) or not np.isin(given, COMMANDS).all():
+        raise ScenarioError(f"commands must have {mesh.cell_count:,} entries of 0, 1 or 2, one for each cell.")
     wanted2 = np.append(0.0, np.array([np.inf, 0.0, -np.inf])[given.astype(int)])
     speed2, stand = drive(
-        course.data,
+        mesh.data,
         wanted2,
-        max(float(course.data.fixed_speed2[0]), 0.0),
+        max(float(mesh.data.fixed_speed2[0]), 0.0),
         coasts=given == COAST,
         pace_speed2=WALKING_PACE_MS**2,
-        highest_speed2=braking_envelope(course),
+        highest_speed2=braking_envelope(mesh),
     )
     if stand >= 0:
-        raise ScenarioError(f"The train comes to a stand at {course.position_m[stand - 1]:g} m under full traction.")
-    return make_trajectory(scenario, course, BY_HAND, speed2)
+        raise ScenarioError(f"The train comes to a stand at {mesh.position_m[stand - 1]:g} m under full traction.")
+    return make_trajectory(scenario, mesh, BY_HAND, speed2)
 
 
-def drive_drawn(scenario: Scenario, course: Course, drawn_ms: FloatArray) -> Trajectory:
+def drive_drawn(scenario: Scenario, mesh: MeshedLine, drawn_ms: FloatArray) -> Trajectory:
     """Return the fastest run below a drawn speed.
 
     Parameters
     ----------
     scenario : Scenario
         The scenario of the run.
-    course : Course
-        Its course, from rest or from a prescribed speed and without stops on the way.
+    mesh : MeshedLine
+        Its meshed line, from rest or from a prescribed speed and without stops on the way.
     drawn_ms : array of shape (n + 1,)
         Speed at each node [m/s], raised to WALKING_PACE_MS where it is lower.
 
@@ -87,23 +87,23 @@ def drive_drawn(scenario: Scenario, course: Course, drawn_ms: FloatArray) -> Tra
         If there is not one finite speed of at least 0 for each node, or the train cannot keep moving so slowly.
     """
     drawn = np.asarray(drawn_ms, dtype=float)
-    if drawn.shape != (course.cell_count + 1,) or not np.all(np.isfinite(drawn) & (drawn >= 0)):
-        raise ScenarioError(f"drawn_ms must have {course.cell_count + 1:,} finite entries of at least 0 m/s.")
-    wanted = np.minimum(np.maximum(drawn, WALKING_PACE_MS) ** 2, braking_envelope(course))
-    entering = max(float(course.data.fixed_speed2[0]), 0.0)
+    if drawn.shape != (mesh.cell_count + 1,) or not np.all(np.isfinite(drawn) & (drawn >= 0)):
+        raise ScenarioError(f"drawn_ms must have {mesh.cell_count + 1:,} finite entries of at least 0 m/s.")
+    wanted = np.minimum(np.maximum(drawn, WALKING_PACE_MS) ** 2, braking_envelope(mesh))
+    entering = max(float(mesh.data.fixed_speed2[0]), 0.0)
     wanted[0] = min(entering, wanted[0])
-    speed2 = slowed_to_reach(course.data, wanted)
+    speed2 = slowed_to_reach(mesh.data, wanted)
     standing = np.flatnonzero(~(speed2[1:-1] > 0))
     if len(standing):
-        raise ScenarioError(f"The train comes to a stand at {course.position_m[standing[0] + 1]:g} m.")
+        raise ScenarioError(f"The train comes to a stand at {mesh.position_m[standing[0] + 1]:g} m.")
     if speed2[0] < entering * (1 - 1e-9):
         raise ScenarioError(f"drawn_ms falls too soon for the speed of {entering**0.5:g} m/s at the start.")
-    return make_trajectory(scenario, course, BY_HAND, speed2)
+    return make_trajectory(scenario, mesh, BY_HAND, speed2)
 
 
-def require_drivable(course: Course) -> None:
-    """Raise ScenarioError if a course has neutral sections or stops on the way."""
-    if np.any(course.data.supply_share < 1) or np.any(course.dwell_s > 0):
+def require_drivable(mesh: MeshedLine) -> None:
+    """Raise ScenarioError if a meshed line has neutral sections or stops on the way."""
+    if np.any(mesh.data.supply_share < 1) or np.any(mesh.dwell_s > 0):
         raise ScenarioError("A line is driven by hand without neutral sections and without stops on the way.")
 
 

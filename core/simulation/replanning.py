@@ -17,7 +17,7 @@ from railjoule.core.errors import (
     StrategyRefusedError,
     TimetableError,
 )
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, braking_envelope
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.line import Station
@@ -35,7 +35,7 @@ NOTICEABLE_M = 0.01
 REPLAN_S = 0.05
 """A plan ahead of an on-board computer is to take no longer [s]."""
 # Measured with the shipped scenarios: interior points take 4 microseconds a cell, phases 0.5 ms, Bellman 1 ms
-MOST_CELLS, SLOW_CELLS = 5000, {"phases": 60, "bellman": 32}
+MAX_CELLS, SLOW_CELLS = 5000, {"phases": 60, "bellman": 32}
 """Cells of the mesh ahead, beside those that stops and borders add: in general, and of slow strategies."""
 
 
@@ -94,13 +94,13 @@ class Replanner:
 
     def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
-        course = build_course(state.scenario, state.speed_ms, position_m=nodes)
-        run, distance = brake_fully(course.data, state.speed2)
+        mesh = build_meshed_line(state.scenario, state.speed_ms, position_m=nodes)
+        run, distance = brake_fully(mesh.data, state.speed2)
         stands = np.inf if np.isnan(distance) else state.position_m + distance
         stations = state.scenario.line.inner_stations
         missed = [station for station in stations if state.position_m < station.position_m < stands]
         if not missed:
-            return self.drive_and_plan(self._slowed(state, nodes, run, braking_envelope(course)), state)
+            return self.drive_and_plan(self._slowed(state, nodes, run, braking_envelope(mesh)), state)
         if not np.isfinite(stands):
             raise InfeasibleLineError(
                 f"From {state.position_m:.0f} m on, the brakes do not stop the train before the end of the line."
@@ -170,7 +170,7 @@ def plan_quickly(state: State, allowed_time_s: float) -> tuple[Leg, str, list[st
     refusals: list[StrategyRefusedError | SolverError] = []
     for strategy in dict.fromkeys((own, stand_in)):
         # cells so long that the plan takes REPLAN_S at most
-        cells = SLOW_CELLS.get(strategy, MOST_CELLS)
+        cells = SLOW_CELLS.get(strategy, MAX_CELLS)
         mesh_m = max(scenario.solver.mesh_m, (scenario.line.length_m - state.position_m) / cells)
         solver = scenario.solver.model_copy(update={"mesh_m": mesh_m})
         quick = scenario.model_copy(update={"strategy": strategy, "solver": solver})
@@ -187,4 +187,4 @@ def plan_quickly(state: State, allowed_time_s: float) -> tuple[Leg, str, list[st
 def strategy_for_all_lines(scenario: Scenario) -> str:
     """Return the fast strategy that takes every line."""
     # the optimum of a drive with idle losses decides where it is on, which takes a tenth of a second and more
-    return "bellman" if make_drive(scenario.vehicle.drive).jumps_at_no_effort else "optimal"
+    return "bellman" if make_drive(scenario.vehicle.drive).has_idle_losses else "optimal"

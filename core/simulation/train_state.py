@@ -133,12 +133,12 @@ def require_events_on_the_line(scenario: Scenario) -> None:
         *((f"stops[{k}].position_m", stop.position_m, SHORTEST_DISTANCE_M) for k, stop in enumerate(disturbance.stops)),
         *((f"speed_limits[{k}].from_m", one.from_m, 0.0) for k, one in enumerate(disturbance.speed_limits)),
     ]
-    for name, place_m, least_m in begins:
-        if place_m > length - least_m or place_m == length:
+    for name, place_m, min_m in begins:
+        if place_m > length - min_m or place_m == length:
             raise ScenarioError(
                 f"disturbance.{name} = {place_m:g} must lie before the end of the line at {length:g} m."
             )
-    # closer than this, two stops would leave no course between them
+    # closer than this, two stops would leave no meshed line between them
     places = [stop.position_m for stop in disturbance.stops]
     places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
     if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):

@@ -31,7 +31,7 @@ from railjoule.core.strategies.line_parts import (
     timed_run,
     with_auxiliaries,
 )
-from railjoule.core.task import LEAST_SLACK, Task
+from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
@@ -42,7 +42,7 @@ Windows = Mapping[int, tuple[float, float]]
 SPARE_SHARE = 1e-4
 # of the price: by less, both sides of a station value a second alike
 SAME_PRICE = 1e-6
-MOST_NAMED = 3
+MAX_NAMED = 3
 """Stations that a statement names; more are counted."""
 
 
@@ -80,14 +80,14 @@ def _distinct_times(one_s: float, other_s: float) -> tuple[str, str]:
 
 def _with_places(task: Task, windows: Windows) -> tuple[Window, ...]:
     """Return windows with the positions of their stations."""
-    stops, position_m = stop_nodes(task), task.course.position_m
+    stops, position_m = stop_nodes(task), task.mesh.position_m
     return tuple((float(position_m[stops[number + 1]]), low, high) for number, (low, high) in windows.items())
 
 
 def require_windows(task: Task, windows: Windows) -> None:
     """Raise ScenarioError if no train keeps all windows: the first one that fails is named."""
     stops = stop_nodes(task)
-    dwell, shortest = task.course.dwell_s[stops], shortest_times_s(task, stops)
+    dwell, shortest = task.mesh.dwell_s[stops], shortest_times_s(task, stops)
     ready_s = 0.0
     # as early as possible at each station: a train that is late then, is always late
     for number, least in enumerate(shortest):
@@ -100,10 +100,10 @@ def require_windows(task: Task, windows: Windows) -> None:
                     f"earliest_arrival_s = {earliest:g} s at {arrival_name(task, number)} must be no later than the "
                     f"{latest:g} s that the timetable allows for the whole run."
                 )
-        possible_s = max(reached_s * (1 + LEAST_SLACK), earliest)
+        possible_s = max(reached_s * (1 + MIN_SLACK), earliest)
         if number == 0:
             _require_slow_first_leg(task, stops[1], earliest)
-        if reached_s * (1 + LEAST_SLACK) >= latest or earliest > latest:
+        if reached_s * (1 + MIN_SLACK) >= latest or earliest > latest:
             waited = ready_s > float(dwell[: number + 1].sum() + shortest[:number].sum())
             kept = " with the windows of arrival before it" if waited else ""
             asked, possible = _distinct_times(latest, possible_s)
@@ -117,7 +117,7 @@ def require_windows(task: Task, windows: Windows) -> None:
 
 def _require_slow_first_leg(task: Task, stop: int, earliest_s: float) -> None:
     """Raise ScenarioError if a train that enters in motion cannot be slow enough for its first arrival."""
-    entry_speed2 = float(task.course.data.fixed_speed2[0])
+    entry_speed2 = float(task.mesh.data.fixed_speed2[0])
     if entry_speed2 == 0.0 or earliest_s == 0.0:
         return
     latest_s = longest_time_s(task, stop)
@@ -138,7 +138,7 @@ def _possible(task: Task, windows: Windows, spare_share: float) -> dict[int, tup
     Any two ends can then be fixed together: the search may fix one that another one leaves no time for.
     """
     stops = stop_nodes(task)
-    dwell, least = task.course.dwell_s[stops], (1 + spare_share) * shortest_times_s(task, stops)
+    dwell, least = task.mesh.dwell_s[stops], (1 + spare_share) * shortest_times_s(task, stops)
     low, high = np.zeros(len(stops)), np.full(len(stops), np.inf)
     high[-1] = task.travel_time_s
     for number, (earliest, latest) in windows.items():
@@ -187,7 +187,7 @@ def optimum_within(task: Task, windows: Windows, optimum: Solver) -> LineParts:
             return best
         trials += 1
         line = timed_line(task, fixed, optimum, solved)
-        missed = _most_missed(task, line, possible, fixed)
+        missed = _max_missed(task, line, possible, fixed)
         if missed is not None:
             fixed[missed[0]] = missed[1]
             continue
@@ -222,14 +222,14 @@ def energy_j(task: Task, line: LineParts) -> float:
         total += timed.run.energy.net_j
         if timed.takes_exactly:
             # the train stands behind the first node of a part, at its last one included
-            standing_s = float(task.course.dwell_s[timed.part.first + 1 : timed.part.last + 1].sum())
+            standing_s = float(task.mesh.dwell_s[timed.part.first + 1 : timed.part.last + 1].sum())
             # a run that is slowed by a reward for time is counted without it
             total -= timed.run.energy.auxiliary_j
             departed_s += timed.part.running_time_s + standing_s
-    return total + task.course.data.auxiliary_power_w * departed_s
+    return total + task.mesh.data.auxiliary_power_w * departed_s
 
 
-def _most_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
+def _max_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
     """Return the free station that misses its window by most, and the end that it misses; None where none does."""
     arrivals = arrivals_of(task, line)
     nearest = {k: min(max(arrivals[k], low), high) for k, (low, high) in windows.items() if k not in fixed}
@@ -239,7 +239,7 @@ def _most_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[i
 
 def _needlessly_fixed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> int | None:
     """Return a station fixed at an end of its window that the optimum leaves to the inside, if there is one."""
-    auxiliary_w = task.course.data.auxiliary_power_w
+    auxiliary_w = task.mesh.data.auxiliary_power_w
     prices = [
         None if timed.price_of_time_w is None else timed.price_of_time_w + (0.0 if timed.takes_exactly else auxiliary_w)
         for timed in line
@@ -311,15 +311,15 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
         # auxiliaries up to the end of the part, or up to its start where its own energy has the rest
         if timed is line[-1] and (timed.takes_exactly or first > 0):
             until = last if timed.takes_exactly else first
-            dwell_s = 0.0 if timed.takes_exactly else float(task.course.dwell_s[first])
-            total_j += task.course.data.auxiliary_power_w * (arrivals[until] + dwell_s)
-            slopes_w[until] += task.course.data.auxiliary_power_w
+            dwell_s = 0.0 if timed.takes_exactly else float(task.mesh.dwell_s[first])
+            total_j += task.mesh.data.auxiliary_power_w * (arrivals[until] + dwell_s)
+            slopes_w[until] += task.mesh.data.auxiliary_power_w
     for node, (low, high) in ends.items():
         if node in {timed.part.last for timed in line} and node not in exact:
             total_j += min(slopes_w[node] * (low - arrivals[node]), slopes_w[node] * (high - arrivals[node]))
     total_j = max(total_j, work_floor_j(task))
     statement = every_run_statement(task, total_j, _words(task, windows))
-    assumed, kept = premise(task.course.data.drive_kind), _with_places(task, windows)
+    assumed, kept = premise(task.mesh.data.drive_kind), _with_places(task, windows)
     return Bound(total_j, statement, task.travel_time_s, total_j, premise=assumed, windows=kept)
 
 
@@ -327,4 +327,4 @@ def _words(task: Task, windows: Windows) -> str:
     """Return windows of arrival in words, as what a run keeps beside its limits."""
     names = [arrival_name(task, number) for number in sorted(windows)]
     listed = " and ".join([", ".join(names[:-1])] * (len(names) > 1) + names[-1:])
-    return f" and the windows of arrival at {listed if len(names) <= MOST_NAMED else f'{len(names)} stations'}"
+    return f" and the windows of arrival at {listed if len(names) <= MAX_NAMED else f'{len(names)} stations'}"

@@ -18,7 +18,7 @@ from numpy.polynomial import Polynomial
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import Value
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.mesh import with_nodes_at
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
 from railjoule.core.strategy import Strategy, register
@@ -198,14 +198,14 @@ def enoc(task: Task) -> Trajectory:
             f"needs less time: within {time:.1f} s its ramps between these speeds of the ends cover the whole line."
         )
     corners = (0.5 * (first + peak) * ramp, line.distance_m - 0.5 * (peak + last) * ramp)
-    nodes = with_nodes_at(task.course.position_m, corners)
-    course = build_course(task.scenario, *task.end_speeds_ms, nodes)
+    nodes = with_nodes_at(task.mesh.position_m, corners)
+    mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, nodes)
     # at constant acceleration the square of speed is linear over distance, so that corners at nodes make the run exact
     speed2 = np.interp(nodes, (0.0, *corners, line.distance_m), np.square((first, peak, peak, last)))
-    check_feasible(course, speed2)
+    check_feasible(mesh, speed2)
     ramps = "accelerates and brakes" if peak >= max(first, last) else "changes its speed at both ends"
     note = f"ENOC {ramps} for {ramp:.1f} s each, cruising at {peak / MS_PER_KMH:.1f} km/h between."
-    return make_trajectory(task.scenario, course, "enoc", speed2, notes=(note, *line.notes))
+    return make_trajectory(task.scenario, mesh, "enoc", speed2, notes=(note, *line.notes))
 
 
 register(

@@ -7,7 +7,7 @@ from railjoule.core.trajectory import Trajectory, make_trajectory
 
 def fastest(task: Task) -> Trajectory:
     """Return the run with the shortest possible time; it takes every scenario."""
-    return make_trajectory(task.scenario, task.course, "fastest", task.greatest_speed2)
+    return make_trajectory(task.scenario, task.mesh, "fastest", task.fastest_speed2)
 
 
 register(

@@ -87,14 +87,14 @@ def known_optimum(task: Task) -> Trajectory | None:
 
 def _by_interior_point(task: Task) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
-    if not task.course.drive.jumps_at_no_effort:
+    if not task.mesh.drive.has_idle_losses:
         return _smooth_optimum(task)
     # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
     run = best_switched(task, solution.optimum)
     best = make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "optimal",
         run.speed2,
         bound=certify(task, solution.optimum),
@@ -114,7 +114,7 @@ def _smooth_optimum(task: Task) -> Trajectory:
         solution, proven = minimise(task), None
     best = make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "optimal",
         solution.optimum.speed2,
         bound=certify(task, solution.optimum, proven),
@@ -144,13 +144,13 @@ def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
     """Return in one sentence what an optimal run is, and what free switching could save at most."""
     friction = (
         "friction brakes take over where electric braking would draw power"
-        if task.course.data.friction_effort_n > 0
+        if task.mesh.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
     parts = [f"{_kept_words(task, run)}; this is the best such run found, not proven"]
     energy_j, optimum = run.energy_j + task.dwell_energy_j, relaxed.optimum
     # what free switching needs at least, as far as the relaxed optimum is the best of its problem
-    gap_j = optimum.relative_gap * reference_energy(task.course.data, optimum.energy_j, task.running_time_s)
+    gap_j = optimum.relative_gap * reference_energy(task.mesh.data, optimum.energy_j, task.running_time_s)
     saving = 1 - (relaxed.energy_j - gap_j) / energy_j if energy_j > 0 else -1.0
     # a relaxed energy above the run's is not the best of its problem
     if saving >= 0:
@@ -161,7 +161,7 @@ def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
 
 def _kept_words(task: Task, run: DecidedRun) -> str:
     """Return the words for how often a run's drive is switched."""
-    least, shortest = task.least_switching_s, shortest_stretch_s(task.course.data, run.speed2)
+    least, shortest = task.least_switching_s, shortest_stretch_s(task.mesh.data, run.speed2)
     if least == 0.0:
         return "Each cell is driven, braked or coasted as a whole"
     if shortest < least:

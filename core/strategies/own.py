@@ -23,7 +23,7 @@ def run_of_speeds(strategy: OwnStrategy) -> Callable[[Task], Trajectory]:
         found = strategy(task)
         if isinstance(found, Trajectory):
             return found
-        return make_trajectory(task.scenario, task.course, name, _squares_of_speed(name, found, task))
+        return make_trajectory(task.scenario, task.mesh, name, _squares_of_speed(name, found, task))
 
     return run
 
@@ -48,7 +48,7 @@ def _squares_of_speed(name: str, found: object, task: Task) -> FloatArray:
             f"{name} returned {speed_ms[node]:g} m/s at {task.position_m[node]:g} m; speeds must be finite and at "
             "least 0."
         )
-    prescribed2 = task.course.data.fixed_speed2
+    prescribed2 = task.mesh.data.fixed_speed2
     fixed = prescribed2 >= 0
     prescribed = np.sqrt(np.where(fixed, prescribed2, 0.0))
     wrong = np.where(fixed, np.abs(speed_ms - prescribed) > SAME_SPEED_MS, speed_ms == 0)

@@ -8,9 +8,9 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion import Course
+from railjoule.core.motion import MeshedLine
 from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
+from railjoule.core.physics.mesh_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
@@ -70,12 +70,12 @@ def plain_line(task: Task) -> PlainLine:
         If the run has planned stops, passing points, neutral sections or a lower limit than the vehicle's, or the drive
         no copper loss.
     """
-    course, scenario, data = task.course, task.scenario, task.course.data
+    mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
     require_no_passing_points(task)
     require_no_neutral_sections(task)
-    is_limited = np.min(plain_limits_ms(course)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
+    is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
         (data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0, "drive with copper loss"),
@@ -90,14 +90,14 @@ def plain_line(task: Task) -> PlainLine:
     line_force = float(np.average(data.line_force_n, weights=data.cell_length_m))
     notes = []
     if np.ptp(data.line_force_n) > SAME * max(1.0, abs(line_force)):
-        mean = float(np.average(course.gradient_permille, weights=data.cell_length_m))
-        has_gradients = np.ptp(course.gradient_force_n) > 0
+        mean = float(np.average(mesh.gradient_permille, weights=data.cell_length_m))
+        has_gradients = np.ptp(mesh.gradient_force_n) > 0
         gradients = f"Gradients are replaced by their mean, {mean:.2f} per mille."
         notes.append(gradients if has_gradients else "Curves are replaced by their mean resistance.")
     if scenario.vehicle.drive.recuperation_factor < 1:
         notes.append("The plan assumes that all the energy generated in braking is recuperated.")
     return PlainLine(
-        distance_m=course.length_m,
+        distance_m=mesh.length_m,
         inertia_kg=2 * data.half_inertia_kg,
         constant_n=data.resistance_constant_n + line_force,
         linear=data.resistance_linear,
@@ -142,16 +142,16 @@ class SampledRun:
         return float(np.max(self.energy_j))
 
 
-def plain_limits_ms(course: Course) -> FloatArray:
-    """Return the limits of a course [m/s] without a braking curve of the vehicle; shape (n,) with one, else (n + 1,).
+def plain_limits_ms(mesh: MeshedLine) -> FloatArray:
+    """Return the limits of a mesh [m/s] without a braking curve of the vehicle; shape (n,) with one, else (n + 1,).
 
     Whether a run keeps such a curve shows once there is a run.
     """
-    return course.cell_limit_ms if _has_braking_curve(course) else np.sqrt(course.data.largest_speed2)
+    return mesh.cell_limit_ms if _has_braking_curve(mesh) else np.sqrt(mesh.data.limit_speed2)
 
 
-def _has_braking_curve(course: Course) -> bool:
-    return bool(np.isfinite(course.permitted_deceleration_ms2))
+def _has_braking_curve(mesh: MeshedLine) -> bool:
+    return bool(np.isfinite(mesh.permitted_deceleration_ms2))
 
 
 def require_no_passing_points(task: Task) -> None:
@@ -166,7 +166,7 @@ def require_no_neutral_sections(task: Task) -> None:
         raise StrategyRefusedError("needs a line without neutral sections.")
 
 
-def check_feasible(course: Course, speed2: FloatArray) -> None:
+def check_feasible(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that needs more effort, speed or acceleration than available.
 
     Raises
@@ -174,19 +174,19 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     StrategyRefusedError
         With the first place where it does.
     """
-    check_speeds(course, speed2)
-    for does, cell, reached, limit in broken_efforts(course, speed2):
+    check_speeds(mesh, speed2)
+    for does, cell, reached, limit in broken_efforts(mesh, speed2):
         # a missing brake has a negligible effort
-        available = limit if limit >= ALLOWED_EXCESS * course.data.traction.constant_n else 0.0
+        available = limit if limit >= ALLOWED_EXCESS * mesh.data.traction.constant_n else 0.0
         needed, most = distinct_numbers(reached / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
-        place = course.position_m[cell]
+        place = mesh.position_m[cell]
         raise StrategyRefusedError(f"{does} with {needed} kN at {place:.0f} m, where at most {most} kN are available.")
-    check_accelerations(course, speed2)
+    check_accelerations(mesh, speed2)
 
 
-def check_speeds(course: Course, speed2: FloatArray) -> None:
+def check_speeds(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that is faster than limits or a braking curve permit; errors as `check_feasible`."""
-    permitted2 = course.data.largest_speed2
+    permitted2 = mesh.data.limit_speed2
     over = np.flatnonzero(speed2 > permitted2 * (1 + ALLOWED_EXCESS))
     if not len(over):
         return
@@ -194,20 +194,20 @@ def check_speeds(course: Course, speed2: FloatArray) -> None:
     speed_kmh, limit_kmh = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (speed2, permitted2))
     needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
     # of both cells that meet at the node
-    limit_ms = np.min(course.cell_limit_ms[max(node - 1, 0) : node + 1])
-    if _has_braking_curve(course) and permitted2[node] < limit_ms**2 * (1 - SAME):
+    limit_ms = np.min(mesh.cell_limit_ms[max(node - 1, 0) : node + 1])
+    if _has_braking_curve(mesh) and permitted2[node] < limit_ms**2 * (1 - SAME):
         raise StrategyRefusedError(
-            f"needs {needed} km/h at {course.position_m[node]:.0f} m, but the permitted deceleration "
+            f"needs {needed} km/h at {mesh.position_m[node]:.0f} m, but the permitted deceleration "
             f"(vehicle.braking.permitted_deceleration) allows only {allowed} km/h there."
         )
     raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
 
 
-def check_accelerations(course: Course, speed2: FloatArray) -> None:
+def check_accelerations(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that accelerates or slows down more than is allowed; errors as `check_feasible`."""
-    for does, cell, reached, limit in broken_accelerations(course, speed2):
+    for does, cell, reached, limit in broken_accelerations(mesh, speed2):
         by, allowed = distinct_numbers(reached, limit, EFFORT_DIGITS)
-        place = course.position_m[cell]
+        place = mesh.position_m[cell]
         raise StrategyRefusedError(f"{does} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
 
 
@@ -220,10 +220,10 @@ class BrokenLimit(NamedTuple):
     limit: float
 
 
-def broken_efforts(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
+def broken_efforts(mesh: MeshedLine, speed2: FloatArray) -> list[BrokenLimit]:
     """Return the limits of tractive and braking effort that a run breaks by more than rounding."""
-    data, speed = course.data, np.sqrt(speed2)
-    mean, force = mean_speed(speed[:-1], speed[1:]), course.net_force_n(speed2)
+    data, speed = mesh.data, np.sqrt(speed2)
+    mean, force = mean_speed(speed[:-1], speed[1:]), mesh.net_force_n(speed2)
     braking_n = electric_limit_n(data, mean) + data.friction_effort_n
     allowed_n = ALLOWED_EXCESS * data.traction.constant_n
     return [
@@ -232,11 +232,11 @@ def broken_efforts(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
     ]
 
 
-def broken_accelerations(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
+def broken_accelerations(mesh: MeshedLine, speed2: FloatArray) -> list[BrokenLimit]:
     """Return the limits of acceleration and deceleration that a run breaks by more than rounding."""
     # dv/dt = v dv/dx = d(v^2 / 2)/dx, exact in a cell, over which the square of speed is linear
-    acceleration = 0.5 * np.diff(speed2) / course.data.cell_length_m
-    up, down = course.data.max_acceleration_ms2, course.data.max_deceleration_ms2
+    acceleration = 0.5 * np.diff(speed2) / mesh.data.cell_length_m
+    up, down = mesh.data.max_acceleration_ms2, mesh.data.max_deceleration_ms2
     return [
         *_broken("accelerates", acceleration, np.full_like(acceleration, up), ALLOWED_EXCESS * up),
         *_broken("slows down", -acceleration, np.full_like(acceleration, down), ALLOWED_EXCESS * down),

@@ -28,7 +28,7 @@ from railjoule.core.interior_point.duty import Duty, coasting_exactly, duty, for
 from railjoule.core.interior_point.solver import CONVERGED, Optimum
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import reference_energy, run_energy
-from railjoule.core.physics.course_data import BRAKE, DRIVE, CourseData
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, MeshData
 from railjoule.core.physics.stretches import actions_of_run, shortest_stretch_s
 from railjoule.core.strategies.plain_line import broken_accelerations, broken_efforts
 from railjoule.core.strategies.rounding import round_shares
@@ -52,7 +52,7 @@ FAR = 3e-4
 FORBIDDEN_SHARE = 1e-4
 """Share of the energy that a decided optimum may spend on forbidden efforts: more than a barrier leaves."""
 # Each repair allows more cells; where three do not suffice, the decision leaves no run worth having
-MOST_REPAIRS = 3
+MAX_REPAIRS = 3
 # An early arrival counts as a fault where it costs a hundred-thousandth of the energy
 SPARED_COST = 3e-6
 """Largest cost of the time that a decision's optimum leaves, by the price of time, as a share of the energy."""
@@ -100,10 +100,10 @@ def best_switched(task: Task, relaxed: Optimum) -> DecidedRun:
         If Bellman's recursion, the last resort, finds no run either.
     """
     centre = DecidedRun(relaxed.speed2, relaxed.energy_j, relaxed.price_of_time_w, 0)
-    for least_s in sorted({0.0, task.least_switching_s}, reverse=True):
-        search = Decisions(task, relaxed.energy_j, relaxed.price_of_time_w, least_s)
+    for min_s in sorted({0.0, task.least_switching_s}, reverse=True):
+        search = Decisions(task, relaxed.energy_j, relaxed.price_of_time_w, min_s)
         search.add(relaxed)
-        search.decide_near(centre, duty(task.course.data, relaxed))
+        search.decide_near(centre, duty(task.mesh.data, relaxed))
         is_measure = search.best is not None and is_measured(task, relaxed, search.best.energy_j)
         if not (is_measure and search.is_within(TOO_FAR, relaxed.energy_j)):
             search.decide_elsewhere()
@@ -114,17 +114,17 @@ def best_switched(task: Task, relaxed: Optimum) -> DecidedRun:
 
 def with_min_on_off(task: Task, run: DecidedRun) -> DecidedRun | None:
     """Return a run if it keeps the minimum on/off time, else the best one near it that does, if any."""
-    if shortest_stretch_s(task.course.data, run.speed2) >= task.least_switching_s:
+    if shortest_stretch_s(task.mesh.data, run.speed2) >= task.least_switching_s:
         return run
     search = Decisions(task, run.energy_j, run.price_of_time_w, task.least_switching_s)
     search.iterations = run.iterations
-    search.decide_near(run, duty_of_run(task.course.data, run.speed2))
+    search.decide_near(run, duty_of_run(task.mesh.data, run.speed2))
     return search.best
 
 
-def duty_of_run(course: CourseData, speed2: FloatArray) -> Duty:
+def duty_of_run(mesh: MeshData, speed2: FloatArray) -> Duty:
     """Return the cells in which a run drives and brakes, given by its squares of speed [m2/s2] at the nodes."""
-    action = actions_of_run(course, speed2).action
+    action = actions_of_run(mesh, speed2).action
     return Duty((action == DRIVE).astype(float), (action == BRAKE).astype(float))
 
 
@@ -142,7 +142,7 @@ class Decisions:
     """
 
     def __init__(self, task: Task, energy_j: float, price_of_time_w: float, least_switching_s: float = 0.0) -> None:
-        self.task, self.data, self.least_switching_s = task, task.course.data, least_switching_s
+        self.task, self.data, self.least_switching_s = task, task.mesh.data, least_switching_s
         self.reference_j = float(reference_energy(self.data, energy_j, task.running_time_s))
         # close to the shortest time a second may cost more than all the rest of the run
         waited_j = max(price_of_time_w, 0.0) * task.running_time_s
@@ -165,7 +165,7 @@ class Decisions:
 
     def decide(self, modes: IntArray) -> None:
         """Try a decision; where no run can do without an effort that it leaves out, that is allowed, too."""
-        for _ in range(1 + MOST_REPAIRS):
+        for _ in range(1 + MAX_REPAIRS):
             if modes.tobytes() in self.tried:
                 return
             self.tried.add(modes.tobytes())
@@ -190,12 +190,12 @@ class Decisions:
     def take(self, speed2: FloatArray, price_of_time_w: float) -> None:
         """Take up a run [m2/s2] if it keeps all limits and the minimum on/off time."""
         if self.is_spaced(speed2) and keeps_limits(self.task, speed2):
-            self.runs.append(DecidedRun(speed2, line_energy_j(self.task, speed2), max(price_of_time_w, 0.0), 0))
+            self.runs.append(DecidedRun(speed2, supply_energy_j(self.task, speed2), max(price_of_time_w, 0.0), 0))
 
     def is_spaced(self, speed2: FloatArray) -> bool:
         """Return whether a run [m2/s2] keeps the minimum on/off time."""
-        least_s = self.least_switching_s
-        return least_s == 0.0 or shortest_stretch_s(self.data, speed2) >= least_s
+        min_s = self.least_switching_s
+        return min_s == 0.0 or shortest_stretch_s(self.data, speed2) >= min_s
 
     def decide_near(self, centre: DecidedRun, shares: Duty) -> None:
         """Try the decisions that lie near a run, which may switch as often as it likes, and its shares of each cell."""
@@ -206,7 +206,7 @@ class Decisions:
             return
         speed2, price_w = centre.speed2, centre.price_of_time_w + data.auxiliary_power_w
         for band, count in BANDS:
-            given = data, task.greatest_speed2, task.running_time_s, speed2, self.least_switching_s
+            given = data, task.fastest_speed2, task.running_time_s, speed2, self.least_switching_s
             found = on_off_decisions(*given, band, price_w)
             price_w, self.iterations = found.price_w, self.iterations + found.sweeps
             for modes in found.modes[:count]:
@@ -218,8 +218,8 @@ class Decisions:
     def decide_elsewhere(self) -> None:
         """Try the fastest run and that of Bellman's recursion, with their decisions and those near the latter."""
         # more time would save the fastest run nothing
-        self.take(self.task.greatest_speed2, 0.0)
-        self.decide(actions_of_run(self.data, self.task.greatest_speed2).mode)
+        self.take(self.task.fastest_speed2, 0.0)
+        self.decide(actions_of_run(self.data, self.task.fastest_speed2).mode)
         with suppress(SolverError):
             _, run = recursion(self.task)
             self.iterations += run.iterations
@@ -236,26 +236,26 @@ def is_measured(task: Task, relaxed: Optimum, energy_j: float) -> bool:
     It does where it has converged and the run does not lie below it.
     """
     # where losses fall with speed the hull is not convex in both, and what has converged may be a local optimum
-    reference = reference_energy(task.course.data, relaxed.energy_j, task.running_time_s)
+    reference = reference_energy(task.mesh.data, relaxed.energy_j, task.running_time_s)
     return bool(relaxed.status == CONVERGED and relaxed.energy_j - energy_j <= GOOD_ENOUGH * reference)
 
 
-def line_energy_j(task: Task, speed2: FloatArray) -> float:
+def supply_energy_j(task: Task, speed2: FloatArray) -> float:
     """Return the line energy of a run with auxiliaries on its way [J], as the optimum counts it."""
-    data = task.course.data
+    data = task.mesh.data
     auxiliaries = data.auxiliary_power_w * running_time(data.cell_length_m, speed2)
     return float(run_energy(data, speed2) + auxiliaries)
 
 
 def keeps_limits(task: Task, speed2: FloatArray) -> bool:
     """Return whether a run is in time and keeps the limits of effort, acceleration and speed, but for rounding."""
-    data = task.course.data
+    data = task.mesh.data
     return bool(
         running_time(data.cell_length_m, speed2) <= task.running_time_s * (1 + TIME_ROUNDING)
-        and np.all(speed2 <= data.largest_speed2 * (1 + TIME_ROUNDING))
+        and np.all(speed2 <= data.limit_speed2 * (1 + TIME_ROUNDING))
         # Coasting exactly changes where brakes begin, in short cells before a stop by more than a ten-millionth
-        and not broken_efforts(task.course, speed2)
-        and not broken_accelerations(task.course, speed2)
+        and not broken_efforts(task.mesh, speed2)
+        and not broken_accelerations(task.mesh, speed2)
     )
 
 
@@ -267,8 +267,8 @@ def recursion(task: Task) -> tuple[Found, DecidedRun]:
     SolverError
         If the grid holds no run.
     """
-    data = task.course.data
-    found = search(data, task.greatest_speed2, task.running_time_s * (1 - TIME_ROUNDING))
+    data = task.mesh.data
+    found = search(data, task.fastest_speed2, task.running_time_s * (1 - TIME_ROUNDING))
     # the search prices a second with the auxiliaries that run in it; the run shows what only driving saves
     price = max(found.price_w - data.auxiliary_power_w, 0.0)
-    return found, DecidedRun(found.speed2, line_energy_j(task, found.speed2), price, found.sweeps)
+    return found, DecidedRun(found.speed2, supply_energy_j(task, found.speed2), price, found.sweeps)

@@ -59,14 +59,14 @@ class StopSpread:
         Mean and standard deviation of the stopping error [m].
     half_width_m : float
         Distance from the stop that contains 95 % of the runs [m].
-    largest_m : float
+    max_m : float
         The largest stopping error in size [m].
     """
 
     mean_m: float
     deviation_m: float
     half_width_m: float
-    largest_m: float
+    max_m: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,7 +66,7 @@ class FluxSweep:
         Voltage limit, amplitude per phase [V].
     points : tuple of FluxPoint
         Over rising flux, up to the rated one, whether or not the voltage allows it.
-    least_loss, within_voltage, rated : FluxPoint
+    min_loss, within_voltage, rated : FluxPoint
         With the flux of minimum loss, the largest flux that the voltage allows, and the rated flux.
     """
 
@@ -74,7 +74,7 @@ class FluxSweep:
     effort_n: float
     max_phase_voltage_v: float
     points: tuple[FluxPoint, ...]
-    least_loss: FluxPoint
+    min_loss: FluxPoint
     within_voltage: FluxPoint
     rated: FluxPoint
 
@@ -131,7 +131,7 @@ def sweep_flux(vehicle: Vehicle, speed_ms: float) -> FluxSweep:
         effort_n=effort,
         max_phase_voltage_v=machine.max_phase_voltage_v,
         points=tuple(map(at, currents)),
-        least_loss=at(best),
+        min_loss=at(best),
         within_voltage=at(flux_current_within_voltage(machine, torque_nm, rotor_rads)),
         rated=at(machine.magnetising_current_a),
     )

@@ -32,7 +32,7 @@ RESULTS = 3
 # some voltage and a train some resistance: a run without them cannot be simulated.
 FACTOR_BOUNDS = (0.05, 2.0)
 """Bounds of random factors."""
-LONGEST_DELAY_S, LARGEST_SPEED_ERROR = 86400.0, 0.5
+LONGEST_DELAY_S, MAX_SPEED_ERROR = 86400.0, 0.5
 """The bounds of the scenario for its own delay and error."""
 # Energy bends little over the load: straight lines between nine plans are exact to 2e-4 (measured on liashenko-ii and
 # tram-950m), and nine plans are fewer than one a run.
@@ -172,12 +172,12 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
     # an error of a whole section would put the train at another stop; the bound itself is excluded
     places = np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)
     bounds = {
-        "load_factor": (0.0, _largest_load(scenario)),
+        "load_factor": (0.0, _max_load(scenario)),
         "coordinate_error_m": places,
         "resistance_factor": FACTOR_BOUNDS,
         "line_voltage_factor": FACTOR_BOUNDS,
         "departure_delay_s": (0.0, LONGEST_DELAY_S),
-        "speed_error": (np.nextafter(-LARGEST_SPEED_ERROR, 0), np.nextafter(LARGEST_SPEED_ERROR, 0)),
+        "speed_error": (np.nextafter(-MAX_SPEED_ERROR, 0), np.nextafter(MAX_SPEED_ERROR, 0)),
         **dict.fromkeys(SENSOR_ERRORS, places),
     }
     planned = planned_values(scenario)
@@ -187,7 +187,7 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
     }
 
 
-def _largest_load(scenario: Scenario) -> float:
+def _max_load(scenario: Scenario) -> float:
     """Return the largest load factor that may be drawn: of full trains, unless more is asked for."""
     load = scenario.montecarlo.load_factor
     named = [getattr(load, name, None) or 0.0 for name in ("value", "mean", "median", "mode", "high")]
@@ -235,7 +235,7 @@ def _scipy_distribution(distribution: Distribution, planned: float) -> Any:
 def _replanned_energies(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
     """Return the energy [kWh] of plans for the actual load; NaN beyond the loads that have a plan."""
     # loads without a plan are left out, and np.interp must not extrapolate
-    loads = (_largest_load(scenario) * PLANNED_LOADS).tolist()
+    loads = (_max_load(scenario) * PLANNED_LOADS).tolist()
     planned = {load: plan_knowing_load(scenario, load) for load in loads}
     known = {load: plan.energy_kwh for load, plan in planned.items() if plan is not None}
     if not known:

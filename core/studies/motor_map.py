@@ -17,7 +17,7 @@ from railjoule.core.drive.geared import turns_per_metre
 from railjoule.core.drive.induction.traction import traction_machines
 from railjoule.core.drive.synchronous.drive import efficiency_maps, output_over_input, torque_envelope
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import GearedMotors, Synchronous
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
@@ -110,9 +110,9 @@ def induction_map(scenario: Scenario) -> MotorMap:
     machines = traction_machines(vehicle.drive)
     speed = np.linspace(0.0, vehicle.traction.max_speed_kmh * MS_PER_KMH * machines.turns_per_metre, SPEEDS)
     # At full voltage a machine generates with more torque than it drives with: the drop across its stator then helps.
-    most, least = (float(machines.greatest_torque_nm(speed, braking).max()) for braking in (False, True))
+    most, least = (float(machines.max_torque_nm(speed, braking).max()) for braking in (False, True))
     torque = np.linspace(-least, most, TORQUES)
-    efficiency = machines.efficiency(torque, speed, scenario.simulation.flux == "least_loss")
+    efficiency = machines.efficiency(torque, speed, scenario.simulation.flux == "min_loss")
     return MotorMap(frozen_array(torque), frozen_array(speed), frozen_array(efficiency))
 
 
@@ -135,10 +135,10 @@ def _geared(scenario: Scenario) -> GearedMotors:
 
 def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: FloatArray) -> MotorMap:
     """Return the map of a drive with given losses of all motors, within the limits of the vehicle's effort."""
-    drive, course = make_drive(parameters), build_course(scenario).data
+    drive, mesh = make_drive(parameters), build_meshed_line(scenario).data
     speed_ms = speed_rads / turns_per_metre(parameters)
     limit_speed_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
-    driving, braking = course.traction.effort_n(limit_speed_ms), course.braking.effort_n(limit_speed_ms)
+    driving, braking = mesh.traction.effort_n(limit_speed_ms), mesh.braking.effort_n(limit_speed_ms)
     ends = np.array([-braking.max(), driving.max()])
     least, most = (ends / _effort_over_torque(parameters, ends)).tolist()
     torque = np.linspace(least, most, TORQUES)

@@ -25,14 +25,14 @@ from railjoule.core.dynamic_programming.search import log_price_range
 from railjoule.core.dynamic_programming.steps import POWER, tabulate_steps
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.switching import line_energy_j
+from railjoule.core.strategies.switching import supply_energy_j
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
-FEWEST_CHANGES, MOST_CHANGES = 2, 9
+FEWEST_CHANGES, MAX_CHANGES = 2, 9
 """Power, coast, brake; and more instructions than anybody calls simple between two stations."""
 POINTS = 120
 """Speeds of the grid at each node; the tests show the effect of half and twice as many."""
@@ -45,7 +45,7 @@ NEAREST = 6
 """The last runs of the search, late and early, are nearest to the timetable; this many are adjusted to it."""
 PLACE_TOLERANCE = 1e-5
 """In cells: less than a millimetre."""
-MOST_CELLS = 4000
+MAX_CELLS = 4000
 Driven = tuple[FloatArray, IntArray]
 """Squared speeds of a run, and the regime of each cell."""
 
@@ -92,14 +92,14 @@ class SimpleAdvice:
         return math.nan if self.optimum is None else simple.run.energy_kwh - self.optimum.energy_kwh
 
 
-def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
+def simple_advice(task: Task, max_changes: int = MAX_CHANGES) -> SimpleAdvice:
     """Return the best runs with 2, 3, ... changes of regime, up to a number or until more gain nothing.
 
     Parameters
     ----------
     task : Task
         The task; its windows of arrival do not count, and the notes of a run list those that it misses.
-    most_changes : int
+    max_changes : int
         The most changes between two stops that are tried.
 
     Raises
@@ -110,13 +110,13 @@ def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
         If the mesh has too many cells, or no run with so few changes keeps the timetable.
     """
     task.require_timetable()
-    task.require_few_cells(MOST_CELLS)
+    task.require_few_cells(MAX_CELLS)
     require_compiled()
     optimum, search = known_optimum(task), _Search(task)
     enough_j = -math.inf if optimum is None else optimum.energy.net_j * (1 + FREE_SHARE)
     runs: list[SimpleRun] = []
     refused: list[tuple[int, str]] = []
-    for changes in range(FEWEST_CHANGES, most_changes + 1):
+    for changes in range(FEWEST_CHANGES, max_changes + 1):
         try:
             found = search.best_run(changes)
         except SolverError as failure:
@@ -129,7 +129,7 @@ def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
         if found.changes < changes or runs[-1].run.energy.net_j <= enough_j:
             break
     if not runs:
-        raise StrategyRefusedError(f"finds no run with at most {most_changes} changes of regime that is in time.")
+        raise StrategyRefusedError(f"finds no run with at most {max_changes} changes of regime that is in time.")
     return SimpleAdvice(optimum, tuple(runs), tuple(refused))
 
 
@@ -137,8 +137,8 @@ class _Search:
     """A search for runs over one grid of speeds, whose steps are computed once for all numbers of changes."""
 
     def __init__(self, task: Task) -> None:
-        self.task, self.data = task, task.course.data
-        greatest = task.greatest_speed2
+        self.task, self.data = task, task.mesh.data
+        greatest = task.fastest_speed2
         self.grid = speed_band(self.data, greatest, 0.25 * greatest, math.sqrt(greatest.max()), POINTS)
         self.steps = tabulate_steps(self.data, self.grid, NO_POWERS, by_regime=True)
         self.log_prices = self.first_log_prices = log_price_range(self.data, task.running_time_s)
@@ -148,9 +148,9 @@ class _Search:
         in_time = [run for driven in self._nearest_runs(changes) for run in self._adjusted_to_time(*driven)]
         if not in_time:
             raise SolverError(f"no run with at most {changes} changes of regime is in time.")
-        speed2, regimes = min(in_time, key=lambda driven: line_energy_j(self.task, driven[0]))
-        run = make_trajectory(self.task.scenario, self.task.course, "advised", speed2)
-        return SimpleRun(changes, _most_changes(self.data, regimes), replace(run, notes=missed_windows(self.task, run)))
+        speed2, regimes = min(in_time, key=lambda driven: supply_energy_j(self.task, driven[0]))
+        run = make_trajectory(self.task.scenario, self.task.mesh, "advised", speed2)
+        return SimpleRun(changes, _max_changes(self.data, regimes), replace(run, notes=missed_windows(self.task, run)))
 
     def _nearest_runs(self, changes: int) -> list[Driven]:
         """Return runs at prices that close in on the timetable, the nearest last."""
@@ -189,7 +189,7 @@ class _Search:
             cell, changed = min(int(place), last), regimes.copy()
             changed[first : cell + 1] = POWER
             changed[cell + 1 : last + 1] = after
-            driven = drive_regimes(self.data, self.task.greatest_speed2, speed2, changed, cell, place - cell)
+            driven = drive_regimes(self.data, self.task.fastest_speed2, speed2, changed, cell, place - cell)
             return driven, changed
 
         def late_s(place: float) -> float:
@@ -210,7 +210,7 @@ class _Search:
         return running_time(self.data.cell_length_m, speed2) - target_s if speed2[-1] >= 0.0 else target_s
 
 
-def _most_changes(data: CourseData, regimes: IntArray) -> int:
+def _max_changes(data: MeshData, regimes: IntArray) -> int:
     """Return the most changes of regime between two stops."""
     changed = np.append(False, regimes[1:] != regimes[:-1])
     # leaving a stop is no change

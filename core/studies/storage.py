@@ -69,7 +69,7 @@ class StorageNeed:
 
     Parameters
     ----------
-    largest_drop_kwh : float
+    max_drop_kwh : float
         Largest drop of the cumulative energy at the link [kWh].
     charging_peak_kw, discharging_peak_kw : float
         Largest powers at the link [kW].
@@ -81,7 +81,7 @@ class StorageNeed:
         Full cycles in a day of service.
     """
 
-    largest_drop_kwh: float
+    max_drop_kwh: float
     charging_peak_kw: float
     discharging_peak_kw: float
     generated_kwh: float
@@ -165,7 +165,7 @@ def storage_need(
     generated = float(-np.sum(np.minimum(power, 0.0) * duration))
     cycles = generated / drop if drop > 0 else 0.0
     return StorageNeed(
-        largest_drop_kwh=drop / J_PER_KWH,
+        max_drop_kwh=drop / J_PER_KWH,
         charging_peak_kw=float(-np.min(power, initial=0.0)) / W_PER_KW,
         discharging_peak_kw=float(np.max(power, initial=0.0)) / W_PER_KW,
         generated_kwh=generated / J_PER_KWH,
@@ -210,11 +210,11 @@ def saving_over_size(
 
 
 def _stored(power_w: FloatArray, duration_s: FloatArray, storage: Storage) -> StorageRun:
-    size_j, most_w = storage.size_kwh * J_PER_KWH, storage.power_kw * W_PER_KW
+    size_j, max_w = storage.size_kwh * J_PER_KWH, storage.power_kw * W_PER_KW
     efficiencies = storage.charging_efficiency, storage.discharging_efficiency
 
     def one_run(charge_j: float) -> tuple[float, float, float, float, float]:
-        return _one_run(power_w, duration_s, size_j, most_w, *efficiencies, charge_j)
+        return _one_run(power_w, duration_s, size_j, max_w, *efficiencies, charge_j)
 
     # The charge with which each of many equal runs begins and ends: a cell either raises the charge by an amount of its
     # own, at most to full, or lowers it, at most to empty. So a run maps a charge c to min(max(c + a, low), high).

@@ -24,7 +24,7 @@ from railjoule.core.strategies.fastest import fastest
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import all_rows
 from railjoule.core.studies.table import StudyTable
-from railjoule.core.task import LEAST_SLACK, Task
+from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
@@ -32,8 +32,8 @@ TOLERANCE = 1e-6
 """Relative gap of each point, far below what a figure can show."""
 # Forty optima over 350 cells take some 20 ms. Measured on the suburban preset, 1006 cells: coarsening moves the
 # energies by 2e-5; the figures show a thousandth.
-MOST_CELLS = 350
-"""A course with more cells gets a mesh of longer ones: the frontier is redrawn while a slider moves."""
+MAX_CELLS = 350
+"""A meshed line with more cells gets a mesh of longer ones: the frontier is redrawn while a slider moves."""
 # at the shortest time itself the slope is infinite and the solver has no inside
 FIRST_SLACK = 0.004
 """The first travel time of `frontier_times` exceeds the shortest one by this share."""
@@ -105,7 +105,7 @@ def frontier_times(task: Task, count: int = 40, longest_share: float = 2.0) -> F
 def energy_time_frontier(
     task: Task,
     travel_times_s: FloatArray,
-    most_cells: int = MOST_CELLS,
+    max_cells: int = MAX_CELLS,
     executor: Executor | None = None,
 ) -> Frontier:
     """Return the least energy over travel times.
@@ -116,15 +116,15 @@ def energy_time_frontier(
         The task; its time does not matter.
     travel_times_s : array of shape (m,)
         Times of the whole run, dwells included [s].
-    most_cells : int
+    max_cells : int
         A finer mesh is replaced by one with about this many cells.
     executor : Executor, optional
         Executor of the points; by default this thread.
     """
-    if task.course.drive.jumps_at_no_effort:
+    if task.mesh.drive.has_idle_losses:
         # its optimum with free switching is a bound, and no run
-        return strategy_frontier(task, travel_times_s, "optimal", most_cells, executor)
-    coarse = coarsened(task, most_cells)
+        return strategy_frontier(task, travel_times_s, "optimal", max_cells, executor)
+    coarse = coarsened(task, max_cells)
 
     def point(timed: Task) -> tuple[float, float, float]:
         found = refined_optimum(timed)
@@ -138,14 +138,14 @@ def strategy_frontier(
     task: Task,
     travel_times_s: FloatArray,
     strategy: str,
-    most_cells: int = MOST_CELLS,
+    max_cells: int = MAX_CELLS,
     executor: Executor | None = None,
 ) -> Frontier:
     """Return the energy of any strategy over travel times; NaN where it refuses one.
 
     Parameters
     ----------
-    task, travel_times_s, most_cells, executor
+    task, travel_times_s, max_cells, executor
         As in `energy_time_frontier`.
     strategy : str
         Which one.
@@ -156,23 +156,23 @@ def strategy_frontier(
         price = np.nan if run.price_of_time_w is None else run.price_of_time_w
         return run.energy.net_j, price, np.nan if run.gap is None or run.bound is None else run.bound.energy_j
 
-    return _frontier(task, coarsened(task, most_cells), travel_times_s, point, executor)
+    return _frontier(task, coarsened(task, max_cells), travel_times_s, point, executor)
 
 
-def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
+def enoc_frontier(task: Task, travel_times_s: FloatArray, max_cells: int = MAX_CELLS) -> Frontier:
     """Return the energy of ENOC with the best acceleration time for each travel time; arguments as above."""
     # without the acceleration time of the scenario, which is the best one for no other travel time
     free = task.scenario.model_copy(update={"enoc": EnocOptions()})
-    return strategy_frontier(replace(task, scenario=free), travel_times_s, "enoc", most_cells)
+    return strategy_frontier(replace(task, scenario=free), travel_times_s, "enoc", max_cells)
 
 
-def coarsened(task: Task, most_cells: int) -> Task:
-    """Return the task over a mesh of about `most_cells` cells, or itself if it has no more."""
-    count = task.course.cell_count
-    if count <= most_cells:
+def coarsened(task: Task, max_cells: int) -> Task:
+    """Return the task over a mesh of about `max_cells` cells, or itself if it has no more."""
+    count = task.mesh.cell_count
+    if count <= max_cells:
         return task
     # nodes at borders stay, so the count falls a little less than the length of the cells grows
-    longer = task.scenario.replace(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
+    longer = task.scenario.replace(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / max_cells})
     return prepare_task(longer, *task.end_speeds_ms)
 
 
@@ -188,15 +188,15 @@ def _frontier(
     notes = ["Windows of arrival do not count here."] if arrival_windows(asked) else []
     if task is not asked:
         notes.append(
-            f"Computed over {task.course.cell_count:,} cells of at most {task.scenario.solver.mesh_m:.3g} m instead of "
-            f"the {asked.course.cell_count:,} of the mesh of {asked.scenario.solver.mesh_m:g} m."
+            f"Computed over {task.mesh.cell_count:,} cells of at most {task.scenario.solver.mesh_m:.3g} m instead of "
+            f"the {asked.mesh.cell_count:,} of the mesh of {asked.scenario.solver.mesh_m:g} m."
         )
 
     def run(sample: Sequence[float]) -> tuple[float, float, float]:
         (time,) = sample
-        # the course and its fastest run do not depend on the time: they are made once for all points
+        # the meshed line and its fastest run do not depend on the time: they are made once for all points
         timed = replace(task, running_time_s=time - task.dwell_s)
-        if not timed.running_time_s > task.shortest_time_s * (1 + LEAST_SLACK):
+        if not timed.running_time_s > task.shortest_time_s * (1 + MIN_SLACK):
             raise TimetableError(time, task.shortest_travel_time_s)
         return point(timed)
 
@@ -215,7 +215,7 @@ def _frontier(
         {"notes": tuple(notes)},
         len(times),
         shortest_travel_time_s=task.shortest_travel_time_s,
-        cell_count=task.course.cell_count,
+        cell_count=task.mesh.cell_count,
         refused=tuple((float(times[row]), reason) for row, reason in rows.reasons.items()),
     )
 

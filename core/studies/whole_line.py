@@ -203,7 +203,7 @@ def _arrivals_by_rule(task: Task, windows: Windows, sharing: Sharing) -> dict[in
         for node, time_s in zip(inside[1:], times_s.tolist(), strict=True):
             number = stops.index(node) - 1
             arrivals[number] = ready_s + time_s
-            ready_s = arrivals[number] + float(task.course.dwell_s[node])
+            ready_s = arrivals[number] + float(task.mesh.dwell_s[node])
     end = len(stops) - 2
     if end not in windows:
         # without a window, the end is reached within the travel time
@@ -219,7 +219,7 @@ def nodes_at_stops(run: Trajectory, places_m: FloatArray) -> tuple[IntArray, Int
 
 def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
     stops = stop_nodes(task)
-    places, shortest = task.course.position_m[stops], shortest_times_s(task, stops)
+    places, shortest = task.mesh.position_m[stops], shortest_times_s(task, stops)
     arrives, leaves = nodes_at_stops(run, places)
     stations = task.scenario.line.in_running_order().stations
     # to a millimetre, as places of the mesh are sums
@@ -231,7 +231,7 @@ def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
         inside = [first <= a and b <= last for a, b in pairwise(stops)]
         if timed.price_of_time_w is not None:
             # the price of such a part excludes the auxiliaries, which take their power for a second more, too
-            auxiliary_w = task.course.data.auxiliary_power_w if timed.takes_exactly else 0.0
+            auxiliary_w = task.mesh.data.auxiliary_power_w if timed.takes_exactly else 0.0
             prices[inside] = timed.price_of_time_w - auxiliary_w
     return tuple(
         Leg(
@@ -242,7 +242,7 @@ def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
             departure_s=float(run.time_s[leaves[k]]),
             arrival_s=float(run.time_s[arrives[k + 1]]),
             shortest_time_s=float(shortest[k]),
-            energy_j=float(run.line_energy_j[arrives[k + 1]] - run.line_energy_j[leaves[k]]),
+            energy_j=float(run.supply_energy_j[arrives[k + 1]] - run.supply_energy_j[leaves[k]]),
             price_of_time_w=float(prices[k]),
         )
         for k in range(len(stops) - 1)

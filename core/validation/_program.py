@@ -13,10 +13,10 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive.formulas import constant_efficiency_power, copper_loss_power
 from railjoule.core.drive.kernels import may_draw_while_braking
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.drive.line_power import smooth_line_power
+from railjoule.core.drive.line_power import smooth_supply_power
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, cells_of
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, cells_of
 
 # Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
 # cannot trace: they have no outside oracle here.
@@ -24,11 +24,11 @@ DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency_power, COPPER_LOSS: copper_lo
 
 
 class Program:
-    """Variables, constraints and objective of one course, scaled as in `layout`.
+    """Variables, constraints and objective of one meshed line, scaled as in `layout`.
 
     Parameters
     ----------
-    data : CourseData
+    data : MeshData
         The discretised line and train.
     running_time_s : float
         Time allowed without dwells [s].
@@ -38,9 +38,7 @@ class Program:
         Whether the braking effort is a variable even where no friction brake makes it one.
     """
 
-    def __init__(
-        self, data: CourseData, running_time_s: float, reachable_speed2: FloatArray, own_braking: bool
-    ) -> None:
+    def __init__(self, data: MeshData, running_time_s: float, reachable_speed2: FloatArray, own_braking: bool) -> None:
         self.casadi: Any = importlib.import_module("casadi")
         self.data, self.scale = data, data.traction.constant_n
         # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside
@@ -77,7 +75,7 @@ class Program:
             Floor of the squares of speed [m2/s2].
         """
         data, cells = self.data, np.ones(len(self.data.cell_length_m))
-        high = [data.largest_speed2[self.free], data.supply_share]
+        high = [data.limit_speed2[self.free], data.supply_share]
         if self.has_braking:
             high.append(data.supply_share * (data.braking.constant_n / self.scale))
         if self.may_draw:
@@ -152,7 +150,9 @@ class Program:
         generated = -power(parameters, True, braking * self.scale, v)[0] / v / self.scale
         if self.may_draw:
             self._keep(self.drawn + generated, 0.0, np.inf)
-        return smooth_line_power(taken, generated, self.drawn if self.may_draw else 0.0, self.data.recuperation_factor)
+        return smooth_supply_power(
+            taken, generated, self.drawn if self.may_draw else 0.0, self.data.recuperation_factor
+        )
 
     def _limit_over_speed(self, effort: Any, limit: EffortLimit, v: Any, top_speed: FloatArray) -> None:
         """Keep an effort under its limit that varies with speed."""

@@ -20,7 +20,7 @@ from railjoule.core.validation.ipopt import IpoptProblem, is_installed, is_known
 BUDGET_S = 0.3
 """Time over which one call is repeated [s]."""
 # odd, so that a median is one of the times; slow strategies are timed at least five times whatever the budget
-FEWEST_CALLS, MOST_CALLS = 5, 201
+FEWEST_CALLS, MAX_CALLS = 5, 201
 ALONE, TEXTBOOK, TUNED = "interior point alone", "IPOPT, textbook", "IPOPT, tuned"
 """Names of the solvers that are no strategies."""
 
@@ -59,7 +59,7 @@ def warm_median_s(call: Callable[[], object], budget_s: float = BUDGET_S) -> flo
     # compiling, loading and filling caches happen once in a session: in the call that does not count
     times: list[float] = []
     until = time.perf_counter() + budget_s
-    while len(times) < FEWEST_CALLS or (len(times) < MOST_CALLS and time.perf_counter() < until):
+    while len(times) < FEWEST_CALLS or (len(times) < MAX_CALLS and time.perf_counter() < until):
         started = time.perf_counter()
         call()
         times.append(time.perf_counter() - started)
@@ -90,14 +90,14 @@ def _time_strategies(name: str, task: Task, budget_s: float) -> Iterator[Timing]
         except StrategyRefusedError:
             continue
         median = warm_median_s(partial(run_strategy, task, strategy), budget_s)
-        yield Timing(name, task.course.cell_count, strategy, run.energy_kwh, run.iterations, median)
+        yield Timing(name, task.mesh.cell_count, strategy, run.energy_kwh, run.iterations, median)
 
 
 def time_solver_alone(name: str, task: Task, budget_s: float = BUDGET_S) -> Timing:
     """Measure the interior-point method on given arrays, without lower bound and energy balance."""
     solution = minimise(task)
     median = warm_median_s(partial(minimise, task), budget_s)
-    return Timing(name, task.course.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
+    return Timing(name, task.mesh.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
 
 
 def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Timing]:
@@ -106,4 +106,4 @@ def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Ti
         problem = IpoptProblem(task, textbook)
         run = problem.solve()
         median = warm_median_s(problem.solve, budget_s)
-        yield Timing(name, task.course.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)
+        yield Timing(name, task.mesh.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)

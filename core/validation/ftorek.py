@@ -30,7 +30,7 @@ from railjoule.core.validation.ftorek_runs import (
     closed_loop_run,
     coefficients,
     eoc_run,
-    least_energies_j,
+    min_energies_j,
     optimal_run,
     paper,
     paper_line,
@@ -108,7 +108,7 @@ def driven_run(entry: Quantities) -> Quantities:
 
 def all_losses(entry: Quantities) -> Quantities:
     """Compute ENOC's energies in closed loop with all losses [Wh]."""
-    run, less_flux = (closed_loop_run("enoc", entry["travel_time_s"], flux) for flux in ("constant", "least_loss"))
+    run, less_flux = (closed_loop_run("enoc", entry["travel_time_s"], flux) for flux in ("constant", "min_loss"))
     return {
         "by_input_power": run.energy_by_input_power_j[-1] / J_PER_WH,
         "by_parts": run.energy_by_parts_j[-1] / J_PER_WH,
@@ -120,14 +120,14 @@ def true_optimum(entry: Quantities) -> Quantities:
     """Compute the optimum with the whole cost, by the boundary value problem and by the interior point."""
     time = entry["travel_time_s"]
     eoc, optimal = eoc_run(time, "optimal"), optimal_run(time)
-    least_wh = optimal.energy.net_j / J_PER_WH
+    min_wh = optimal.energy.net_j / J_PER_WH
     return {
         "eoc_speed_kmh": float(eoc.speed_ms.max()) / MS_PER_KMH,
         "optimal_speed_kmh": optimal.max_speed_kmh,
         "eoc_energy_wh": eoc.total_energy_j / J_PER_WH,
-        "optimal_energy_wh": least_wh,
-        "saved_percent": 100 * (1 - least_wh / entry["total_energy_wh"]),
-        "is_beaten": least_wh < entry["total_energy_wh"],
+        "optimal_energy_wh": min_wh,
+        "saved_percent": 100 * (1 - min_wh / entry["total_energy_wh"]),
+        "is_beaten": min_wh < entry["total_energy_wh"],
     }
 
 
@@ -147,10 +147,10 @@ def surface_point(entry: Quantities) -> Quantities:
     # The weight acts only on (12): a vehicle with more resistance would change its closed loop as well.
     surface = enoc_coefficients(replace(line, loss_coefficient=weight * line.loss_coefficient))
     longest_s, ramp_s = surface_minimum(surface)
-    least_j, energy_j = (
+    min_j, energy_j = (
         float(enoc_energy(surface, one["travel_time_s"], one["acceleration_time_s"])) for one in (minimum, printed)
     )
-    above = 100 * share_above(energy_j, least_j)
+    above = 100 * share_above(energy_j, min_j)
     return {
         "printed": printed,
         "longest_s": longest_s,
@@ -237,9 +237,9 @@ def half_speed(friction: str) -> Quantities:
 
 
 @cache
-def lowest_speed() -> Quantities:
+def min_speed() -> Quantities:
     """Compute the travel time of the least energy, and the energies of ENOC over the travel time."""
-    energies = least_energies_j(coefficients(), ALL_TIMES_S)
+    energies = min_energies_j(coefficients(), ALL_TIMES_S)
     slopes = -np.gradient(energies / J_PER_WH, ALL_TIMES_S)
     slope = [float(np.interp(time, ALL_TIMES_S, slopes)) for time in (270, 330, 500)]
     return {
@@ -260,7 +260,7 @@ def best_time(constant_weight: float) -> Quantities:
             linear=linear * line.linear,
             quadratic=quadratic * line.quadratic,
         )
-        slopes = np.sign(np.diff(least_energies_j(enoc_coefficients(friction), ALL_TIMES_S)))
+        slopes = np.sign(np.diff(min_energies_j(enoc_coefficients(friction), ALL_TIMES_S)))
         minima.append(int(np.sum(np.diff(slopes) > 0)))
         falls.append(bool(np.all(slopes < 0)))
     verb = "falls" if all(falls) else "does not fall"
@@ -333,7 +333,7 @@ def closed_loops() -> Quantities:
     ]
     rated, least = (
         sum(v for k, v in closed_loop_run("enoc", BASE_TIME_S, flux).parts_j.items() if k in LOSSES) / J_PER_WH
-        for flux in ("constant", "least_loss")
+        for flux in ("constant", "min_loss")
     )
     balance = max(100 * abs(run.energy_by_parts_kwh / run.energy_by_input_power_kwh - 1) for run in runs)
     return {
@@ -345,7 +345,7 @@ def closed_loops() -> Quantities:
         "balance_ppm": np.ceil(1e6 * balance) / 100,
         "less_loss": 100 * (1 - least / rated),
         "rated_wh": rated,
-        "least_wh": least,
+        "min_wh": least,
     }
 
 

@@ -55,7 +55,7 @@ def paper_line() -> PlainLine:
 def amperes_per_newton() -> float:
     """Return the current of one motor over the effort of all [A/N]."""
     # a drive with copper loss, as in every scenario of the paper, always has a current
-    return prepare_task(paper_scenario()).course.drive.amperes_per_newton or np.nan
+    return prepare_task(paper_scenario()).mesh.drive.amperes_per_newton or np.nan
 
 
 @cache
@@ -127,7 +127,7 @@ def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:
     """Compute travel time and acceleration time of the least energy of ENOC [s]."""
     # nested, as the best ramp for a time has a search of its own
     time = minimize_scalar(
-        lambda time_s: float(least_energies_j(coefficients, np.array([time_s]))[0]),
+        lambda time_s: float(min_energies_j(coefficients, np.array([time_s]))[0]),
         bounds=(1.0, LONGEST_TIME_S),
         method="bounded",
         options={"xatol": 1e-6},
@@ -135,7 +135,7 @@ def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:
     return float(time), best_acceleration_time(coefficients, time)
 
 
-def least_energies_j(coefficients: EnocCoefficients, times_s: FloatArray) -> FloatArray:
+def min_energies_j(coefficients: EnocCoefficients, times_s: FloatArray) -> FloatArray:
     """Compute ENOC's energies with its best acceleration times for travel times [J]; shape as the times."""
     ramps = np.array([best_acceleration_time(coefficients, float(time)) for time in times_s])
     return enoc_energy(coefficients, times_s, ramps)

@@ -19,7 +19,7 @@ from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 from railjoule.core.validation.liashenko_runs import (
-    LEAST_SHOWN,
+    MIN_SHOWN,
     ComparedTable,
     above_own_time,
     both_directions,
@@ -59,8 +59,8 @@ def cells(place: str) -> list[Quantities]:
                 "by_plan": by_plan,
                 "by_load": by_load,
                 "load_note": "assumed" if by_load >= 0 else loads[k]["load_note"],
-                "is_plan_off": abs(by_plan - printed) > LEAST_SHOWN,
-                "is_load_off": abs(by_load - printed) > LEAST_SHOWN,
+                "is_plan_off": abs(by_plan - printed) > MIN_SHOWN,
+                "is_load_off": abs(by_load - printed) > MIN_SHOWN,
             }
         )
     return records
@@ -81,7 +81,7 @@ def _load(table: ComparedTable, k: int) -> Quantities:
         "load": table.loads[k],
         "mass": abs(mass),
         "change": change if mass > 0 else -change,
-        "arrival": f"at most {delay:.1f} s late" if delay >= LEAST_SHOWN else "not late",
+        "arrival": f"at most {delay:.1f} s late" if delay >= MIN_SHOWN else "not late",
         "stop_error_m": float(np.max(np.abs(table.stop_error_m[below, k]), initial=0.0)),
         "plan_note": "assumed" if k == table.planned_load else plan_note,
         "load_note": "late" if late.any() else "assumed",
@@ -257,7 +257,7 @@ def braking_zone() -> Quantities:
 def cells_below_zero() -> Quantities:
     """Count the cells below zero by each measure."""
     tables = compared_tables()
-    counts = {key: sum(int(np.sum(getattr(table, key) < -LEAST_SHOWN)) for table in tables) for key in MEASURES}
+    counts = {key: sum(int(np.sum(getattr(table, key) < -MIN_SHOWN)) for table in tables) for key in MEASURES}
     fourth = 100 * example("Fig. 4").following.overconsumption
     return {**counts, "cells": sum(table.printed.size for table in tables), "fourth": fourth}
 
@@ -272,7 +272,7 @@ def largest(place: str) -> Quantities:
     return found
 
 
-def largest_values() -> Quantities:
+def max_values() -> Quantities:
     """Compute the largest values of Tables 4 to 7 by each measure, and whether they grow by one of them."""
     values = {key: [float(getattr(table, key).max()) for table in compared_tables()] for key in MEASURES}
     return {**values, "grows": any(np.all(np.diff(values[key]) > 0) for key in ("by_plan", "by_load"))}

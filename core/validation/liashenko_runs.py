@@ -18,7 +18,7 @@ from railjoule.core.validation.papers import printed_numbers
 PAPER = "liashenko-2025"
 BOTH_DIRECTIONS = (False, True)
 """Values of `line.reverse` over which (12) adds energies."""
-LEAST_SHOWN = 0.05
+MIN_SHOWN = 0.05
 """A difference [percentage points] or delay [s] below this reads as 0.0."""
 
 

@@ -231,7 +231,7 @@ def _length_m(kr: float, plan: PhasePlan, phase: str) -> float:
 def cruise() -> Quantities:
     """Compute efficiency and power factor of the printed cruise of part I over the flux."""
     sweep = sweep_flux(tram_scenario(0.0).vehicle, float(printed_phases("part I")[1]["start_ms"]))
-    best, within, rated = sweep.least_loss, sweep.within_voltage, sweep.rated
+    best, within, rated = sweep.min_loss, sweep.within_voltage, sweep.rated
     allowed = [one for one in sweep.points if one.phase_voltage_v <= sweep.max_phase_voltage_v]
     low, high = allowed[0], allowed[-1]
     efficiencies, factors = (

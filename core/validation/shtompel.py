@@ -122,7 +122,7 @@ def evaluations(speed_kmh: int) -> Quantities:
     def cost(place: FloatArray) -> float:
         return float(min(problem.evaluate("sample", place, borders).energy_j, INFEASIBLE_J))
 
-    bounds = [(problem.least_ms, problem.most_ms)] * (len(borders) + 1)
+    bounds = [(problem.min_ms, problem.most_ms)] * (len(borders) + 1)
     # the same seed each time, as its numbers are shown
     other = differential_evolution(cost, bounds, seed=1, maxiter=20, polish=False)
     return {
@@ -143,7 +143,7 @@ def both_evaluations() -> Quantities:
 def _effort_share(run: Trajectory, cells: BoolArray) -> float:
     """Return the share of traction energy in some of the cells [%]."""
     # auxiliaries flow while the train coasts, brakes and stands as well, and are no traction then
-    energy = np.maximum(run.line_power_w, 0.0) * np.diff(run.time_s) * (run.tractive_effort_n > 0)
+    energy = np.maximum(run.supply_power_w, 0.0) * np.diff(run.time_s) * (run.tractive_effort_n > 0)
     return 100 * float(np.sum(energy[cells]) / np.sum(energy))
 
 
@@ -171,10 +171,9 @@ def driving(speed_kmh: int) -> Quantities:
         "brake": search_limits(speed_kmh, "brake")[0],
         "free": search_limits(speed_kmh, "coast", free=True)[0],
     }
-    drops = {name: storage_need(run).largest_drop_kwh for name, run in runs.items()}
+    drops = {name: storage_need(run).max_drop_kwh for name, run in runs.items()}
     shares = {
-        name: _effort_share(run, run.tractive_effort_n > FULL_SHARE * run.largest_effort_n)
-        for name, run in runs.items()
+        name: _effort_share(run, run.tractive_effort_n > FULL_SHARE * run.max_effort_n) for name, run in runs.items()
     }
     return {
         name: {

@@ -156,10 +156,10 @@ def advise(file: str, changes: Mapping[str, Any], most: int | None, output: Outp
     RailjouleError
         If anything is wrong with the scenario, or no such run is in time.
     """
-    from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
+    from railjoule.core.studies.simple_advice import MAX_CHANGES, simple_advice  # noqa: PLC0415
 
     task = prepare_task(load(file, changes))
-    advice = simple_advice(task, MOST_CHANGES if most is None else most)
+    advice = simple_advice(task, MAX_CHANGES if most is None else most)
     output.show(summary.summarise_advice(advice, last=most is not None), terminal.simple_advice_text)
 
 

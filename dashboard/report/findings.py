@@ -24,7 +24,7 @@ from railjoule.dashboard.work.refusals import named_refusals
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tightened_runs
 
 OPTIMA_COUNT = 40
-MOST_CELLS = 500
+MAX_CELLS = 500
 """Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
 Reality = DisturbedRun | Following | FieldOrientedRun
 RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
@@ -160,7 +160,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
     """Yield the optima so far, and their share of all."""
     if "optimal" not in findings.runs.runs:
         return
-    task = coarsened(prepare_task(findings.scenario), MOST_CELLS)
+    task = coarsened(prepare_task(findings.scenario), MAX_CELLS)
     times, bound = optima_times(task), findings.runs.best.bound
     optima: tuple[Trajectory, ...] = ()
     for k, time in enumerate(times.tolist(), 1):

@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.trade_off.compute import EnocMap
 from railjoule.dashboard.report.findings import Findings
 
 TICKS, CORNER_SHARE = 5, 0.06
-MOST_NODES = 40
+MAX_NODES = 40
 """Along an axis: a finer surface looks the same, and the file has all its numbers."""
 
 
@@ -158,7 +158,7 @@ def cost_surface(table: StudyTable) -> Surface | None:
 
 
 def _thinned(count: int) -> FloatArray:
-    return np.unique(np.linspace(0, count - 1, min(count, MOST_NODES)).round().astype(int))
+    return np.unique(np.linspace(0, count - 1, min(count, MAX_NODES)).round().astype(int))
 
 
 def surfaces_of(findings: Findings) -> dict[str, Surface]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
@@ -53,8 +53,8 @@ def _run(recipe: Recipe) -> Trajectory:
     if recipe.simple:
         return simple_run(scenario, recipe.simple)
     if recipe.driven:
-        course = build_course(scenario)
-        return drive_manually(scenario, course, read_commands(recipe.driven, course.cell_count))
+        mesh = build_meshed_line(scenario)
+        return drive_manually(scenario, mesh, read_commands(recipe.driven, mesh.cell_count))
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")

@@ -207,7 +207,7 @@ def beside_each_other(
     return Runs(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
-        cell_count=task.course.cell_count,
+        cell_count=task.mesh.cell_count,
         runs=dict(zip(runs, with_best_known([*runs.values()]), strict=True)),
         refused=dict(refused),
         law=law,

@@ -9,7 +9,7 @@ from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.actual_run import actual_run
 from railjoule.core.simulation.advised import drive_advice
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
@@ -157,7 +157,10 @@ def test_what_cannot_be_is_told(changes, words):
 
 def test_head_wind_by_hand():
     """C (v + w)^2 = C w^2 + 2 C w v + C v^2, with w = 10 m/s."""
-    still, windy = build_course(plain_scenario()).data, build_course(plain_scenario({"line.head_wind_kmh": 36.0})).data
+    still, windy = (
+        build_meshed_line(plain_scenario()).data,
+        build_meshed_line(plain_scenario({"line.head_wind_kmh": 36.0})).data,
+    )
     c = still.resistance_quadratic[0]
     assert windy.resistance_constant_n - still.resistance_constant_n == pytest.approx(100 * c)
     assert windy.resistance_linear - still.resistance_linear == pytest.approx(20 * c)

@@ -9,7 +9,7 @@ from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, StrategyRefusedError
-from railjoule.core.physics.course_data import tractive_limit_n
+from railjoule.core.physics.mesh_data import tractive_limit_n
 from railjoule.core.simulation.actual_run import actual_run
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare, prepare_task
@@ -28,10 +28,10 @@ def neutral_cells(run, start_m=700.0, end_m=850.0):
 def require_no_effort(run, **place):
     cells = neutral_cells(run, **place)
     assert cells.sum() > 5
-    most = NO_EFFORT * run.largest_effort_n.max()
+    most = NO_EFFORT * run.max_effort_n.max()
     assert run.tractive_effort_n[cells].max() < most
     assert run.electric_braking_n[cells].max() < most
-    np.testing.assert_allclose(run.line_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
+    np.testing.assert_allclose(run.supply_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
     # Newton's second law in the check finds what the speeds need, whatever the run says of its efforts
     assert check_run(run.scenario, run).ok
 
@@ -90,13 +90,13 @@ def test_friction_brakes_work_in_them():
 def test_a_line_without_them_is_as_it_was():
     """Each limit is multiplied by exactly 1."""
     task, without = prepare_task(plain_scenario(NEUTRAL)), prepare_task(plain_scenario())
-    assert without.course.data.supply_share.tolist() == [1.0] * without.course.cell_count
+    assert without.mesh.data.supply_share.tolist() == [1.0] * without.mesh.cell_count
     # 150 m in cells of 10 m
-    assert (task.course.data.supply_share < 1).sum() == 15
-    speed = np.linspace(0.1, 25.0, without.course.cell_count)
-    limit = without.course.data.traction.effort_n(speed)
-    assert tractive_limit_n(without.course.data, speed).tolist() == limit.tolist()
-    assert tractive_limit_n(task.course.data, speed)[task.course.data.supply_share < 1].max() < NO_EFFORT * limit.max()
+    assert (task.mesh.data.supply_share < 1).sum() == 15
+    speed = np.linspace(0.1, 25.0, without.mesh.cell_count)
+    limit = without.mesh.data.traction.effort_n(speed)
+    assert tractive_limit_n(without.mesh.data, speed).tolist() == limit.tolist()
+    assert tractive_limit_n(task.mesh.data, speed)[task.mesh.data.supply_share < 1].max() < NO_EFFORT * limit.max()
 
 
 def test_the_check_sees_a_drive_that_works_in_one():
@@ -185,8 +185,8 @@ def test_the_actual_train_coasts_through_them_too():
     run = actual_run(plain_scenario({**NEUTRAL, "disturbance.actual_load_factor": 0.9}))
     require_no_effort(run.planned)
     cells = neutral_cells(run.actual)
-    assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
-    assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
+    assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.max_effort_n.max()
+    assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.max_effort_n.max()
 
 
 def test_the_closed_loop_refuses_them():
@@ -215,4 +215,4 @@ def test_short_ones_close_together_are_kept_each(strategy):
     for section in sections:
         cells = neutral_cells(run, section["from_m"], section["to_m"])
         assert cells.any()
-        assert run.tractive_effort_n[cells].max() < NO_EFFORT * run.largest_effort_n.max()
+        assert run.tractive_effort_n[cells].max() < NO_EFFORT * run.max_effort_n.max()

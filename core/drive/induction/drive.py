@@ -24,9 +24,9 @@ from railjoule.core.drive.geared import (
     TURNS,
     turns_per_metre,
 )
-from railjoule.core.drive.induction.least_loss import best_ratio
 from railjoule.core.drive.induction.limits import corner_speed, fill_efforts, fill_full_current
 from railjoule.core.drive.induction.machine import Machine, machine_of, steady_state, torque_constant
+from railjoule.core.drive.induction.min_loss import best_ratio
 from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.drive.line_power import resistor_power
 from railjoule.core.errors import ScenarioError

@@ -27,7 +27,7 @@ from railjoule.core.drive.induction.voltage import Quartic, value, voltage_quart
 from railjoule.core.golden_section import Bracket, inner_points, narrowed, next_point
 
 # Iy / Ix of the search: far beyond both ends of what machines do, in the logarithm of which the torque has one maximum
-LEAST_RATIO, GREATEST_RATIO = 1e-3, 1e3
+MIN_RATIO, GREATEST_RATIO = 1e-3, 1e3
 WIDENING = 1.02
 # 50 cuts by 0.618 leave 5e-10 of the ratio, at a kink between two limits as much of the torque
 NARROWINGS = 50
@@ -42,9 +42,7 @@ def _strength_at(machine: Machine, quartic: Quartic, current2: float, flux2: flo
 
 
 @njit(cache=True)
-def greatest_torque_nm(
-    machine: Machine, sign: float, current_a: float, flux_current_a: float, rotor_rads: float
-) -> float:
+def max_torque_nm(machine: Machine, sign: float, current_a: float, flux_current_a: float, rotor_rads: float) -> float:
     """Return the greatest electromagnetic torque [N m], without sign.
 
     Parameters
@@ -60,7 +58,7 @@ def greatest_torque_nm(
     """
     quartic = voltage_quartic(machine, sign, rotor_rads)
     current2, flux2 = current_a * current_a, flux_current_a * flux_current_a
-    low, high = math.log(LEAST_RATIO), math.log(GREATEST_RATIO)
+    low, high = math.log(MIN_RATIO), math.log(GREATEST_RATIO)
     left, right = inner_points(low, high)
     # the search is for the least value, so kappa comes into it negative
     at_left = -_strength_at(machine, quartic, current2, flux2, math.exp(left))
@@ -101,7 +99,7 @@ def fill_efforts(
     flux_current = machine.magnetising_current_a if rated_flux else np.inf
     for i in range(speed_ms.shape[0]):
         rotor_rads = machine.pole_pairs * parameters[TURNS] * speed_ms[i]
-        torque = greatest_torque_nm(machine, sign, current_a, flux_current, rotor_rads)
+        torque = max_torque_nm(machine, sign, current_a, flux_current, rotor_rads)
         # friction of the machine helps to brake, and takes torque from driving
         effort_n[i] = max(wheel * (torque - sign * parameters[FRICTION]), 0.0)
 

@@ -21,7 +21,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.geared import turns_per_metre
 from railjoule.core.drive.induction.drive import machine_from
 from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
-from railjoule.core.drive.induction.limits import greatest_torque_nm
+from railjoule.core.drive.induction.limits import max_torque_nm
 from railjoule.core.drive.induction.machine import Machine, phase_voltage_v, steady_state, torque_constant
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction, InductionMachine
@@ -85,7 +85,7 @@ class TractionMachines:
         # in steady state the rotor's flux is M Ix: its current has no part along x
         return self.machine.mutual_inductance_h * self.machine.magnetising_current_a
 
-    def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
         """Return the greatest torque of the shaft, without sign, within current and voltage [N m].
 
         Parameters
@@ -98,13 +98,13 @@ class TractionMachines:
         current = self.braking_current_a if braking else self.driving_current_a
         sign, machine = -1.0 if braking else 1.0, self.machine
         torque = [
-            greatest_torque_nm(machine, sign, current, machine.magnetising_current_a, machine.pole_pairs * speed)
+            max_torque_nm(machine, sign, current, machine.magnetising_current_a, machine.pole_pairs * speed)
             for speed in np.asarray(speed_rads, dtype=float)
         ]
         # friction takes from the torque that drives, and adds to the one that brakes
         return np.maximum(np.array(torque) - sign * machine.mechanical_loss_torque_nm, 0.0)
 
-    def efficiency(self, torque_nm: FloatArray, speed_rads: FloatArray, least_loss: bool) -> FloatArray:
+    def efficiency(self, torque_nm: FloatArray, speed_rads: FloatArray, min_loss: bool) -> FloatArray:
         """Return output over input power of one machine, shape (n, m); NaN beyond current or voltage.
 
         Parameters
@@ -113,13 +113,13 @@ class TractionMachines:
             Torques of the shaft, negative where it brakes [N m].
         speed_rads : array of shape (m,)
             Speeds of the rotor [rad/s].
-        least_loss : bool
+        min_loss : bool
             Whether the flux is that of least loss; else the rated one as long as the voltage carries it.
         """
         limits = self.driving_current_a, self.braking_current_a
         found = np.empty((len(torque_nm), len(speed_rads)))
         torque, speed = np.array(torque_nm, dtype=float), np.array(speed_rads, dtype=float)
-        fill_efficiency(self.machine, least_loss, *limits, torque, speed, found)
+        fill_efficiency(self.machine, min_loss, *limits, torque, speed, found)
         return found
 
 
@@ -152,7 +152,7 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
 @njit(cache=True, nogil=True)
 def fill_efficiency(
     machine: Machine,
-    least_loss: bool,
+    min_loss: bool,
     driving_current_a: float,
     braking_current_a: float,
     torque_nm: FloatArray,
@@ -165,14 +165,14 @@ def fill_efficiency(
         for i in range(torque_nm.shape[0]):
             # friction takes its torque from the shaft in both directions
             torque = torque_nm[i] + machine.mechanical_loss_torque_nm
-            if least_loss:
+            if min_loss:
                 flux_current = flux_current_of_least_loss(machine, torque, rotor_rads)
             else:
                 flux_current = flux_current_within_voltage(machine, torque, rotor_rads)
             torque_current = torque / (torque_constant(machine) * flux_current)
             state = steady_state(machine, flux_current, torque_current, rotor_rads)
-            largest_a = driving_current_a if torque >= 0.0 else braking_current_a
-            current, voltage = math.hypot(flux_current, torque_current) / largest_a, phase_voltage_v(state)
+            max_a = driving_current_a if torque >= 0.0 else braking_current_a
+            current, voltage = math.hypot(flux_current, torque_current) / max_a, phase_voltage_v(state)
             shaft = torque_nm[i] * speed_rads[j]
             if max(current, voltage / machine.max_phase_voltage_v) > 1.0 + ALLOWED_EXCESS:
                 efficiency[i, j] = np.nan

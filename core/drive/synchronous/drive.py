@@ -118,8 +118,8 @@ def torque_envelope(parameters: Synchronous, speed_rads: FloatArray, braking: bo
     saliency = machine.quadrature_inductance_h - machine.direct_inductance_h
     # both currents at their largest together, which no split of the current can be
     flux = machine.magnet_flux_vs + saliency * machine.max_current_a
-    most_nm = 1.5 * machine.pole_pairs * flux * machine.max_current_a
-    fill_envelope(machine, numbers, -1.0 if braking else 1.0, most_nm, speed, torque)
+    max_nm = 1.5 * machine.pole_pairs * flux * machine.max_current_a
+    fill_envelope(machine, numbers, -1.0 if braking else 1.0, max_nm, speed, torque)
     return torque
 
 

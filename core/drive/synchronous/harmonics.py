@@ -32,7 +32,7 @@ COPPER_RESISTIVITY_OHM_M = 2.2e-8
 THIN, THICK = 1e-2, 50.0
 # amplitudes over half the link voltage that count as none
 NEGLIGIBLE_AMPLITUDE = 1e-6
-GREATEST_DEPTH = 2.0 / math.sqrt(3.0)
+MAX_DEPTH = 2.0 / math.sqrt(3.0)
 """Of modulation by space vectors: amplitude of the fundamental over half the link voltage."""
 
 
@@ -80,7 +80,7 @@ def side_bands() -> FloatArray:
         At the frequency of n carriers and k - SIDE_BANDS fundamentals; depths of modulation rise from 0 to 2/sqrt(3).
     """
     angle = 2 * np.pi * np.arange(ANGLES) / ANGLES
-    depth = np.linspace(0.0, GREATEST_DEPTH, DEPTHS)
+    depth = np.linspace(0.0, MAX_DEPTH, DEPTHS)
     phases = depth[:, None, None] * np.cos(angle[None, :] - 2 * np.pi * np.arange(3)[:, None] / 3)
     # half the sum of the outer two is taken off all legs: the zero-sequence part, which the phases do not see
     leg = phases[:, 0] - 0.5 * (phases.max(axis=1) + phases.min(axis=1))
@@ -116,7 +116,7 @@ def space_vector_loss(
     """
     last = bands.shape[0] - 1
     half = 0.5 * link_voltage_v
-    place = min(phase_voltage_v / half / GREATEST_DEPTH, 1.0) * last
+    place = min(phase_voltage_v / half / MAX_DEPTH, 1.0) * last
     i = min(int(place), last - 1)
     share = place - i
     # three phases carry 3/2 R I^2 of an amplitude I, which only the inductance limits: reactance far above resistance

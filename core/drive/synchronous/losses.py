@@ -12,7 +12,7 @@ from typing import NamedTuple
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.synchronous.harmonics import Winding, resistance_at, six_step_loss, space_vector_loss
-from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque, phase_voltages
+from railjoule.core.drive.synchronous.machine import Machine, currents, max_torque, phase_voltages
 
 COPPER, IRON, MECHANICAL, HARMONICS, CONDUCTION, SWITCHING = range(6)
 KINDS = 6
@@ -130,11 +130,11 @@ def fill_points(
 
 @njit(cache=True, nogil=True)
 def fill_envelope(
-    machine: Machine, numbers: LossNumbers, sign: float, most_nm: float, speed: FloatArray, torque: FloatArray
+    machine: Machine, numbers: LossNumbers, sign: float, max_nm: float, speed: FloatArray, torque: FloatArray
 ) -> None:
     """Fill the greatest torques of the shaft [N m], without sign, at speeds [rad/s]; `sign` is -1 in braking."""
     for j in range(speed.shape[0]):
         drag = shaft_drag_nm(numbers, speed[j])
         # friction takes from the torque that drives, and adds to the one that brakes
-        most = greatest_torque(machine, sign, machine.pole_pairs * speed[j], most_nm)
+        most = max_torque(machine, sign, machine.pole_pairs * speed[j], max_nm)
         torque[j] = max(most - sign * drag, 0.0)

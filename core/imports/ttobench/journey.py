@@ -62,13 +62,13 @@ class _Point:
     position_m: float
     earliest_s: float | None
     latest_s: float | None
-    least_kmh: float | None
-    most_kmh: float | None
+    min_kmh: float | None
+    max_kmh: float | None
 
     @property
     def stands(self) -> bool:
         """Whether the train stands there."""
-        return self.most_kmh == 0
+        return self.max_kmh == 0
 
 
 def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
@@ -92,7 +92,7 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     halts, passed = _halts_and_passed(points)
     for point in passed:
         demands = [_range("the time", point.earliest_s, point.latest_s, "s")]
-        demands.append(_range("the speed", point.least_kmh, point.most_kmh, "km/h"))
+        demands.append(_range("the speed", point.min_kmh, point.max_kmh, "km/h"))
         _note_demands(demands, point, notes)
     if stops == "ends":
         for arrival, _ in halts:
@@ -144,7 +144,7 @@ def _points(given: TimingPoints, where: str) -> list[_Point]:
     for index, point in enumerate(points):
         for low, high, what in (
             (point.earliest_s, point.latest_s, "time"),
-            (point.least_kmh, point.most_kmh, "speed"),
+            (point.min_kmh, point.max_kmh, "speed"),
         ):
             if low is not None and high is not None and low > high:
                 raise ScenarioError(f"{where}.values[{index}]: the least {what} {low:g} is above the largest {high:g}.")
@@ -193,8 +193,8 @@ def _travel_time(leaves_s: float, last: _Point, notes: Notes) -> float | None:
 
 def _speed(point: _Point, end: str, notes: Notes) -> float:
     """Return the speed at an end [km/h]: the minimum that is allowed."""
-    speed = point.least_kmh or 0.0
-    if point.most_kmh != speed:
+    speed = point.min_kmh or 0.0
+    if point.max_kmh != speed:
         notes.add("assumption", f"the speed at the {end} is free: {speed:g} km/h.")
     return speed
 

@@ -33,7 +33,7 @@ from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario._sentences import counted, show, shown_list, validated
 
 # a larger radius than a section's key can have is as good as straight
-LARGEST_RADIUS_M = 1e6
+MAX_RADIUS_M = 1e6
 
 
 def read_track(
@@ -115,7 +115,7 @@ def _curves(curvatures: Curvatures, notes: Notes) -> ImportedTable:
         last = _curvature(end, at_end, f"{where}.values[{index}]")
         transitions += first != last
         mean = _mean_curvature(first, last)
-        radii.append(float(f"{1 / mean:.10g}") if mean > 1 / LARGEST_RADIUS_M else 0.0)
+        radii.append(float(f"{1 / mean:.10g}") if mean > 1 / MAX_RADIUS_M else 0.0)
     if transitions:
         notes.add("reading", f"{counted(transitions, 'transition')} between radii: taken at their mean curvature.")
     return ImportedTable("curves", notes.source, _intervals(begins, radii))

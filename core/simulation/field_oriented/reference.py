@@ -14,7 +14,7 @@ import scipy
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.induction.flux import fill_flux_currents
 from railjoule.core.drive.induction.traction import TractionMachines
-from railjoule.core.motion import Course
+from railjoule.core.motion import MeshedLine
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.trajectory import Trajectory
 
@@ -130,22 +130,22 @@ def _rounded(planned: Trajectory, time_s: FloatArray, half_s: float) -> FloatArr
     return rounded
 
 
-def plan_flux(reference: Reference, course: Course, machines: TractionMachines, least_loss: bool) -> float:
+def plan_flux(reference: Reference, mesh: MeshedLine, machines: TractionMachines, min_loss: bool) -> float:
     """Fill the flux of a reference and its rate; return the least flux that the voltage allows over the rated one.
 
     Parameters
     ----------
     reference : Reference
         The motion that the train follows.
-    course : Course
+    mesh : MeshedLine
         Train and line as the control assumes them.
     machines : TractionMachines
         The machines, with the supply voltage that they have.
-    least_loss : bool
+    min_loss : bool
         Whether the flux is that of least loss; else the rated one as long as the voltage allows it.
     """
     speed, rated = reference.samples[::COARSE, 1], machines.machine.magnetising_current_a
-    torque = _torque_nm(reference.samples[::COARSE], course, machines)
+    torque = _torque_nm(reference.samples[::COARSE], mesh, machines)
     voltage = (1 - VOLTAGE_RESERVE) * machines.machine.max_phase_voltage_v
     machine = machines.machine._replace(max_phase_voltage_v=voltage)
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed
@@ -156,7 +156,7 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     # nowhere the flux that the voltage allows: it goes down ahead. With the largest it goes up ahead of the torque.
     within = _spread(scipy.ndimage.minimum_filter1d(found, 2 * half + 1, mode="nearest"), half)
     current = within
-    if least_loss:
+    if min_loss:
         fill_flux_currents(machine, True, torque, rotor_rads, found)
         requested = np.maximum(found, LOWEST_FLUX_FRACTION * rated)
         current = np.minimum(
@@ -169,16 +169,16 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     return float(within.min() / rated)
 
 
-def _torque_nm(samples: FloatArray, course: Course, machines: TractionMachines) -> FloatArray:
+def _torque_nm(samples: FloatArray, mesh: MeshedLine, machines: TractionMachines) -> FloatArray:
     """Return the electromagnetic torque of each machine along samples of a reference [N m]."""
-    data, speed = course.data, np.maximum(samples[:, 1], 0.0)
-    cell = np.clip(np.searchsorted(course.position_m, samples[:, 0], side="right") - 1, 0, course.cell_count - 1)
+    data, speed = mesh.data, np.maximum(samples[:, 1], 0.0)
+    cell = np.clip(np.searchsorted(mesh.position_m, samples[:, 0], side="right") - 1, 0, mesh.cell_count - 1)
     running = running_resistance(
         data.resistance_constant_n, data.resistance_linear, data.resistance_quadratic[cell], speed, speed * speed
     )
     # at a stand friction holds, it does not push back
-    against = np.where(speed > 0, running + course.curve_force_n[cell], 0.0)
-    force = 2 * data.half_inertia_kg * samples[:, 2] + against + course.gradient_force_n[cell]
+    against = np.where(speed > 0, running + mesh.curve_force_n[cell], 0.0)
+    force = 2 * data.half_inertia_kg * samples[:, 2] + against + mesh.gradient_force_n[cell]
     gear = np.where(force > 0, 1 / machines.gear_efficiency, machines.gear_efficiency)
     shaft: FloatArray = force * gear / (machines.motors * machines.turns_per_metre)
     return shaft + machines.machine.mechanical_loss_torque_nm

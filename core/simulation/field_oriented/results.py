@@ -9,8 +9,8 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.drive.line_power import line_power, resistor_power
 from railjoule.core.energy import Energy
-from railjoule.core.line_current import line_current_a
-from railjoule.core.motion import Course
+from railjoule.core.line_current import supply_current_a
+from railjoule.core.motion import MeshedLine
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.simulation.field_oriented import loop
@@ -77,9 +77,9 @@ def make_run(
     scenario: Scenario,
     planned: Trajectory,
     real: Scenario,
-    course: Course,
+    mesh: MeshedLine,
     machines: TractionMachines,
-    lowest_flux: float,
+    min_flux: float,
     samples: Samples,
     delay_s: float,
 ) -> FieldOrientedRun:
@@ -91,9 +91,9 @@ def make_run(
         The simulated scenario, and the same with its actual vehicle.
     planned : Trajectory
         The plan.
-    course, machines : Course, TractionMachines
+    mesh, machines : MeshedLine, TractionMachines
         Track and machines as they are.
-    lowest_flux : float
+    min_flux : float
         Least flux that the voltage allows over the rated one.
     samples : Samples
         The samples.
@@ -118,7 +118,7 @@ def make_run(
     return FieldOrientedRun(
         scenario=scenario,
         planned=planned,
-        actual=driven_trajectory(real, planned.strategy, course, machines, samples),
+        actual=driven_trajectory(real, planned.strategy, mesh, machines, samples),
         machines=machines,
         time_s=frozen_array(samples.time_s),
         position_m=frozen_array(states[loop.POSITION]),
@@ -130,7 +130,7 @@ def make_run(
         phase_voltage_v=frozen_array(outputs[loop.VOLTAGE]),
         voltage_limit_v=machines.machine.max_phase_voltage_v,
         torque_nm=frozen_array(outputs[loop.TORQUE]),
-        line_power_w=frozen_array(outputs[loop.LINE_POWER] + course.data.auxiliary_power_w),
+        supply_power_w=frozen_array(outputs[loop.LINE_POWER] + mesh.data.auxiliary_power_w),
         energy_by_input_power_j=frozen_array(states[loop.INPUT]),
         energy_by_parts_j=frozen_array(by_parts),
         magnetising_so_far_j=frozen_array(states[loop.MAGNETISING]),
@@ -144,7 +144,7 @@ def make_run(
         delay_s=delay_s,
         saturated=saturated,
         notes=(
-            *_premises(scenario, machines, lowest_flux),
+            *_premises(scenario, machines, min_flux),
             *_limit_notes(machines, samples, saturated),
             *motion_notes(samples, end_m),
             *_control_notes(scenario, states[:, -1], float(by_parts[-1])),
@@ -153,7 +153,7 @@ def make_run(
 
 
 def driven_trajectory(
-    real: Scenario, strategy: str, course: Course, machines: TractionMachines, samples: Samples
+    real: Scenario, strategy: str, mesh: MeshedLine, machines: TractionMachines, samples: Samples
 ) -> Trajectory:
     """Return the run as a trajectory, over distance, in cells between its samples.
 
@@ -166,12 +166,12 @@ def driven_trajectory(
         With the actual vehicle.
     strategy : str
         Strategy of the plan.
-    course, machines : Course, TractionMachines
+    mesh, machines : MeshedLine, TractionMachines
         Track and machines as they are.
     samples : Samples
         The samples.
     """
-    data, states = course.data, samples.states
+    data, states = mesh.data, samples.states
     time = samples.time_s - samples.time_s[0]
     position = np.maximum.accumulate(states[loop.POSITION])
     middle, duration = 0.5 * (position[1:] + position[:-1]), np.diff(time)
@@ -186,7 +186,7 @@ def driven_trajectory(
     # from drawn power, so it holds for the integral
     recuperated = -line_power(-states[loop.RETURNED], data.recuperation_factor)
     line = states[loop.DRAWN] - recuperated + data.auxiliary_power_w * time
-    cell = np.clip(np.searchsorted(course.position_m, middle, side="right") - 1, 0, course.cell_count - 1)
+    cell = np.clip(np.searchsorted(mesh.position_m, middle, side="right") - 1, 0, mesh.cell_count - 1)
     current_q = states[loop.CURRENT_Q]
     power_w = np.diff(line) / duration
     speed, final = states[loop.SPEED], states[:, -1]
@@ -196,15 +196,15 @@ def driven_trajectory(
         position_m=frozen_array(position),
         speed_ms=frozen_array(np.maximum(speed, 0.0)),
         time_s=frozen_array(time),
-        line_energy_j=frozen_array(line),
+        supply_energy_j=frozen_array(line),
         tractive_effort_n=frozen_array(np.maximum(effort, 0.0)),
         electric_braking_n=frozen_array(np.maximum(-effort, 0.0)),
         friction_braking_n=frozen_array(np.zeros_like(effort)),
-        largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
-        largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
-        line_power_w=frozen_array(power_w),
+        max_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
+        max_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
+        supply_power_w=frozen_array(power_w),
         current_a=frozen_array(0.5 * (current_q[1:] + current_q[:-1])),
-        gradient_permille=frozen_array(course.gradient_permille[cell]),
+        gradient_permille=frozen_array(mesh.gradient_permille[cell]),
         energy=Energy(
             traction_j=float(final[loop.DRAWN]),
             recuperated_j=float(recuperated[-1]),
@@ -223,7 +223,7 @@ def driven_trajectory(
             potential_j=float(final[loop.CLIMB]),
             magnetic_field_j=float(samples.field_energy_j(machines)[-1]),
         ),
-        line_current_a=line_current_a(power_w, real.vehicle.line_voltage_v),
+        supply_current_a=supply_current_a(power_w, real.vehicle.line_voltage_v),
     )
 
 
@@ -242,16 +242,16 @@ def saturations(samples: Samples) -> tuple[Saturation, ...]:
     return tuple(sorted(spans))
 
 
-def _premises(scenario: Scenario, machines: TractionMachines, lowest_flux: float) -> Iterator[str]:
+def _premises(scenario: Scenario, machines: TractionMachines, min_flux: float) -> Iterator[str]:
     yield "The machines are magnetised before the departure; the account begins with it."
     if scenario.vehicle.braking.friction_effort_kn > 0:
         yield "The machines do all the braking: friction brakes are not part of the loop."
     if isinstance(scenario.vehicle.drive, Induction) and scenario.simulation.flux == "constant":
         yield "The control keeps the maximum flux that the voltage allows; the plan assumes the flux of minimum loss."
-    if lowest_flux < WEAKENED_FRACTION:
+    if min_flux < WEAKENED_FRACTION:
         yield (
             f"The limit of {machines.machine.max_phase_voltage_v:.0f} V per phase weakens the flux to "
-            f"{100 * lowest_flux:.0f} % of its rated value."
+            f"{100 * min_flux:.0f} % of its rated value."
         )
 
 

@@ -59,7 +59,7 @@ class FieldOrientedRun:
         Its limit [V].
     torque_nm : array
         Electromagnetic torque of one machine [N m].
-    line_power_w : array
+    supply_power_w : array
         Taken from the supply, auxiliaries included [W].
     energy_by_input_power_j : array
         Energy so far, as the integral of the machines' input power [J].
@@ -100,7 +100,7 @@ class FieldOrientedRun:
     phase_voltage_v: FloatArray
     voltage_limit_v: float
     torque_nm: FloatArray
-    line_power_w: FloatArray
+    supply_power_w: FloatArray
     energy_by_input_power_j: FloatArray
     energy_by_parts_j: FloatArray
     magnetising_so_far_j: FloatArray

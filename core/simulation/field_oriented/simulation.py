@@ -13,7 +13,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.drive.induction.machine import torque_constant
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
@@ -68,12 +68,12 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
     planned = plan if plan is not None else solve(scenario)
     _require_few_steps(scenario, planned.travel_time_s)
     options, real = scenario.simulation, actual_vehicle(scenario)
-    machines, course = traction_machines(real.vehicle.drive), build_course(real)
+    machines, mesh = traction_machines(real.vehicle.drive), build_meshed_line(real)
     reference = make_reference(planned, options.reference_window_s)
     # the flux is planned for the train that the control assumes, on the voltage that the machines have
-    lowest_flux = plan_flux(reference, build_course(scenario), machines, options.flux == "least_loss")
-    samples, delay_s = _run(scenario, machines, course, reference, planned)
-    return make_run(scenario, planned, real, course, machines, lowest_flux, samples, delay_s)
+    min_flux = plan_flux(reference, build_meshed_line(scenario), machines, options.flux == "min_loss")
+    samples, delay_s = _run(scenario, machines, mesh, reference, planned)
+    return make_run(scenario, planned, real, mesh, machines, min_flux, samples, delay_s)
 
 
 def _require_supported(scenario: Scenario) -> None:
@@ -111,7 +111,7 @@ def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
 
 
 def _run(
-    scenario: Scenario, machines: TractionMachines, course: Course, reference: Reference, planned: Trajectory
+    scenario: Scenario, machines: TractionMachines, mesh: MeshedLine, reference: Reference, planned: Trajectory
 ) -> tuple[Samples, float]:
     """Return the samples of a run and the delay of its arrival [s]."""
     step = scenario.simulation.loop_step_s
@@ -127,24 +127,24 @@ def _run(
     # the memory is what ends a run that does not arrive: the loop stops where it is full
     size = int(longest_s / step / settings.steps_per_sample) + 2
     states, outputs, extremes = np.zeros((size, loop.STATES)), np.zeros((size, loop.OUTPUTS)), np.zeros((2, 4))
-    data = course.data
-    # copies, as the course's arrays are read-only, for which numba would compile another kernel
+    data = mesh.data
+    # copies, as the meshed line's arrays are read-only, for which numba would compile another kernel
     track = Track(
-        *map(np.array, (course.position_m, course.gradient_force_n, course.curve_force_n, data.resistance_quadratic))
+        *map(np.array, (mesh.position_m, mesh.gradient_force_n, mesh.curve_force_n, data.resistance_quadratic))
     )
     ending, kept, arrived_s = loop.run_plant(
-        _plant(scenario, machines, course),
+        _plant(scenario, machines, mesh),
         track,
         reference,
         _noise_ms(scenario, machines),
-        _start(reference, course, machines),
+        _start(reference, mesh, machines),
         settings,
         states,
         outputs,
         extremes,
     )
     states = states[:kept].T
-    _require_arrival(scenario, machines, course, ending, settings, longest_s, states[loop.POSITION])
+    _require_arrival(scenario, machines, mesh, ending, settings, longest_s, states[loop.POSITION])
     time: FloatArray = reference.start_s + step * settings.steps_per_sample * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[loop.ELAPSED, -1], time[-2] + step)
@@ -160,7 +160,7 @@ def _run(
 def _require_arrival(
     scenario: Scenario,
     machines: TractionMachines,
-    course: Course,
+    mesh: MeshedLine,
     ending: int,
     settings: loop.RunSettings,
     longest_s: float,
@@ -176,22 +176,22 @@ def _require_arrival(
         )
     if ending == loop.TOO_LONG:
         raise InfeasibleLineError(
-            _gradient_reason(scenario, machines, course, position_m)
+            _gradient_reason(scenario, machines, mesh, position_m)
             or f"after {longest_s:.0f} s the train stands or creeps at {position_m[-1]:.0f} m of "
             f"{settings.end_m:.0f} m: with {machines.driving_current_a:g} A and "
             f"{machines.machine.max_phase_voltage_v:g} V its machines cannot move it on."
         )
 
 
-def _gradient_reason(scenario: Scenario, machines: TractionMachines, course: Course, position_m: FloatArray) -> str:
+def _gradient_reason(scenario: Scenario, machines: TractionMachines, mesh: MeshedLine, position_m: FloatArray) -> str:
     """Return why a train rolls back or stands on a gradient; empty where its effort is enough to start there.
 
     No brake is part of the loop, so a train rolls back where its machines do not hold it.
     """
     place = max(float(np.max(position_m)), 0.0)
     rolls_back = place - position_m[-1] > ROLLED_BACK_M
-    cell = int(np.clip(np.searchsorted(course.position_m, place, side="right") - 1, 0, course.cell_count - 1))
-    needed = float(course.gradient_force_n[cell] + course.curve_force_n[cell]) + course.data.resistance_constant_n
+    cell = int(np.clip(np.searchsorted(mesh.position_m, place, side="right") - 1, 0, mesh.cell_count - 1))
+    needed = float(mesh.gradient_force_n[cell] + mesh.curve_force_n[cell]) + mesh.data.resistance_constant_n
     # of a standing train, at rated flux
     machine, amperes = machines.machine, machines.driving_current_a
     flux_current, friction = machine.magnetising_current_a, machine.mechanical_loss_torque_nm
@@ -210,14 +210,14 @@ def _gradient_reason(scenario: Scenario, machines: TractionMachines, course: Cou
         f"{math.ceil(enough)} A, or a lighter train."
     )
     return (
-        f"At {place:.0f} m, on a gradient of {course.gradient_permille[cell]:.4g} per mille, the train "
+        f"At {place:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille, the train "
         f"{'rolls back' if rolls_back else 'comes to a stand'}: to start there takes {needed / N_PER_KN:.1f} kN, and "
         f"{limit}"
     )
 
 
-def _plant(scenario: Scenario, machines: TractionMachines, course: Course) -> Plant:
-    machine, circuit, options, data = machines.machine, machines.circuit, scenario.simulation, course.data
+def _plant(scenario: Scenario, machines: TractionMachines, mesh: MeshedLine) -> Plant:
+    machine, circuit, options, data = machines.machine, machines.circuit, scenario.simulation, mesh.data
     return Plant(
         stator_resistance_ohm=circuit.stator_resistance_ohm,
         rotor_resistance_ohm=circuit.rotor_resistance_ohm,
@@ -253,7 +253,7 @@ def _noise_ms(scenario: Scenario, machines: TractionMachines) -> FloatArray:
     return drawn * options.speed_noise_rads / machines.turns_per_metre
 
 
-def _start(reference: Reference, course: Course, machines: TractionMachines) -> FloatArray:
+def _start(reference: Reference, mesh: MeshedLine, machines: TractionMachines) -> FloatArray:
     """Return a train that stands, with its machines magnetised and held against the gradient.
 
     The observer already contains the gradient, as that of a train that has been held there does; else it would
@@ -263,5 +263,5 @@ def _start(reference: Reference, course: Course, machines: TractionMachines) -> 
     state[loop.POSITION] = reference.samples[0, 0]
     state[loop.FLUX_D] = state[loop.ASSUMED_FLUX] = flux
     state[loop.CURRENT_D] = flux / machines.circuit.magnetising_inductance_h
-    state[loop.OBSERVED_LOAD] = course.gradient_force_n[0]
+    state[loop.OBSERVED_LOAD] = mesh.gradient_force_n[0]
     return state

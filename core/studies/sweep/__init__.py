@@ -2,7 +2,7 @@
 
 Solving each run separately would check a scenario, a line and a run every time. Here the scenario is checked once, at
 the corners of the box that its ranges span (`fields`). A run then replaces numbers, rebuilds only the parts of the
-course that depend on them, and is solved and certified in compiled code that releases the lock of Python (`engine`).
+mesh that depend on them, and is solved and certified in compiled code that releases the lock of Python (`engine`).
 All of this uses the functions of `solve`, so that a row equals its result to the last bit. Runs that cannot be made
 this way go through `solve` itself, which is slower.
 

@@ -19,7 +19,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.course import CourseParts, course_of, drive_of, limits_of, line_of
+from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
 from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
@@ -28,10 +28,10 @@ from railjoule.core.studies.sweep.fields import Patch
 from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
-from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account, line_energies_j
+from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_balance, supply_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
-# A field that is missing here only costs time, as its part of a course is rebuilt.
+# A field that is missing here only costs time, as its part of a meshed line is rebuilt.
 SPARES_BOTH = (
     "timetable.",
     "disturbance.",
@@ -52,7 +52,7 @@ SPARES_LIMITS = (*SPARES_BOTH, "line.", "solver.", "vehicle.length_m", "vehicle.
 """Fields that do not change the limits of effort, nor the drive except for its recuperation factor."""
 
 
-MOST_ENGINES = 4
+MAX_ENGINES = 4
 _ENGINES: dict[str, "Engine"] = {}
 
 
@@ -88,7 +88,7 @@ def _shared_engine(study: Study) -> "Engine":
             )
         # a worker of a cluster may be the first process of its machine
         require_compiled()
-        for old in list(_ENGINES)[: 1 - MOST_ENGINES]:
+        for old in list(_ENGINES)[: 1 - MAX_ENGINES]:
             _ENGINES.pop(old, None)
         engine = _ENGINES[study.fingerprint] = Engine(study)
     return engine
@@ -120,7 +120,7 @@ class MeshOptimum:
     @cached_property
     def energy(self) -> Energy:
         """The account of the whole run, which takes longer than its net energy."""
-        return energy_account(self.task.course, self.optimum.speed2, self.cells)
+        return energy_balance(self.task.mesh, self.optimum.speed2, self.cells)
 
     @property
     def energy_kwh(self) -> float:
@@ -159,19 +159,19 @@ class Engine:
         by_adhesion = study.scenario.line.rail_condition is not None
         self._keeps_limits = not by_adhesion and all(name.startswith(SPARES_LIMITS) for name in names)
         # several threads may find neither and compute both, with equal results
-        self._kept: CourseParts | None = None
+        self._kept: MeshedLineParts | None = None
         self._windows: bool | None = None
 
     def run(self, sample: Sequence[float]) -> MeshOptimum | Trajectory:
         """Return the run for a sample, one value for each field; errors as in `solve`."""
         scenario = self._scenario_at(sample)
         if self._study.strategy == OPTIMUM:
-            task = task_over(scenario, course_of(scenario, self._parts(scenario)))
+            task = task_over(scenario, assemble_meshed_line(scenario, self._parts(scenario)))
             task.require_timetable()
             if self._windows is None:
                 # no field of a sweep changes the windows of arrival
                 self._windows = bool(arrival_windows(task))
-            if not task.course.drive.jumps_at_no_effort and not self._windows:
+            if not task.mesh.drive.has_idle_losses and not self._windows:
                 run = mesh_optimum(task)
                 if run is not None:
                     return run
@@ -183,16 +183,16 @@ class Engine:
         pairs = zip(self._study.fields, sample, strict=True)
         return self._study.scenario.replace(**{field.name: field.value(value) for field, value in pairs})
 
-    def _parts(self, scenario: Scenario) -> CourseParts:
-        """Return the parts of the course of a scenario: earlier ones where no field changes them."""
+    def _parts(self, scenario: Scenario) -> MeshedLineParts:
+        """Return the parts of the meshed line of a scenario: earlier ones where no field changes them."""
         kept = self._kept
         line = kept.line if kept is not None and self._keeps_line else line_of(scenario)
         if kept is not None and self._keeps_limits:
             # no limit depends on the recuperation factor
             drive = replace(kept.drive, recuperation_factor=scenario.vehicle.drive.recuperation_factor)
-            return CourseParts(line, drive, kept.traction, kept.braking)
+            return MeshedLineParts(line, drive, kept.traction, kept.braking)
         drive = drive_of(scenario)
-        parts = CourseParts(line, drive, *limits_of(scenario, drive))
+        parts = MeshedLineParts(line, drive, *limits_of(scenario, drive))
         self._kept = kept or parts
         return parts
 
@@ -209,10 +209,10 @@ def mesh_optimum(task: Task) -> MeshOptimum | None:
         optimum = minimise(task).optimum
     except SolverError:
         return None
-    course = task.course
-    cells = account_of_run(course.data, optimum.speed2)
-    time_s = float(np.cumsum(durations_s(course, cells))[-1])
+    mesh = task.mesh
+    cells = account_of_run(mesh.data, optimum.speed2)
+    time_s = float(np.cumsum(durations_s(mesh, cells))[-1])
     # a bound does not cover later runs
     if time_s > task.travel_time_s * (1 + LATE_SHARE):
         return None
-    return MeshOptimum(task, optimum, cells, net_energy(*line_energies_j(course, cells)), time_s)
+    return MeshOptimum(task, optimum, cells, net_energy(*supply_energies_j(mesh, cells)), time_s)

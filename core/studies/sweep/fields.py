@@ -20,7 +20,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario._sentences import shorten, show, suggestion
 from railjoule.core.scenario.document import EXCLUSIVE_KEYS
 
-MOST_FIELDS = 10
+MAX_FIELDS = 10
 """Most fields of a sweep: each doubles the number of corners to check."""
 Path = tuple[str, ...]
 
@@ -67,8 +67,8 @@ def parse_fields(scenario: Scenario, over: Mapping[str, tuple[float, float]]) ->
         If there are none or too many, a field is unknown or not a number, two of them exclude each other, or a range is
         invalid or exceeds the bounds of its field.
     """
-    if not 1 <= len(over) <= MOST_FIELDS:
-        raise ScenarioError(f"a sweep varies 1 to {MOST_FIELDS} fields, not {len(over)}.")
+    if not 1 <= len(over) <= MAX_FIELDS:
+        raise ScenarioError(f"a sweep varies 1 to {MAX_FIELDS} fields, not {len(over)}.")
     fields = tuple(_field(scenario, name, ends) for name, ends in over.items())
     for field in fields:
         same = next((other.name for other in fields if other is not field and _exclude(field, other)), None)

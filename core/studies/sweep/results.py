@@ -26,7 +26,7 @@ from railjoule.core.studies.sweep.study import Study, study_from
 if TYPE_CHECKING:
     import pandas
 
-LARGEST_TABLE_BYTES = 2**28
+MAX_TABLE_BYTES = 2**28
 """Largest size of the numbers of a table in memory: with its copies a process takes about 1 GB."""
 FORMAT = "railjoule study 1"
 TABLES = (
@@ -119,10 +119,10 @@ def join_chunks(study: Study, chunks: Sequence[Chunk], seconds: float) -> SweepT
 def require_memory(study: Study) -> None:
     """Raise ScenarioError if the table of a study is too large for the memory."""
     row_bytes = study.width * NUMBERS.itemsize
-    if study.sample * row_bytes > LARGEST_TABLE_BYTES:
+    if study.sample * row_bytes > MAX_TABLE_BYTES:
         raise ScenarioError(
             f"sample = {study.sample:,}: a table of {study.width} columns takes at most "
-            f"{LARGEST_TABLE_BYTES // row_bytes:,} rows in memory, which are {LARGEST_TABLE_BYTES / 1e9:.1f} GB of "
+            f"{MAX_TABLE_BYTES // row_bytes:,} rows in memory, which are {MAX_TABLE_BYTES / 1e9:.1f} GB of "
             "numbers."
         )
 

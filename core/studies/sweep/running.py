@@ -24,7 +24,7 @@ from railjoule.core.studies.sweep.study import DEFAULT_COLUMNS, Study, make_stud
 
 Work = Callable[[FloatArray], Rows]
 """Computes the rows of samples of shape (rows, fields), such as `RowByRow`."""
-FIRST_CHUNK, LARGEST_CHUNK = 64, 2048
+FIRST_CHUNK, MAX_CHUNK = 64, 2048
 """Rows of the first chunks, whose duration is unknown, and of any chunk; slow strategies need a second for a row."""
 CHUNK_S = 1.0
 """Duration of a chunk [s]: short enough for progress and a stop, long against the time to submit it."""
@@ -129,7 +129,7 @@ def run_study(
     def chunk_size(left: int) -> int:
         if not rows:
             return FIRST_CHUNK
-        most = max(1, min(int(CHUNK_S * rows / seconds), LARGEST_CHUNK))
+        most = max(1, min(int(CHUNK_S * rows / seconds), MAX_CHUNK))
         return max(min(most, left // (CHUNKS_PER_WORKER * max(1, workers()))), most // SHORTEST_CHUNKS, 1)
 
     work, samples = partial(solve_rows, study), _samples(study, results.gaps(), chunk_size)

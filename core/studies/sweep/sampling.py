@@ -19,9 +19,9 @@ from railjoule.core.studies.sweep.fields import Field
 
 Method = Literal["grid", "random", "sobol", "halton"]
 METHODS: tuple[Method, ...] = get_args(Method)
-MOST_ROWS = 2**30
+MAX_ROWS = 2**30
 """SciPy's Sobol' points have 30 bits."""
-LARGEST_SEED = 2**63
+MAX_SEED = 2**63
 
 
 class Sampler:
@@ -44,7 +44,7 @@ class Sampler:
     """
 
     def __init__(self, fields: Sequence[Field], rows: int, method: str, seed: int) -> None:
-        for name, number, least, most in (("sample", rows, 1, MOST_ROWS), ("seed", seed, 0, LARGEST_SEED)):
+        for name, number, least, most in (("sample", rows, 1, MAX_ROWS), ("seed", seed, 0, MAX_SEED)):
             if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
                 raise ScenarioError(f"{name} = {show(number)} must be a whole number from {least} to {most:,}.")
         if method not in METHODS:

@@ -24,12 +24,12 @@ from railjoule.core.studies.table import StudyTable
 
 # Terms cost their square for each row. Measured on liashenko-ii over time, load, recuperation and resistance: 126 terms
 # explain all but 1e-5 of the energy's variance.
-MOST_TERMS, HIGHEST_DEGREE = 256, 10
+MAX_TERMS, MAX_DEGREE = 256, 10
 ROWS_PER_TERM = 10
 """Fewest rows per coefficient: with fewer the polynomial would follow the noise between them."""
 BATCHES = 10
 """The error is that of fits without one of these parts of the rows."""
-LEAST_SHARE_DRIVEN = 0.99
+MIN_SHARE_DRIVEN = 0.99
 """With more rows that cannot be driven the fields are no longer independent, which the indices need."""
 DEVIATIONS = 1.96
 """Half width of an interval with 95 % of a normal distribution, in standard deviations."""
@@ -74,10 +74,10 @@ def sensitivities(results: SweepFile | SweepTable, column: str = "energy_kwh") -
         for batch in range(BATCHES):
             part = matrix[numbers % BATCHES == batch]
             moments[batch] += part.T @ part
-    if rows < LEAST_SHARE_DRIVEN * done:
+    if rows < MIN_SHARE_DRIVEN * done:
         raise SensitivityError(
             f"{done - rows:,} of {done:,} rows cannot be driven: shares of the spread need ranges "
-            f"in which {LEAST_SHARE_DRIVEN:.0%} can."
+            f"in which {MIN_SHARE_DRIVEN:.0%} can."
         )
     whole = moments.sum(axis=0)
     square = whole[-1, -1] / rows
@@ -101,8 +101,8 @@ def sensitivities(results: SweepFile | SweepTable, column: str = "energy_kwh") -
 
 def _degree(fields: int, rows: int) -> int:
     """Return the highest degree whose coefficients that many rows can determine."""
-    most = min(MOST_TERMS, rows // ROWS_PER_TERM)
-    degrees = [degree for degree in range(1, HIGHEST_DEGREE + 1) if comb(fields + degree, degree) <= most]
+    most = min(MAX_TERMS, rows // ROWS_PER_TERM)
+    degrees = [degree for degree in range(1, MAX_DEGREE + 1) if comb(fields + degree, degree) <= most]
     if not degrees:
         raise SensitivityError(
             f"{rows:,} rows are too few to tell which of {fields} fields decides: it takes "

@@ -125,7 +125,7 @@ class ReadStudy:
     is_same_solver: bool
 
 
-def read_study(content: bytes, name: str, most_rows: int) -> ReadStudy:
+def read_study(content: bytes, name: str, max_rows: int) -> ReadStudy:
     """Return the study in the content of a netCDF file of `write_rows`.
 
     Parameters
@@ -133,7 +133,7 @@ def read_study(content: bytes, name: str, most_rows: int) -> ReadStudy:
     content : bytes
     name : str
         Name of the file, for error messages.
-    most_rows : int
+    max_rows : int
         Largest permitted sample.
 
     Raises
@@ -156,8 +156,8 @@ def read_study(content: bytes, name: str, most_rows: int) -> ReadStudy:
     # the libraries raise any exception for a damaged file
     except Exception:
         raise refusal from None
-    if study.sample > most_rows:
-        raise StudyFileError(f"{name}: a study of {study.sample:,} runs; at most {most_rows:,} can be opened.")
+    if study.sample > max_rows:
+        raise StudyFileError(f"{name}: a study of {study.sample:,} runs; at most {max_rows:,} can be opened.")
     return ReadStudy(table, is_same_solver)
 
 

@@ -17,7 +17,7 @@ from railjoule.core.validation.ftorek_runs import (
     TABLE_3_COPPER_WEIGHT,
     TIMES_S,
     amperes_per_newton,
-    least_energies_j,
+    min_energies_j,
     paper,
     paper_line,
     printed_entry,
@@ -121,11 +121,11 @@ def surface_figure(points: list[dict[str, Any]], longest_s: float, longest_ramp_
     coefficients = enoc_coefficients(line)
     over_time, over_ramp = [], []
     times = np.linspace(min(p["travel_time_s"] for p in points) / 1.3, longest_s, POINTS_A_LINE)
-    over_time.append(Line("T_e of least energy", times, least_energies_j(coefficients, times) / J_PER_WH))
+    over_time.append(Line("T_e of least energy", times, min_energies_j(coefficients, times) / J_PER_WH))
     if points is paper()["table_3"]:
         label = f"T_e of least energy, {TABLE_3_COPPER_WEIGHT:g} times the copper loss"
         heavier = replace(line, loss_coefficient=TABLE_3_COPPER_WEIGHT * line.loss_coefficient)
-        over_time.append(Line(label, times, least_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
+        over_time.append(Line(label, times, min_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
     for point in points:
         time, ramp = point["travel_time_s"], point["acceleration_time_s"]
         over_time.append(Line(f"T_e = {ramp:g} s", times, enoc_energy(coefficients, times, ramp) / J_PER_WH))

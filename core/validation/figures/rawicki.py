@@ -106,7 +106,7 @@ def _joined(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, Flo
 
 
 def _energy_line(run: Trajectory) -> Line:
-    return Line("railjoule", run.position_m, frozen_array(run.line_energy_j / J_PER_KWH))
+    return Line("railjoule", run.position_m, frozen_array(run.supply_energy_j / J_PER_KWH))
 
 
 def _energy_note(run: Trajectory, entry: Printed) -> str:

@@ -80,7 +80,7 @@ def optimal_schedule() -> FigureData:
             ),
         ),
         Panel(DISTANCE, "Force, kN", (Line("tractive force", places, force),)),
-        Panel(DISTANCE, "Energy, kWh", (Line("energy", run.position_m, run.line_energy_j / J_PER_KWH),)),
+        Panel(DISTANCE, "Energy, kWh", (Line("energy", run.position_m, run.supply_energy_j / J_PER_KWH),)),
         Panel(DISTANCE, "Height, m", (Line("profile", section_borders(line), height_profile(line)),)),
     )
     return FigureData(

@@ -51,7 +51,7 @@ def cause_words(cause: Cause, scenario: Scenario) -> str:
 
 def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
     """Return the numbers of Drive while an actual run stands beside the plan."""
-    largest = actual.largest_cause
+    largest = actual.max_cause
     cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
     if largest is not None:
         told = cause_words(largest, actual.scenario)

@@ -127,11 +127,11 @@ def line_tables(name: str) -> dict[str, Any]:
     dwells = DWELL_S * (len(NAMES) - 2)
     tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
     # what the train takes while it stands is the same however the seconds are shared
-    standing_j = task.course.data.auxiliary_power_w * dwells
+    standing_j = task.mesh.data.auxiliary_power_w * dwells
     return {
         "legs": [_leg(name, k, table) for k, table in enumerate(tables)],
         "standing_kwh": standing_j / J_PER_KWH,
-        "least_s": LEAST_S,
+        "min_s": LEAST_S,
         "slack_s": SLACK_S,
     }
 

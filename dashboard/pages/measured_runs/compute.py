@@ -228,7 +228,7 @@ def power_error(run: MeasuredRun) -> float | None:
     """
     if run.measured is None or run.recording.power_w is None:
         return None
-    modelled, measured = run.modelled.line_power_w, run.measured.line_power_w
+    modelled, measured = run.modelled.supply_power_w, run.measured.supply_power_w
     duration = np.diff(run.modelled.time_s)
     whole = float(measured**2 @ duration)
     return float(np.sqrt((modelled - measured) ** 2 @ duration / whole)) if whole > 0 else None

@@ -264,7 +264,7 @@ class FluxChart(LoneChart):
         for name, share in lines.items():
             self.put(name, **xy(current, share))
         top = nice_range(0.0, max(float(share.max()) for share in lines.values()))[1]
-        best = sweep.least_loss.flux_current_a
+        best = sweep.min_loss.flux_current_a
         self.put("least", x=[best], **{"from": [0.0], "to": [top]})
         self.set_ranges((float(current[0]), float(current[-1])), (0.0, top))
         names = [Name(name, name, self.palette.tokens[token]) for name, token in FLUX_LINES.items()]
@@ -274,7 +274,7 @@ class FluxChart(LoneChart):
 def flux_table(sweep: FluxSweep) -> str:
     """Return the numbers of three fluxes."""
     points = {
-        "minimum loss": sweep.least_loss,
+        "minimum loss": sweep.min_loss,
         "maximum within the voltage": sweep.within_voltage,
         "rated": sweep.rated,
     }
@@ -288,7 +288,7 @@ def flux_table(sweep: FluxSweep) -> str:
                 words.number(100 * point.efficiency),
                 words.number(point.power_factor, 3),
             ),
-            point is sweep.least_loss,
+            point is sweep.min_loss,
         )
         for name, point in points.items()
     ]

@@ -16,7 +16,7 @@ from railjoule.dashboard.state.page_model import PageModel, result
 
 # the fields begin with the defaults of the file's own keys
 LOOP = SimulationOptions()
-FLUXES = ("constant", "least_loss")
+FLUXES = ("constant", "min_loss")
 CRUISE_KMH = 44.0
 """Speed of the flux chart where a scenario is opened: of the cruise that Rawicki prints, 12.26 m/s."""
 CONTROL_FIELDS = (

@@ -19,7 +19,7 @@ SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
-MOST_POINTS = 2000
+MAX_POINTS = 2000
 
 
 def finite(values: FloatArray) -> FloatArray:
@@ -141,7 +141,7 @@ class LoadScatter(LoneChart):
         if not len(load):
             self.clear()
             return
-        self.put("points", **xy(load[:MOST_POINTS], energy[:MOST_POINTS]))
+        self.put("points", **xy(load[:MAX_POINTS], energy[:MAX_POINTS]))
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.replanned_kwh[done][order]
         self.put("line", **xy(load[order], knowing))

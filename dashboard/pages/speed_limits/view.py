@@ -275,7 +275,7 @@ class SpeedLimitsView(PageView):
             self._time_figure(run.run.travel_time_s),
             parts.figure(
                 "Storage needed",
-                words.energy(need.largest_drop_kwh),
+                words.energy(need.max_drop_kwh),
                 "kWh",
                 f"{words.number(need.charging_peak_kw, 0)} kW at most",
             ),

@@ -22,7 +22,7 @@ from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
 
 ENERGY = "energy_kwh"
-MOST_POINTS = 50_000
+MAX_POINTS = 50_000
 """With more runs the points are drawn as a raster."""
 BINS = 40
 CELLS = 5
@@ -242,7 +242,7 @@ def compute_look(request: LookRequest) -> Look:
         count,
         ends,
         _ends(colour, room=0.0),
-        Points(x, y, colour, rows) if count <= MOST_POINTS else raster_of(x, y, colour, ends, request.raster_px),
+        Points(x, y, colour, rows) if count <= MAX_POINTS else raster_of(x, y, colour, ends, request.raster_px),
         histogram_of(x, ends[0]),
         histogram_of(y, ends[1]),
         medians_of(table.study, values, request.map_x, request.map_y),

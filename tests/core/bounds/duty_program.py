@@ -150,7 +150,7 @@ class Problem:
     def limit_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest electric effort of vehicle and motors at speeds of shape (k,) [N]."""
         limits = self.scenario.vehicle.braking if braking else self.scenario.vehicle.traction
-        effort = self.model.largest_effort_n(speed_ms, braking)
+        effort = self.model.max_effort_n(speed_ms, braking)
         if limits.max_effort_kn is not None:
             effort = np.minimum(effort, limits.max_effort_kn * N_PER_KN)
         if limits.max_power_kw is not None:

@@ -63,9 +63,9 @@ def test_a_proof_takes_the_relaxed_optimum_of_its_strategy(monkeypatch):
     """It was solved a second time."""
     is_relaxed = []
 
-    def counted(course, *given):
-        is_relaxed.append(course.mode.size == 0)
-        return minimise_energy(course, *given)
+    def counted(mesh, *given):
+        is_relaxed.append(mesh.mode.size == 0)
+        return minimise_energy(mesh, *given)
 
     monkeypatch.setattr(import_module("railjoule.core.bounds.minimum"), "minimise_energy", counted)
     solve(load_scenario(SOON_REACHED, {"solver.mesh_m": 20.0}), "optimal")

@@ -119,10 +119,10 @@ def with_split_cell(run: Trajectory, cell: int, length_m: float) -> Trajectory:
         "position_m": run.position_m[cell] + length_m,
         "speed_ms": speed2**0.5,
         "time_s": run.time_s[cell] + 2 * length_m / (run.speed_ms[cell] + speed2**0.5),
-        "line_energy_j": run.line_energy_j[cell],
+        "supply_energy_j": run.supply_energy_j[cell],
     }
     arrays = {name: np.insert(getattr(run, name), cell + 1, value) for name, value in node.items()}
-    for name in ("tractive_effort_n", "electric_braking_n", "friction_braking_n", "largest_effort_n", "line_power_w",
+    for name in ("tractive_effort_n", "electric_braking_n", "friction_braking_n", "max_effort_n", "supply_power_w",
                  "current_a", "gradient_permille"):  # fmt: skip
         arrays[name] = np.insert(getattr(run, name), cell, getattr(run, name)[cell])
     return replace(run, **arrays)
@@ -157,7 +157,7 @@ def both_brakes(run: Trajectory) -> int:
 
 SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("finite numbers", lambda run: changed(run, "speed_ms", 5, np.nan)),
-    ("finite numbers", lambda run: changed(run, "line_power_w", 5, np.inf)),
+    ("finite numbers", lambda run: changed(run, "supply_power_w", 5, np.inf)),
     ("finite numbers", lambda run: with_energy(run, kinetic_j=np.nan)),
     ("finite numbers", lambda run: bounded_by(run, np.nan)),
     ("places, times and speeds rise from zero", lambda run: moved_on(run, "position_m", 5, -50.0)),
@@ -196,11 +196,11 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("electric braking power", lambda run: changed(run, "electric_braking_n", both_brakes(run), shift=2e5)),
     ("friction braking effort", lambda run: changed(run, "friction_braking_n", both_brakes(run), shift=5e4)),
     ("sharing of the brakes", lambda run: shared_otherwise(run, both_brakes(run))),
-    ("line power", lambda run: changed(run, "line_power_w", full_traction(run), 1.0001)),
-    ("line power", lambda run: changed(run, "line_power_w", stop_node(run), 1.1)),
-    ("no power from nothing", lambda run: changed(run, "line_power_w", full_traction(run), 0.1)),
+    ("line power", lambda run: changed(run, "supply_power_w", full_traction(run), 1.0001)),
+    ("line power", lambda run: changed(run, "supply_power_w", stop_node(run), 1.1)),
+    ("no power from nothing", lambda run: changed(run, "supply_power_w", full_traction(run), 0.1)),
     ("motor current", lambda run: changed(run, "current_a", full_traction(run), 1.0001)),
-    ("energy so far", lambda run: moved_on(run, "line_energy_j", 20, 1e4)),
+    ("energy so far", lambda run: moved_on(run, "supply_energy_j", 20, 1e4)),
     ("account: traction", lambda run: with_energy(run, traction_j=1.0001 * run.energy.traction_j)),
     ("account: recuperated", lambda run: with_energy(run, recuperated_j=1.0001 * run.energy.recuperated_j)),
     ("account: auxiliary", lambda run: with_energy(run, auxiliary_j=1.0001 * run.energy.auxiliary_j)),
@@ -235,7 +235,7 @@ def test_a_spoilt_run_breaks_the_rule(run, rule, spoil):
     ("name", "cell", "factor", "rule"),
     [
         ("tractive_effort_n", full_traction, 1.01, "balance of forces"),
-        ("line_power_w", both_brakes, 1.01, "line power"),
+        ("supply_power_w", both_brakes, 1.01, "line power"),
         ("gradient_permille", lambda run: 30, 1.01, "gradient"),
     ],
 )

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from railjoule.core import ScenarioError
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.loss_map import loss_at, loss_table
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import scenario_from_document
 
 TORQUE, SPEED = [0.0, 200.0, 800.0, 2000.0], [0.0, 50.0, 150.0, 400.0]
@@ -88,18 +88,18 @@ def test_both_file_and_points(tmp_path):
 
 def test_beyond_the_map_nobody_guesses(tmp_path):
     scenario = with_map(tmp_path, rows())  # 400 rad/s are 115 km/h
-    build_course(scenario)
+    build_meshed_line(scenario)
     faster = with_map(tmp_path, rows(), **{"vehicle.traction.max_speed_kmh": 130.0})
     with pytest.raises(ScenarioError, match=r"map of the drive ends at 400 rad/s of the motor, below the 451.4 rad/s"):
-        build_course(faster)
+        build_meshed_line(faster)
     drive = make_drive(scenario.vehicle.drive)
     with pytest.raises(ScenarioError, match=r"map of the drive ends at 98.04 kN to drive with, below 200 kN."):
         drive.electrical_power_w(2e5, 5.0)
 
 
 def test_the_map_limits_the_effort(tmp_path):
-    course = build_course(with_map(tmp_path, rows(), **{"vehicle.traction.max_effort_kn": 300.0}))
-    assert course.data.traction.constant_n == pytest.approx(4 * 2000 * 12.5 / 1.02)
+    mesh = build_meshed_line(with_map(tmp_path, rows(), **{"vehicle.traction.max_effort_kn": 300.0}))
+    assert mesh.data.traction.constant_n == pytest.approx(4 * 2000 * 12.5 / 1.02)
 
 
 def losses(draw_rising):

@@ -11,7 +11,6 @@ from hypothesis import strategies as st
 
 from railjoule.core.drive import kernels, kinds, make_drive
 from railjoule.core.drive.geared import STANDSTILL_BRAKE
-from railjoule.core.drive.induction.least_loss import BEYOND, FREE, FULL_VOLTAGE, RATED_FLUX, best_ratio
 from railjoule.core.drive.induction.machine import (
     leakage_share,
     machine_of,
@@ -20,6 +19,7 @@ from railjoule.core.drive.induction.machine import (
     steady_state,
     torque_constant,
 )
+from railjoule.core.drive.induction.min_loss import BEYOND, FREE, FULL_VOLTAGE, RATED_FLUX, best_ratio
 from railjoule.core.errors import ScenarioError
 
 DRIVE = make_drive(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
@@ -154,7 +154,7 @@ def test_the_account_closes(share, speed, recuperation):
     losses = drive.losses_w(effort, at)
     assert set(losses) == {"copper", "iron", "mechanical", "gear", "standstill_brake", "brake_resistors"}
     assert all((loss >= -1e-9).all() for loss in losses.values())
-    taken = drive.line_power_w(effort, at)
+    taken = drive.supply_power_w(effort, at)
     # rounding, and an effort that counts as none
     assert taken == pytest.approx(effort * speed + sum(losses.values()), rel=1e-9, abs=0.2)
 
@@ -162,10 +162,10 @@ def test_the_account_closes(share, speed, recuperation):
 def test_no_power_without_effort_and_idle_power_with_the_least():
     """n (T_m Omega + loss at T_m), with the currents of least loss; findings: coasting is only W(v)."""
     speed = np.array([12.0])
-    assert DRIVE.line_power_w(np.zeros(1), speed) == 0
+    assert DRIVE.supply_power_w(np.zeros(1), speed) == 0
     assert DRIVE.current_a(np.zeros(1), speed) == 0
     idle = kernels.power_when_on(DRIVE.kind, DRIVE.parameters, False, 0.0, 12.0)[0]
-    assert DRIVE.line_power_w(np.array([0.01]), speed)[0] == pytest.approx(idle, rel=1e-3)
+    assert DRIVE.supply_power_w(np.array([0.01]), speed)[0] == pytest.approx(idle, rel=1e-3)
     shaft = 4 * 4.05 * 7.16 / 0.327 * 12
     assert shaft < idle < 1.2 * shaft
 
@@ -195,7 +195,7 @@ def test_full_current_starts_at_rated_flux_and_weakens_it_under_full_voltage():
     assert DRIVE.current_a(limit[:4], np.array([0.0, corner, corner, 11.0])) == pytest.approx([201.05] * 4, rel=1e-3)
     assert DRIVE.current_a(limit[4:], np.array([19.0])) < 190
     held, power = DRIVE.full_current_start(np.array([11.0, 16.0, 20.0]), 201.05)
-    assert (held[0], power[0]) == pytest.approx((limit[3], DRIVE.line_power_w(limit[3:4], np.array([11.0]))[0]))
+    assert (held[0], power[0]) == pytest.approx((limit[3], DRIVE.supply_power_w(limit[3:4], np.array([11.0]))[0]))
     assert held[1] < DRIVE.effort_limit_n(np.array([16.0]))[0]
     # findings: above 18.9 m/s the voltage no longer carries the starting current
     assert held[2] < 0

@@ -128,11 +128,11 @@ def test_flux_of_least_loss_is_that_of_a_search(torque):
 
 def test_efficiency_ends_where_current_or_voltage_do():
     speed, torque = np.array([50.0, 150.0, 230.0]), np.linspace(-9000, 9000, 361)
-    for least_loss in (False, True):
-        found = FTOREK.efficiency(torque, speed, least_loss)
+    for min_loss in (False, True):
+        found = FTOREK.efficiency(torque, speed, min_loss)
         assert np.nanmax(found) < 1
         for braking in (False, True):
-            greatest = FTOREK.greatest_torque_nm(speed, braking)
+            greatest = FTOREK.max_torque_nm(speed, braking)
             for j in range(len(speed)):
                 there = np.abs(torque[np.isfinite(found[:, j]) & ((torque < 0) == braking)]).max()
                 # the torques are 50 N m apart

@@ -92,5 +92,5 @@ def test_never_more_out_than_in(name, effort, speed):
     drive = DRIVES[name]
     assert float(drive.electrical_power_w(effort, speed)) >= effort * speed - 1e-6
     losses = drive.losses_w(effort, speed)
-    assert sum(losses.values()) == pytest.approx(drive.line_power_w(effort, speed) - effort * speed, abs=1e-6)
+    assert sum(losses.values()) == pytest.approx(drive.supply_power_w(effort, speed) - effort * speed, abs=1e-6)
     assert losses["gear"] in (0.0, pytest.approx(0.025 * abs(effort) * speed))

@@ -19,7 +19,7 @@ from railjoule.core.drive.synchronous.harmonics import (
     side_bands,
     six_step_loss,
 )
-from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque
+from railjoule.core.drive.synchronous.machine import Machine, currents, max_torque
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import scenario_from_document
 
@@ -63,7 +63,7 @@ def test_greatest_torque_by_a_grid(rads):
     voltage = np.hypot(0.03 * along - rads * 3.2e-3 * across, 0.03 * across + rads * (0.28 + 0.9e-3 * along))
     torque = 6 * across * (0.28 - 2.3e-3 * along)
     best = torque[voltage <= MACHINE.max_phase_voltage_v].max()
-    assert greatest_torque(MACHINE, 1.0, rads, 3000.0) == pytest.approx(best, rel=3e-3)
+    assert max_torque(MACHINE, 1.0, rads, 3000.0) == pytest.approx(best, rel=3e-3)
 
 
 def test_side_bands_against_a_switched_wave():

@@ -8,7 +8,7 @@ import pytest
 from railjoule.core.dynamic_programming.labels import FORBIDDEN, on_off_labels, regime_labels
 from railjoule.core.dynamic_programming.steps import BRAKE as REGIME_BRAKE
 from railjoule.core.dynamic_programming.steps import HOLD, POWER, ROLL
-from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP
 
 

@@ -20,12 +20,12 @@ RELAY = Relay(1 / 3.6, 5 / 3.6, 2.0, 0.5, 0.01)
 BORDERS = np.array([1200.0])
 
 
-def driven(course, relay=RELAY, limit_ms=10.0, data=None):
+def driven(mesh, relay=RELAY, limit_ms=10.0, data=None):
     """Return places [m], speeds [m/s], efforts [N], standing time [s], switches and end of a trip."""
-    regulation, curve = literal_regulation(course, 0.8, relay.dead_zone_ms)
+    regulation, curve = literal_regulation(mesh, 0.8, relay.dead_zone_ms)
     position, speed2, effort = np.empty((3, 60_000))
     nodes, standing, switches, status = literal_trip(
-        data or course.data, regulation, curve, BORDERS, np.full(2, limit_ms), relay, position, speed2, effort
+        data or mesh.data, regulation, curve, BORDERS, np.full(2, limit_ms), relay, position, speed2, effort
     )
     return position[:nodes], np.sqrt(speed2[:nodes]), effort[:nodes], standing, switches, status
 
@@ -42,8 +42,8 @@ def test_what_it_needs_depends_on_its_step():
 
 def test_the_finer_its_step_the_more_it_chatters():
     """A relay has no frequency of its own: around its mark its step decides."""
-    course = prepare_task(plain_scenario()).course
-    switches = [driven(course, RELAY._replace(time_step_s=step))[4] for step in (0.1, 0.05, 0.01)]
+    mesh = prepare_task(plain_scenario()).mesh
+    switches = [driven(mesh, RELAY._replace(time_step_s=step))[4] for step in (0.1, 0.05, 0.01)]
     assert 20 < switches[0] < switches[1] < switches[2]
 
 
@@ -58,7 +58,7 @@ def test_a_step_that_fails_is_told():
 
 def test_effort_changes_no_faster_than_its_rate():
     """Full effort, 100 kN, after 2 s below 5 km/h, half as fast above; it falls as fast as below."""
-    _, speed, effort, standing, switches, status = driven(prepare_task(plain_scenario()).course)
+    _, speed, effort, standing, switches, status = driven(prepare_task(plain_scenario()).mesh)
     assert status == ARRIVED
     assert switches > 2
     # the first step that moves is not the first of the ramp
@@ -71,7 +71,7 @@ def test_effort_changes_no_faster_than_its_rate():
 
 def test_brakes_that_are_weaker_than_the_curve_overshoot():
     """A fifth of the brakes of which the curve was made: too fast for the last step, whatever it is."""
-    course = prepare_task(plain_scenario()).course
-    weak = course.data._replace(braking=course.data.braking._replace(constant_n=16e3))
-    *_, status = driven(course, data=weak)
+    mesh = prepare_task(plain_scenario()).mesh
+    weak = mesh.data._replace(braking=mesh.data.braking._replace(constant_n=16e3))
+    *_, status = driven(mesh, data=weak)
     assert status == OVERSHOOTS

@@ -7,7 +7,7 @@ import pytest
 
 from railjoule.core import ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import actual_run
 from railjoule.core.strategies import prepare_task, run_strategy
@@ -77,8 +77,8 @@ def test_closed_formulas_refuse_what_wet_rails_do_not_transmit(strategy):
 def test_the_table_of_the_solvers_lies_just_below_the_law(drive):
     changes = {**WET, **FRICTION, "vehicle.adhesion.driven_mass_share": 0.4, "vehicle.load_factor": 0.3}
     scenario = plain_scenario(changes if drive is None else {**changes, "vehicle.drive": drive})
-    free = build_course(scenario.replace(**{"line.rail_condition": None})).data
-    data, speed = build_course(scenario).data, np.linspace(1e-3, 100 / 3.6, 30_001)
+    free = build_meshed_line(scenario.replace(**{"line.rail_condition": None})).data
+    data, speed = build_meshed_line(scenario).data, np.linspace(1e-3, 100 / 3.6, 30_001)
     law = transmitted_n(scenario, speed, 0.4)
     for limit, without in ((data.traction, free.traction), (data.braking, free.braking)):
         assert np.all(limit.effort_n(speed) <= law * (1 + 1e-12))
@@ -88,14 +88,14 @@ def test_the_table_of_the_solvers_lies_just_below_the_law(drive):
 
 def test_friction_brakes_have_what_adhesion_leaves_beside_the_electric_brake():
     scenario = plain_scenario({**WET, "vehicle.braking.friction_effort_kn": 150.0, **all_axles(0.5)})
-    data, speed = build_course(scenario).data, np.linspace(0.1, 100 / 3.6, 5001)
+    data, speed = build_meshed_line(scenario).data, np.linspace(0.1, 100 / 3.6, 5001)
     left = transmitted_n(scenario, speed, 1.0) - data.braking.effort_n(speed)
     assert data.friction_effort_n < 100e3
     assert np.min(left) == pytest.approx(data.friction_effort_n, rel=2e-4)
     assert data.friction_effort_n <= np.min(left)
     # nothing is taken from brakes that adhesion does not limit
     weak = scenario.replace(**FRICTION, **{"line.rail_condition": "dry"})
-    assert build_course(weak).data.friction_effort_n == 60e3
+    assert build_meshed_line(weak).data.friction_effort_n == 60e3
 
 
 def all_axles(driven_share: float) -> dict[str, float]:

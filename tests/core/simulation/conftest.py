@@ -3,7 +3,7 @@
 import pytest
 
 from railjoule.core import Scenario, load_scenario
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 
 
 @pytest.fixture(scope="module")
@@ -13,6 +13,6 @@ def scenario() -> Scenario:
 
 
 @pytest.fixture(scope="module")
-def course(scenario: Scenario) -> Course:
-    """Its course."""
-    return build_course(scenario)
+def mesh(scenario: Scenario) -> MeshedLine:
+    """Its meshed line."""
+    return build_meshed_line(scenario)

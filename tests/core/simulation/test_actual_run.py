@@ -30,7 +30,7 @@ def test_what_differs_in_nothing_is_the_plan():
     run = actual_run(scenario)
     assert run.actual is run.planned
     assert run.actual.energy_kwh == solve(scenario).energy_kwh
-    assert (run.extra_kwh, run.delay_s, run.causes, run.largest_cause) == (0.0, 0.0, (), None)
+    assert (run.extra_kwh, run.delay_s, run.causes, run.max_cause) == (0.0, 0.0, (), None)
 
 
 @pytest.mark.parametrize("name", METRO)
@@ -77,7 +77,7 @@ def test_the_causes_sum_to_the_whole(load, error_m, place_m, reaction):
     stop = {"position_m": place_m, "duration_s": 5.0, "noticed_at_m": place_m - 250}
     run = actual_run(disturbed(actual_load_factor=load, coordinate_error_m=error_m, stops=[stop]), reaction)
     assert sum(cause.energy_j for cause in run.causes) == pytest.approx(run.extra_j, abs=1e-3)
-    assert run.largest_cause in run.causes
+    assert run.max_cause in run.causes
 
 
 def test_an_unplanned_stop_is_made_where_it_is_by_a_train_that_believes_to_be_elsewhere():

@@ -3,15 +3,15 @@ import pytest
 from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, notes_on, voltage_notes
 from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies.montecarlo import monte_carlo
 
 
-def courses(**disturbance):
+def meshes(**disturbance):
     scenario = load_scenario("liashenko-i").replace(**{f"disturbance.{key}": it for key, it in disturbance.items()})
-    return build_course(scenario).data, build_course(actual_vehicle(scenario)).data
+    return build_meshed_line(scenario).data, build_meshed_line(actual_vehicle(scenario)).data
 
 
 def test_nothing_disturbed_nothing_changed():
@@ -20,14 +20,14 @@ def test_nothing_disturbed_nothing_changed():
 
 
 def test_resistance_changes_by_its_factor_alone():
-    plan, real = courses(resistance_factor=1.3)
+    plan, real = meshes(resistance_factor=1.3)
     assert real.resistance_constant_n == pytest.approx(1.3 * plan.resistance_constant_n)
     assert real.resistance_quadratic == pytest.approx(1.3 * plan.resistance_quadratic)
     assert np.array_equal(real.line_force_n, plan.line_force_n)
 
 
 def test_a_lower_voltage_takes_power_and_leaves_the_effort_at_low_speed():
-    plan, real = courses(line_voltage_factor=0.8)
+    plan, real = meshes(line_voltage_factor=0.8)
     assert real.traction.effort_n(1.0) == plan.traction.effort_n(1.0)
     assert real.traction.effort_n(20.0) == pytest.approx(0.8 * plan.traction.effort_n(20.0))
 
@@ -49,7 +49,7 @@ def test_the_electric_brakes_curve_and_the_breakdown_move_with_the_voltage():
     scenario = load_scenario("liashenko-i").replace(**changes)
     braking = actual_vehicle(scenario).vehicle.braking
     assert (braking.curve, braking.breakdown_speed_kmh) == (((0.0, 100.0), (20.0, 100.0), (40.0, 50.0)), 30.0)
-    plan, real = build_course(scenario).data, build_course(actual_vehicle(scenario)).data
+    plan, real = build_meshed_line(scenario).data, build_meshed_line(actual_vehicle(scenario)).data
     assert real.braking.effort_n(20.0) == pytest.approx(plan.braking.effort_n(20.0) / 4, rel=1e-5)
     assert not any("electric braking" in note for note in voltage_notes(scenario.vehicle))
 
@@ -138,6 +138,6 @@ def test_at_a_lower_voltage_power_falls_up_to_the_top_speed():
         **VOLTAGE,
     }
     scenario = plain_scenario(changes)
-    full, less = build_course(scenario).data.traction, build_course(actual_vehicle(scenario)).data.traction
+    full, less = build_meshed_line(scenario).data.traction, build_meshed_line(actual_vehicle(scenario)).data.traction
     fast = np.array([65.0, 80.0, 95.0]) / 3.6
     assert less.effort_n(fast) == pytest.approx(0.8 * full.effort_n(fast), rel=1e-5)

@@ -87,7 +87,7 @@ def test_rides_close_their_account_and_stop_where_they_must(position, notice, du
         ride = simulate_disturbances(scenario, reaction)
         run = ride.actual
         assert abs(run.energy.imbalance) < 1e-9
-        assert run.line_energy_j[-1] == pytest.approx(run.energy.net_j, rel=1e-9)
+        assert run.supply_energy_j[-1] == pytest.approx(run.energy.net_j, rel=1e-9)
         # a driver who holds a low speed may come too late, one who plans does not
         assert reaction == "driver" or ride.notes == ()
         assert ride.delay_s >= -1e-3
@@ -122,7 +122,7 @@ def test_a_stop_that_the_brakes_just_miss_is_overshot_and_not_braked_for_harder_
     )
     run = missed.actual
     assert run.position_m[1:][np.diff(run.position_m) == 0] == pytest.approx([stands], abs=1e-3)
-    assert np.all(run.electric_braking_n + run.friction_braking_n <= run.largest_braking_n * (1 + 1e-6))
+    assert np.all(run.electric_braking_n + run.friction_braking_n <= run.max_braking_n * (1 + 1e-6))
 
 
 def test_a_limit_slows_the_train_and_the_time_is_caught_up():

@@ -153,7 +153,7 @@ def test_a_train_waits_at_the_stop_before_where_a_slower_run_saves_nothing():
     # before the start, as the leg has no stop on its way
     assert (run.phases[0].phase, run.position_m[1]) == ("stand", 0.0)
     assert run.time_s[1] == pytest.approx(900.0 - alone.travel_time_s, abs=0.1)
-    first_j = run.line_energy_j[np.searchsorted(run.position_m, 700.0 - 1e-6)]
+    first_j = run.supply_energy_j[np.searchsorted(run.position_m, 700.0 - 1e-6)]
     assert first_j == pytest.approx(alone.energy.net_j + 30e3 * 900.0, rel=1e-6)
 
 

@@ -93,12 +93,12 @@ def swept(scenario, over):
 def references(tasks, energy_j):
     """Return what shares of energies are relative to [J]."""
     pairs = zip(tasks, energy_j, strict=True)
-    return np.array([reference_energy(task.course.data, energy, task.running_time_s) for task, energy in pairs])
+    return np.array([reference_energy(task.mesh.data, energy, task.running_time_s) for task, energy in pairs])
 
 
 def against(over, tasks, energy_j, reference_j):
     """Return the largest share by which an energy passes any earlier one against the sense, 0 without a sense."""
-    if over == "load" and any(task.course.gradient_force_n @ task.course.data.cell_length_m < 0 for task in tasks):
+    if over == "load" and any(task.mesh.gradient_force_n @ task.mesh.data.cell_length_m < 0 for task in tasks):
         return 0.0
     rising = -energy_j if over == "time" else energy_j
     return ((np.maximum.accumulate(rising) - rising) / reference_j).max()

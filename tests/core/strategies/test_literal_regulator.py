@@ -50,7 +50,7 @@ def test_it_coasts_where_it_asks_for_nothing():
     """Gradients change along the train within each of its steps: the drive shall be off all the same."""
     task = prepare_task(plain_scenario(HILLY))
     run = literal_run(task, np.array([50.0]) * MS_PER_KMH, np.empty(0))
-    force = run.course.net_force_n(run.speed2)
+    force = run.mesh.net_force_n(run.speed2)
     assert (np.abs(force) < 1e-3).sum() > 100
 
 

@@ -25,7 +25,7 @@ def limited_tram(**changes):
 
 
 def compute_plan(task):
-    return plan_line(task.scenario, task.course, task.running_time_s)
+    return plan_line(task.scenario, task.mesh, task.running_time_s)
 
 
 def check_phases(task):
@@ -62,9 +62,7 @@ def test_a_second_has_one_price_in_all_stretches():
     """Time moved from the first stretch to the last or back costs energy."""
     task = prepare_task(limited_tram(**FINE))
     plan = compute_plan(task)
-    planner = LinePlanner(
-        task.course, cut_line(task.course, task.course.data, task.greatest_speed2, task.scenario.phases)
-    )
+    planner = LinePlanner(task.mesh, cut_line(task.mesh, task.mesh.data, task.fastest_speed2, task.scenario.phases))
     for factor in (0.9, 0.95, 1.05, 1.1):
 
         def moved(last, factor=factor):

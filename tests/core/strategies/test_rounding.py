@@ -11,7 +11,7 @@ from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError
-from railjoule.core.physics.course_data import BRAKE, DRIVE, OFF
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.rounding import round_shares
@@ -85,7 +85,7 @@ def test_runs_stay_on_or_off_long_enough(drive, strategy):
         scenario = train(drive, 0.0, **{"timetable.travel_time_s": 120.0, "drive.least_switching_s": least})
         task = prepare_task(scenario)
         run = run_strategy(task, strategy)
-        assert shortest_stretch_s(task.course.data, run.node_speed_ms**2) >= least
+        assert shortest_stretch_s(task.mesh.data, run.node_speed_ms**2) >= least
         assert check_run(scenario, run).ok, check_run(scenario, run).verdict
         energies.append(run.energy.net_j)
     assert energies[0] <= min(energies) * (1 + 1e-4)
@@ -102,8 +102,8 @@ def test_how_often_is_no_matter_of_the_mesh(mesh_m):
     )
     relaxed = minimise(task).optimum
     run, free = best_switched(task, relaxed), best_switched(at_will, relaxed)
-    assert shortest_stretch_s(task.course.data, run.speed2) >= 2.0
-    assert shortest_stretch_s(task.course.data, free.speed2) < 2.0
+    assert shortest_stretch_s(task.mesh.data, run.speed2) >= 2.0
+    assert shortest_stretch_s(task.mesh.data, free.speed2) < 2.0
     assert free.energy_j * (1 - 1e-4) <= run.energy_j < free.energy_j * (1 + 2e-3)
 
 
@@ -120,8 +120,8 @@ def test_no_fastest_run_that_keeps_the_rule_is_cheaper(auxiliary_kw):
     }
     task = prepare_task(plain_scenario(changes))
     fastest, best = run_strategy(task, "fastest"), run_strategy(task, "optimal")
-    assert shortest_stretch_s(task.course.data, fastest.node_speed_ms**2) >= 20.0
-    assert shortest_stretch_s(task.course.data, best.node_speed_ms**2) >= 20.0
+    assert shortest_stretch_s(task.mesh.data, fastest.node_speed_ms**2) >= 20.0
+    assert shortest_stretch_s(task.mesh.data, best.node_speed_ms**2) >= 20.0
     assert best.energy.net_j <= fastest.energy.net_j * (1 + 1e-9)
     assert check_run(best.scenario, best).ok
 

@@ -116,8 +116,8 @@ def test_driving_by_turns_comes_near_free_switching():
 
 
 def test_only_drives_that_idle_are_switched():
-    assert prepare_task(tram()).course.drive.jumps_at_no_effort
-    assert not prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})).course.drive.jumps_at_no_effort
+    assert prepare_task(tram()).mesh.drive.has_idle_losses
+    assert not prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})).mesh.drive.has_idle_losses
 
 
 def test_the_shipped_tram_is_near_the_findings():

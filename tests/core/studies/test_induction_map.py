@@ -23,7 +23,7 @@ def test_a_run_works_within_the_map(found):
 
 
 def test_less_flux_is_nowhere_worse(found):
-    least = induction_map(SCENARIO.replace(**{"simulation.flux": "least_loss"}))
+    least = induction_map(SCENARIO.replace(**{"simulation.flux": "min_loss"}))
     both = np.isfinite(found.drive) & np.isfinite(least.drive)
     assert np.all(least.drive[both] >= found.drive[both] - 1e-9)
     light = np.argmin(np.abs(found.torque_nm - 200.0))

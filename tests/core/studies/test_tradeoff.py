@@ -8,7 +8,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, enoc_frontier, frontier_times
-from railjoule.core.studies.tradeoff import MOST_CELLS, TOLERANCE, coarsened, strategy_frontier
+from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened, strategy_frontier
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 ALL_CELLS = 1_000_000
@@ -30,7 +30,7 @@ def suburban():
 
 def test_each_point_is_the_optimum_for_its_time(metro):
     times = np.array([80.0, 100.0, 133.7])
-    frontier = energy_time_frontier(metro, times, most_cells=ALL_CELLS)
+    frontier = energy_time_frontier(metro, times, max_cells=ALL_CELLS)
     for time, energy, price in zip(times, frontier.energy_kwh, frontier.price_of_time_wh_per_s, strict=True):
         run = solve(metro.scenario.replace(**{"timetable.travel_time_s": float(time)}), "optimal")
         # both stop within a relative gap of their tolerance
@@ -100,9 +100,9 @@ def test_bounds_prove_the_points(metro):
 
 def test_a_fine_course_is_coarsened(suburban):
     times = np.array([220.0, 300.0, 390.0])
-    coarse, fine = (energy_time_frontier(suburban, times, most_cells=cells) for cells in (MOST_CELLS, ALL_CELLS))
-    assert fine.cell_count == suburban.course.cell_count == 1006
-    assert coarse.cell_count < 1.05 * MOST_CELLS
+    coarse, fine = (energy_time_frontier(suburban, times, max_cells=cells) for cells in (MAX_CELLS, ALL_CELLS))
+    assert fine.cell_count == suburban.mesh.cell_count == 1006
+    assert coarse.cell_count < 1.05 * MAX_CELLS
     (note,) = coarse.notes
     assert note.startswith(f"Computed over {coarse.cell_count} cells of at most ")
     assert note.endswith(" instead of the 1,006 of the mesh of 5 m.")
@@ -114,7 +114,7 @@ def test_a_fine_course_is_coarsened(suburban):
 def test_coarsening_keeps_the_speeds_at_the_ends():
     task = prepare_task(load_scenario("ftorek-300s"), 1.0, 2.0)
     coarse = coarsened(task, 100)
-    assert coarse.course.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
+    assert coarse.mesh.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
     assert coarsened(task, 2000) is task
 
 

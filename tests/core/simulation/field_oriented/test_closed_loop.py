@@ -82,7 +82,7 @@ def test_without_the_pre_compensator_it_lags_and_stops_in_the_same_place(run):
 
 
 def test_less_flux_at_light_load_pays(run):
-    less = driven(simulation__flux="least_loss")
+    less = driven(simulation__flux="min_loss")
     assert less.energy_by_input_power_kwh < 0.98 * run.energy_by_input_power_kwh
     assert less.max_tracking_error_m <= 0.05
     assert less.rotor_flux_vs.min() < 0.5 * run.rotor_flux_vs.min()
@@ -156,7 +156,7 @@ def test_noise_is_that_of_its_seed(run):
 
 
 def test_the_tram_drives_its_own_machine():
-    scenario = load_scenario("tram-950m", {"strategy": "optimal", "simulation.flux": "least_loss"})
+    scenario = load_scenario("tram-950m", {"strategy": "optimal", "simulation.flux": "min_loss"})
     tram = simulate_field_oriented(scenario)
     assert agreement(tram) < 5e-4
     assert abs(tram.final_error_m) <= 0.01
@@ -189,7 +189,7 @@ def test_accounts_agree_for_random_settings(number):
         "drive.machine.max_phase_voltage_v": float(draw.uniform(700, 1800)),
         "simulation.bandwidth_rads": float(draw.uniform(3, 25)),
         "simulation.precompensator": bool(draw.integers(2)),
-        "simulation.flux": ("constant", "least_loss")[draw.integers(2)],
+        "simulation.flux": ("constant", "min_loss")[draw.integers(2)],
         "simulation.rotor_resistance_factor": float(draw.uniform(0.6, 1.7)),
         "simulation.speed_noise_rads": float(draw.choice([0.0, 0.1])),
         "simulation.reference_window_s": float(draw.uniform(0.05, 1)),
@@ -209,8 +209,8 @@ def test_accounts_agree_for_random_settings(number):
 
 def test_the_trajectory_is_that_of_the_run(run):
     actual = run.actual
-    assert actual.line_energy_j[-1] == pytest.approx(actual.energy.net_j, rel=1e-12)
-    assert np.sum(actual.line_power_w * np.diff(actual.time_s)) == pytest.approx(actual.energy.net_j, rel=1e-9)
+    assert actual.supply_energy_j[-1] == pytest.approx(actual.energy.net_j, rel=1e-12)
+    assert np.sum(actual.supply_power_w * np.diff(actual.time_s)) == pytest.approx(actual.energy.net_j, rel=1e-9)
     # work of the efforts against resistance, the train at rest at both ends
     work = np.sum(actual.effort_n * np.diff(actual.position_m))
     assert work == pytest.approx(run.parts_j["shaft"], rel=1e-3)

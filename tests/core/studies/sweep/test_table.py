@@ -62,7 +62,7 @@ def hills():
 def solved(scenario, strategy):
     """Return the run of `solve`, or the optimum over the scenario's own mesh for a drive without idle losses."""
     task = prepare_task(scenario)
-    if strategy != "optimal" or task.course.drive.jumps_at_no_effort:
+    if strategy != "optimal" or task.mesh.drive.has_idle_losses:
         return solve(scenario, strategy)
     return run_strategy(replace(task, can_be_remeshed=False), strategy)
 
@@ -101,7 +101,7 @@ def test_a_row_is_the_run_over_its_mesh_bit_for_bit(method):
 
 @pytest.mark.parametrize("field", NUMBERS)
 def test_each_number_reaches_what_depends_on_it(field):
-    """A part of a course that was kept by mistake would give the numbers of another row."""
+    """A part of a meshed line that was kept by mistake would give the numbers of another row."""
     base = hills()
     # each alone, and beside two that touch little, so that as much as possible is kept
     assert_same(base, sweep(base, {field: NUMBERS[field]}, 3, "grid"))

@@ -54,7 +54,7 @@ def test_the_table_and_the_words_follow_the_scenario(session: Session, view: Com
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, view: CompareView) -> None:
     chart = next(chart for chart in view.compared if chart.name == "compared_energy")
-    most = max(run.line_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
+    most = max(run.supply_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
     session.state.reference = "fastest"

@@ -76,7 +76,7 @@ def test_the_cruise_is_drawn_over_the_flux(view: MotorView) -> None:
     assert current[-1] == pytest.approx(sweep.rated.flux_current_a)
     assert factor[-1] == pytest.approx(100 * sweep.rated.power_factor)
     assert drawn["loss"]["y"][-1] == pytest.approx(100.0)
-    assert f"{sweep.least_loss.power_factor:.3f}" in view.fluxes.object
+    assert f"{sweep.min_loss.power_factor:.3f}" in view.fluxes.object
     view.cruise.type("1000")
     assert view.cruise.refusal.startswith("At most ")
     assert view.model.cruise_speed_kmh == 60.0

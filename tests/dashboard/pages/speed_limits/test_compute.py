@@ -63,7 +63,7 @@ def test_refusals_name_the_strategy() -> None:
 
 def test_storages_save_up_to_what_they_need(run: LimitRun) -> None:
     curve = compute_storage(StorageRequest(run, None, None, 0.95, 0.95))
-    assert curve.chosen.storage.size_kwh == run.need.largest_drop_kwh
+    assert curve.chosen.storage.size_kwh == run.need.max_drop_kwh
     assert np.all(np.diff(curve.saved_kwh) > -1e-9)
     assert curve.saved_kwh[0] == pytest.approx(0, abs=1e-9)
     # nothing is burnt, so only both losses are missing

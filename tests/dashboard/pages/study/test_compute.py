@@ -108,7 +108,7 @@ def test_without_any_run_there_is_nothing_to_draw() -> None:
 
 
 def test_many_points_become_a_raster(table: SweepTable, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compute, "MOST_POINTS", 100)
+    monkeypatch.setattr(compute, "MAX_POINTS", 100)
     runs = compute_look(asked(table)).runs
     assert isinstance(runs, Raster)
     assert runs.count.shape == runs.mean.shape == (30, 40)

@@ -169,13 +169,13 @@ def input_power_of_shaft(machine: Machine, shaft_nm: float, rads: float, smooth:
     if smooth:
         power = smooth_input_power(machine, sign, by_torque * torque, poles * rads)
     else:
-        power = least_input_power(machine, sign, by_torque * torque, poles * rads)
+        power = min_input_power(machine, sign, by_torque * torque, poles * rads)
     p, p_k, p_w, p_kk, p_kw, p_ww = power
     return p, p_k * by_torque, p_w * poles, p_kk * by_torque * by_torque, p_kw * by_torque * poles, p_ww * poles * poles
 
 
 @njit(cache=True)
-def least_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
+def min_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
     """Return the least input power [W] and its derivatives by strength and frequency.
 
     Parameters
@@ -260,7 +260,7 @@ def smooth_input_power(machine: Machine, sign: float, strength: float, rotor_rad
     one_limit = free >= rated or strength * value(quartic, low) <= voltage2 * low
     bound = -1.0 if one_limit else ratio_within_voltage(quartic, strength, voltage2, low)
     if bound <= 0.0 or bound * math.exp(-ROUNDED_WIDTH) > rated:
-        return least_input_power(machine, sign, strength, rotor_rads)
+        return min_input_power(machine, sign, strength, rotor_rads)
     # The greater of two logarithms r and v is their mean and half of |d|, d = r - v. With u = |d| / width the function
     # s = |d| u (2 - u) is never more than |d|, and equal to it, with its slope, at u = 1; at the corner, s = s' = 0.
     # Of the logarithm l = (r + v + s) / 2 of the ratio t, then,

@@ -1,4 +1,4 @@
-"""A course as compiled code takes it: the numbers of a train and of the line under it."""
+"""A meshed line as compiled code takes it: the numbers of a train and of the line under it."""
 
 from typing import NamedTuple
 
@@ -15,12 +15,12 @@ MODES = 3
 OFF, DRIVE, BRAKE = range(MODES)
 """Modes of a drive in a cell."""
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "mode", "supply_share")
-PER_NODE = ("largest_speed2", "fixed_speed2")
-"""The arrays of a course's data with one entry a cell, and with one a node."""
+PER_NODE = ("limit_speed2", "fixed_speed2")
+"""The arrays of a meshed line's data with one entry a cell, and with one a node."""
 
 
-class CourseData(NamedTuple):
-    """The numbers of a course of n cells.
+class MeshData(NamedTuple):
+    """The numbers of a meshed line of n cells.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class CourseData(NamedTuple):
         Lengths of the cells [m].
     line_force_n : array of shape (n,)
         Forces of gradients and curves against the train [N].
-    largest_speed2, fixed_speed2 : array of shape (n + 1,)
+    limit_speed2, fixed_speed2 : array of shape (n + 1,)
         Squares of the limit of speed at the nodes, and of prescribed speeds; NaN where a node is free [m2/s2].
     half_inertia_kg : float
         Half of the mass that resists acceleration [kg].
@@ -57,7 +57,7 @@ class CourseData(NamedTuple):
 
     cell_length_m: FloatArray
     line_force_n: FloatArray
-    largest_speed2: FloatArray
+    limit_speed2: FloatArray
     fixed_speed2: FloatArray
     half_inertia_kg: float
     resistance_constant_n: float
@@ -77,7 +77,7 @@ class CourseData(NamedTuple):
 
 
 class Train(NamedTuple):
-    """The plain numbers of a course's train, named as in `CourseData`.
+    """The plain numbers of a meshed line's train, named as in `MeshData`.
 
     Only plain numbers: two limits of effort and the drive's parameters, which hold arrays, are arguments of their own.
     """
@@ -90,7 +90,7 @@ class Train(NamedTuple):
 
 
 class TrainLimits(NamedTuple):
-    """A train as the physics of all cells needs it, made once for a course.
+    """A train as the physics of all cells needs it, made once for a meshed line.
 
     To make such a tuple costs little, but for each cell it would count references to its arrays.
 
@@ -111,52 +111,52 @@ class TrainLimits(NamedTuple):
 
 
 @njit(cache=True)
-def train_of(course: CourseData) -> Train:
-    """Return the plain numbers of a course's train."""
+def train_of(mesh: MeshData) -> Train:
+    """Return the plain numbers of a meshed line's train."""
     return Train(
-        course.drive_kind,
-        course.recuperation_factor,
-        course.friction_effort_n,
-        course.max_acceleration_ms2,
-        course.max_deceleration_ms2,
+        mesh.drive_kind,
+        mesh.recuperation_factor,
+        mesh.friction_effort_n,
+        mesh.max_acceleration_ms2,
+        mesh.max_deceleration_ms2,
     )
 
 
 @njit(cache=True)
-def shared_by_cells(course: CourseData) -> TrainLimits:
+def shared_by_cells(mesh: MeshData) -> TrainLimits:
     """Return the train as the physics of all cells needs it.
 
-    For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it. Python
+    For the loops of a compiled function that has the mesh as an argument: the arrays are `borrowed` from it. Python
     must not call it: there the arrays would outlive the loan.
     """
-    traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
-    return TrainLimits(train_of(course), traction, braking, borrowed(course.drive_parameters))
+    traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
+    return TrainLimits(train_of(mesh), traction, braking, borrowed(mesh.drive_parameters))
 
 
 @njit(cache=True, error_model="numpy")
-def cell_of(course: CourseData, number: int) -> Cell:
-    """Return one cell of a course."""
+def cell_of(mesh: MeshData, number: int) -> Cell:
+    """Return one cell of a meshed line."""
     return Cell(
-        course.cell_length_m[number],
-        course.half_inertia_kg / course.cell_length_m[number],
-        course.resistance_constant_n + course.line_force_n[number],
-        course.resistance_linear,
-        course.resistance_quadratic[number],
-        course.supply_share[number],
+        mesh.cell_length_m[number],
+        mesh.half_inertia_kg / mesh.cell_length_m[number],
+        mesh.resistance_constant_n + mesh.line_force_n[number],
+        mesh.resistance_linear,
+        mesh.resistance_quadratic[number],
+        mesh.supply_share[number],
     )
 
 
 @njit(cache=True, error_model="numpy")
-def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
-    """Return one cell of a course whose forces come out in shares of an effort [N], as the solver wants them."""
+def scaled_cell_of(mesh: MeshData, number: int, scale: float) -> Cell:
+    """Return one cell of a meshed line whose forces come out in shares of an effort [N], as the solver wants them."""
     # the force is linear in k, A, B and C, so that dividing these divides it, at any speeds
     return Cell(
-        course.cell_length_m[number],
-        course.half_inertia_kg / (course.cell_length_m[number] * scale),
-        (course.resistance_constant_n + course.line_force_n[number]) / scale,
-        course.resistance_linear / scale,
-        course.resistance_quadratic[number] / scale,
-        course.supply_share[number],
+        mesh.cell_length_m[number],
+        mesh.half_inertia_kg / (mesh.cell_length_m[number] * scale),
+        (mesh.resistance_constant_n + mesh.line_force_n[number]) / scale,
+        mesh.resistance_linear / scale,
+        mesh.resistance_quadratic[number] / scale,
+        mesh.supply_share[number],
     )
 
 
@@ -168,51 +168,51 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.supply_share)
 
 
-def data_between(course: CourseData, first: int, last: int) -> CourseData:
-    """Return the data of a course between two nodes, over the same mesh."""
-    cells = {name: getattr(course, name)[first:last] for name in PER_CELL}
+def data_between(mesh: MeshData, first: int, last: int) -> MeshData:
+    """Return the data of a meshed line between two nodes, over the same mesh."""
+    cells = {name: getattr(mesh, name)[first:last] for name in PER_CELL}
     # one node more than cells; of an array that is empty, as `mode` may be, an empty part
-    nodes = {name: getattr(course, name)[first : last + 1] for name in PER_NODE}
-    return course._replace(**cells, **nodes)
+    nodes = {name: getattr(mesh, name)[first : last + 1] for name in PER_NODE}
+    return mesh._replace(**cells, **nodes)
 
 
-def cells_of(course: CourseData) -> Cell:
-    """Return all cells of a course, as arrays of shape (n,)."""
+def cells_of(mesh: MeshData) -> Cell:
+    """Return all cells of a meshed line, as arrays of shape (n,)."""
     return Cell(
-        course.cell_length_m,
-        course.half_inertia_kg / course.cell_length_m,
-        course.resistance_constant_n + course.line_force_n,
-        course.resistance_linear,
-        course.resistance_quadratic,
-        course.supply_share,
+        mesh.cell_length_m,
+        mesh.half_inertia_kg / mesh.cell_length_m,
+        mesh.resistance_constant_n + mesh.line_force_n,
+        mesh.resistance_linear,
+        mesh.resistance_quadratic,
+        mesh.supply_share,
     )
 
 
-def tractive_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+def tractive_limit_n(mesh: MeshData, speed_ms: FloatArray) -> FloatArray:
     """Return the largest tractive effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
-    return _supplied_n(course, course.traction, speed_ms)
+    return _supplied_n(mesh, mesh.traction, speed_ms)
 
 
-def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+def electric_limit_n(mesh: MeshData, speed_ms: FloatArray) -> FloatArray:
     """Return the largest electric braking effort [N] of each cell; speeds as for `tractive_limit_n`."""
-    return _supplied_n(course, course.braking, speed_ms)
+    return _supplied_n(mesh, mesh.braking, speed_ms)
 
 
-def _supplied_n(course: CourseData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
-    effort, most = limit.effort_n(speed_ms), limit.constant_n * course.supply_share
+def _supplied_n(mesh: MeshData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
+    effort, most = limit.effort_n(speed_ms), limit.constant_n * mesh.supply_share
     supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
     return supplied
 
 
-def lowered_limits(course: CourseData, share: float) -> CourseData:
-    """Return a course whose limits of effort, speed and rate of change of speed are lower by a share."""
+def lowered_limits(mesh: MeshData, share: float) -> MeshData:
+    """Return a meshed line whose limits of effort, speed and rate of change of speed are lower by a share."""
     # a limit of speed is kept as its square: it is the square that falls by the share
     kept = 1.0 - share
-    return course._replace(
-        largest_speed2=kept * course.largest_speed2,
-        traction=course.traction.lowered(share),
-        braking=course.braking.lowered(share),
-        friction_effort_n=kept * course.friction_effort_n,
-        max_acceleration_ms2=kept * course.max_acceleration_ms2,
-        max_deceleration_ms2=kept * course.max_deceleration_ms2,
+    return mesh._replace(
+        limit_speed2=kept * mesh.limit_speed2,
+        traction=mesh.traction.lowered(share),
+        braking=mesh.braking.lowered(share),
+        friction_effort_n=kept * mesh.friction_effort_n,
+        max_acceleration_ms2=kept * mesh.max_acceleration_ms2,
+        max_deceleration_ms2=kept * mesh.max_deceleration_ms2,
     )

@@ -1,4 +1,4 @@
-"""A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
+"""A meshed line: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
 
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -10,11 +10,11 @@ from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_geometry import LineGeometry, TrainExtent, geometry_at, meshed_geometry
-from railjoule.core.motion.permitted_speed import curve_steps, least_permitted_deceleration_ms2, permitted_speed2
+from railjoule.core.motion.permitted_speed import curve_steps, min_permitted_deceleration_ms2, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, cells_of, data_between
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, cells_of, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -30,7 +30,7 @@ FREE = np.nan
 """Mark of a node whose speed is not prescribed."""
 
 PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_force_n", "cell_limit_ms")
-"""The arrays of a course with one entry a cell, beside those of its data."""
+"""The arrays of a meshed line with one entry a cell, beside those of its data."""
 
 # an interior-point method needs a strictly feasible start: between no effort and a largest one of zero there is none
 MISSING_BRAKE_SHARE = 1e-9
@@ -40,7 +40,7 @@ NEUTRAL_SHARE = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class MeshedLine:
     """All that a run of a vehicle over a line obeys.
 
     Parameters
@@ -59,7 +59,7 @@ class Course:
         How long the train stands at each node [s].
     drive : Drive
         The vehicle's loss model.
-    data : CourseData
+    data : MeshData
         The same for compiled code.
     permitted_deceleration_ms2 : float
         The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none.
@@ -75,12 +75,12 @@ class Course:
     cell_limit_ms: FloatArray
     dwell_s: FloatArray
     drive: Drive
-    data: CourseData
+    data: MeshData
     permitted_deceleration_ms2: float = np.inf
     curve_steps: FloatArray = field(default_factory=lambda: np.zeros((2, 0)))
 
-    def between(self, first: int, last: int) -> "Course":
-        """Return the course between two nodes, over the same mesh; the train does not stand at its ends."""
+    def between(self, first: int, last: int) -> "MeshedLine":
+        """Return the meshed line between two nodes, over the same mesh; the train does not stand at its ends."""
         cells, nodes = slice(first, last), slice(first, last + 1)
         dwell = self.dwell_s[nodes].copy()
         dwell[[0, -1]] = 0.0
@@ -133,8 +133,8 @@ def train_extent(scenario: Scenario) -> TrainExtent:
     return TrainExtent(vehicle.length_m, vehicle.car_count, vehicle.gradient_at, scenario.limits_last_m)
 
 
-class CourseParts(NamedTuple):
-    """The parts of a course that take longest to make, and that few changes of a scenario's numbers touch.
+class MeshedLineParts(NamedTuple):
+    """The parts of a meshed line that take longest to make, and that few changes of a scenario's numbers touch.
 
     Parameters
     ----------
@@ -152,13 +152,13 @@ class CourseParts(NamedTuple):
     braking: EffortLimit
 
 
-def build_course(
+def build_meshed_line(
     scenario: Scenario,
     initial_speed_ms: float | None = None,
     final_speed_ms: float | None = None,
     position_m: FloatArray | None = None,
-) -> Course:
-    """Return the course of a scenario.
+) -> MeshedLine:
+    """Return the meshed line of a scenario.
 
     Parameters
     ----------
@@ -176,11 +176,13 @@ def build_course(
         an end's speed is none.
     """
     line, drive = line_of(scenario, position_m), drive_of(scenario)
-    return course_of(scenario, CourseParts(line, drive, *limits_of(scenario, drive)), initial_speed_ms, final_speed_ms)
+    return assemble_meshed_line(
+        scenario, MeshedLineParts(line, drive, *limits_of(scenario, drive)), initial_speed_ms, final_speed_ms
+    )
 
 
 def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
-    """Return a scenario's line over its mesh or over given nodes [m]; arguments and errors as `build_course`."""
+    """Return a scenario's line over its mesh or over given nodes [m]; arguments and errors as `build_meshed_line`."""
     _require_few_rows(scenario)
     if position_m is None:
         return meshed_geometry(scenario.line, scenario.solver.mesh_m, train_extent(scenario))
@@ -213,23 +215,23 @@ def limits_of(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimi
     driven_n = adhesive_weight(scenario).driven_n
     pulling = effort_limit(scenario.vehicle, drive, driven_n=driven_n)
     electric = effort_limit(scenario.vehicle, drive, braking=True, driven_n=driven_n)
-    least_braking = MISSING_BRAKE_SHARE * pulling.constant_n
-    return pulling, electric._replace(constant_n=max(electric.constant_n, least_braking))
+    min_braking = MISSING_BRAKE_SHARE * pulling.constant_n
+    return pulling, electric._replace(constant_n=max(electric.constant_n, min_braking))
 
 
-def course_of(
+def assemble_meshed_line(
     scenario: Scenario,
-    parts: CourseParts,
+    parts: MeshedLineParts,
     initial_speed_ms: float | None = None,
     final_speed_ms: float | None = None,
-) -> Course:
-    """Return the course of a scenario from its parts, which others of its kind may share.
+) -> MeshedLine:
+    """Return the meshed line of a scenario from its parts, which others of its kind may share.
 
     Parameters
     ----------
     scenario, initial_speed_ms, final_speed_ms
-        As for `build_course`.
-    parts : CourseParts
+        As for `build_meshed_line`.
+    parts : MeshedLineParts
         The parts of this scenario: nothing here checks that.
 
     Raises
@@ -251,7 +253,7 @@ def course_of(
     for node, passing_ms in line.passing_ms:
         fixed[node] = passing_ms**2
     fixed[[0, -1]] = initial_speed_ms**2, final_speed_ms**2
-    return Course(
+    return MeshedLine(
         position_m=line.position_m,
         gradient_permille=line.gradient_permille,
         tunnel_factor=line.tunnel_factor,
@@ -260,8 +262,8 @@ def course_of(
         cell_limit_ms=frozen_array(np.minimum(line.cell_limit_ms, vehicle.traction.max_speed_kmh * MS_PER_KMH)),
         dwell_s=line.dwell_s,
         drive=parts.drive,
-        data=_course_data(scenario, parts, gradient_force + curve_force, fixed),
-        permitted_deceleration_ms2=least_permitted_deceleration_ms2(vehicle),
+        data=_mesh_data(scenario, parts, gradient_force + curve_force, fixed),
+        permitted_deceleration_ms2=min_permitted_deceleration_ms2(vehicle),
         curve_steps=curve_steps(vehicle),
     )
 
@@ -278,18 +280,18 @@ def _require_few_rows(scenario: Scenario) -> None:
             raise ScenarioError(f"{key} has {len(rows):,} entries; {budget.name} takes at most {budget.row_count:,}.")
 
 
-def _course_data(
-    scenario: Scenario, parts: CourseParts, line_force_n: FloatArray, fixed_speed2: FloatArray
-) -> CourseData:
+def _mesh_data(
+    scenario: Scenario, parts: MeshedLineParts, line_force_n: FloatArray, fixed_speed2: FloatArray
+) -> MeshData:
     vehicle, line, drive = scenario.vehicle, parts.line, parts.drive
     constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     traction, braking = vehicle.traction, vehicle.braking
     cell_length = np.diff(line.position_m)
     limit2 = np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2
-    return CourseData(
+    return MeshData(
         cell_length_m=cell_length,
         line_force_n=line_force_n,
-        largest_speed2=permitted_speed2(vehicle, cell_length, limit2, fixed_speed2),
+        limit_speed2=permitted_speed2(vehicle, cell_length, limit2, fixed_speed2),
         fixed_speed2=fixed_speed2,
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,

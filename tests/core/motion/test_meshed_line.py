@@ -1,4 +1,4 @@
-"""A course: the numbers of a vehicle on a line in SI."""
+"""A meshed line: the numbers of a vehicle on a line in SI."""
 
 import math
 from dataclasses import replace
@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError, solve
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 
 
 @given(st.floats(0.5, 2), st.integers(0, 2**32 - 1))
@@ -34,19 +34,19 @@ def test_units_do_not_matter(factor, seed):
 
 
 def test_ends_and_stops_are_fixed():
-    course = build_course(plain_scenario({"line.stations": [{"position_m": 700, "dwell_s": 30}]}), 2.0, 3.0)
-    fixed = np.flatnonzero(~np.isnan(course.data.fixed_speed2))
-    assert course.position_m[fixed] == pytest.approx([0, 700, 2000])
-    assert course.data.fixed_speed2[fixed] == pytest.approx([4, 0, 9])
-    assert course.dwell_s.sum() == 30
+    mesh = build_meshed_line(plain_scenario({"line.stations": [{"position_m": 700, "dwell_s": 30}]}), 2.0, 3.0)
+    fixed = np.flatnonzero(~np.isnan(mesh.data.fixed_speed2))
+    assert mesh.position_m[fixed] == pytest.approx([0, 700, 2000])
+    assert mesh.data.fixed_speed2[fixed] == pytest.approx([4, 0, 9])
+    assert mesh.dwell_s.sum() == 30
 
 
 def test_own_nodes():
     nodes = np.array([0.0, 500.0, 1300.0, 2000.0])
-    course = build_course(plain_scenario(), position_m=nodes)
-    assert course.cell_count == 3
-    assert course.length_m == 2000
-    assert (course.position_m == nodes).all()
+    mesh = build_meshed_line(plain_scenario(), position_m=nodes)
+    assert mesh.cell_count == 3
+    assert mesh.length_m == 2000
+    assert (mesh.position_m == nodes).all()
 
 
 @pytest.mark.parametrize("speed", [-1.0, math.nan, math.inf])
@@ -62,18 +62,18 @@ def test_a_part_of_a_course_is_the_course_of_that_part():
     stations = [{"position_m": 700.0, "dwell_s": 30.0}]
     neutral = [{"from_m": 300.0, "to_m": 400.0}]
     scenario = plain_scenario({"line.sections": HILLS, "line.stations": stations, "line.neutral_sections": neutral})
-    course = build_course(scenario)
-    first, last = 17, int(np.flatnonzero(course.dwell_s)[0])
-    part = course.between(first, last)
+    mesh = build_meshed_line(scenario)
+    first, last = 17, int(np.flatnonzero(mesh.dwell_s)[0])
+    part = mesh.between(first, last)
     assert part.cell_count == last - first
-    for whole, cut in ((vars(course), vars(part)), (course.data._asdict(), part.data._asdict())):
+    for whole, cut in ((vars(mesh), vars(part)), (mesh.data._asdict(), part.data._asdict())):
         for name, value in whole.items():
             if not isinstance(value, np.ndarray) or name in ("drive_parameters", "mode", "curve_steps"):
                 continue
-            nodes = len(value) - course.cell_count
+            nodes = len(value) - mesh.cell_count
             assert nodes in (0, 1), name
             if name != "dwell_s":
                 np.testing.assert_array_equal(cut[name], value[first : last + nodes], name)
     assert part.dwell_s.tolist() == [0.0] * (last - first + 1)
-    decided = course.data._replace(mode=np.arange(course.cell_count) % 2)
-    assert replace(course, data=decided).between(3, 6).data.mode.tolist() == [1, 0, 1]
+    decided = mesh.data._replace(mode=np.arange(mesh.cell_count) % 2)
+    assert replace(mesh, data=decided).between(3, 6).data.mode.tolist() == [1, 0, 1]
