@@ -13,6 +13,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -111,7 +112,7 @@ def _digest(text: str) -> str:
 def _parse(data: bytes) -> Source:
     tree = ast.parse(data)
     imports: set[str] = set()
-    for node in ast.walk(tree):
+    for node in _executed(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
             imports |= {f"{node.module}", *(f"{node.module}.{name.name}" for name in node.names)}
         elif isinstance(node, ast.Import):
@@ -120,6 +121,14 @@ def _parse(data: bytes) -> Source:
         if isinstance(body, list):
             node.body = [line for line in body if not _is_text(line)]  # type: ignore[attr-defined]
     return Source(_digest(ast.dump(tree)), tuple(sorted(imports)))
+
+
+def _executed(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield all nodes of a tree but those below `if TYPE_CHECKING`, which never run."""
+    yield tree
+    for node in ast.iter_child_nodes(tree):
+        if not (isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"):
+            yield from _executed(node)
 
 
 def _is_text(line: ast.stmt) -> bool:

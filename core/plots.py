@@ -63,7 +63,7 @@ def plot_frontier(frontier: "Frontier", axes: Any = None) -> Any:
     axes = axes if axes is not None else _new_axes()
     strategy = STRATEGIES.get(frontier.strategy)
     colour, label = (strategy.colour[0], strategy.label) if strategy else (GREY[0], frontier.strategy)
-    table = frontier.to_dataframe()
+    table = frontier.to_dataframe().reset_index()
     axes.plot(table["travel_time_s"], table["energy_kwh"], color=colour, marker=".", label=label)
     if np.any(np.isfinite(table["lower_bound_kwh"])):
         axes.plot(table["travel_time_s"], table["lower_bound_kwh"], color="0.6", ls=":", label="lower bound")

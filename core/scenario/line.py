@@ -1,6 +1,7 @@
 """A line: sections of gradient, curve and limit, temporary limits, neutral sections, stations, passing points."""
 
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
@@ -208,9 +209,8 @@ class Line(Part):
         ScenarioError
             If a table cannot be read, or its units are in doubt.
         """
-        # imports make lines
-        from railjoule.core.imports.from_tables import line_from_tables  # noqa: PLC0415
-
+        # by name: imports make lines, and compiled kernels depend on lines and must not depend on all that imports use
+        module = import_module("railjoule.core.imports.from_tables")
         tables: dict[Any, Any] = {
             "gradients": gradients,
             "limits": limits,
@@ -218,7 +218,8 @@ class Line(Part):
             "tunnels": tunnels,
             "neutral": neutral,
         }
-        return line_from_tables(tables, stations, settings or {}, begin_m, end_m, reverse, name)
+        line: Line = module.line_from_tables(tables, stations, settings or {}, begin_m, end_m, reverse, name)
+        return line
 
     @model_validator(mode="after")
     def _lies_within(self) -> Self:

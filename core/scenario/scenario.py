@@ -69,22 +69,6 @@ class Scenario(Part):
 
     Build one from its parts, from a file (`railjoule.load_scenario`), or from a nested dictionary
     (`railjoule.core.scenario.scenario_from_document`). The last two fill in presets.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The train.
-    line : Line
-        The track.
-    travel_time_s, average_speed_kmh : float, optional
-        Time for the whole run [s], or length over travel time [km/h]: one of them, or `timetable`.
-    **fields
-        All else that a scenario file has, such as `title` or `solver`.
-
-    Raises
-    ------
-    ScenarioError
-        If a key is unknown or missing, or a value of a wrong type or out of bounds.
     """
 
     title: Name = Field("", max_length=200, description="Title of the scenario.")
@@ -110,6 +94,24 @@ class Scenario(Part):
         average_speed_kmh: float | None = None,
         **fields: Any,
     ) -> None:
+        """Build a scenario from its parts.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            The train.
+        line : Line
+            The track.
+        travel_time_s, average_speed_kmh : float, optional
+            Time for the whole run [s], or length over travel time [km/h]: one of them, or `timetable`.
+        **fields
+            All other tables and keys of a scenario file, such as `title` or `solver`.
+
+        Raises
+        ------
+        ScenarioError
+            If a key is unknown or missing, or a value of a wrong type or out of bounds.
+        """
         times = {"travel_time_s": travel_time_s, "average_speed_kmh": average_speed_kmh}
         given = {key: value for key, value in times.items() if value is not None}
         if given and "timetable" in fields:

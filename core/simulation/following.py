@@ -79,7 +79,7 @@ class Following:
         The run as planned, and as driven.
     stop_errors_m : tuple of float
         Overshoot at each stop, negative where the train stops short [m].
-    meshed lines : tuple of list of Stretch
+    stretches : tuple of list of Stretch
         Estimated positions between one stop and the next.
     departure_delay_s : float
         How much later than planned it left [s].
@@ -88,7 +88,7 @@ class Following:
     planned: Trajectory
     actual: Trajectory
     stop_errors_m: tuple[float, ...]
-    meshes: tuple[list[Stretch], ...]
+    stretches: tuple[list[Stretch], ...]
     departure_delay_s: float
 
     @property
@@ -177,7 +177,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     _require_errors_within_a_section(scenario)
     real = actual_vehicle(scenario)
     entry2 = planned.speed_ms[:1] ** 2
-    nodes, speeds, stop_nodes, errors, meshes = [np.zeros(1)], [entry2], [], [], []
+    nodes, speeds, stop_nodes, errors, estimates = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
     for stop in stops_of(scenario):
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
@@ -185,7 +185,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         nodes.append(leg[1:])
         speeds.append(speed2[1:])
         errors.append(float(leg[-1] - stop))
-        meshes.append(stretched)
+        estimates.append(stretched)
         stop_nodes.append(sum(map(len, nodes)) - 1)
         start, planned_start = float(leg[-1]), stop
     mesh = build_meshed_line(real, position_m=np.concatenate(nodes))
@@ -196,7 +196,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     dwell[[0, *stop_nodes[:-1]]] = stands
     mesh = replace(mesh, dwell_s=dwell)
     actual = make_trajectory(real, mesh, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
-    return Following(planned, actual, tuple(errors), tuple(meshes), scenario.disturbance.departure_delay_s)
+    return Following(planned, actual, tuple(errors), tuple(estimates), scenario.disturbance.departure_delay_s)
 
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:

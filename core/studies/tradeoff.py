@@ -53,6 +53,8 @@ class Frontier(StudyTable):
 
     Parameters
     ----------
+    strategy : str
+        The strategy that drives.
     shortest_travel_time_s : float
         Shortest possible time, dwells included [s].
     cell_count : int
@@ -61,6 +63,7 @@ class Frontier(StudyTable):
         The times [s] without an energy, each with the reason in one sentence.
     """
 
+    strategy: str = ""
     shortest_travel_time_s: float = 0.0
     cell_count: int = 0
     refused: tuple[tuple[float, str], ...] = ()
@@ -131,7 +134,7 @@ def energy_time_frontier(
         bound = certify(found.task, found.solution.optimum, found.bound).energy_j
         return found.solution.energy_j, found.solution.optimum.price_of_time_w, bound
 
-    return _frontier(task, coarse, travel_times_s, point, executor)
+    return _frontier(task, coarse, travel_times_s, "optimal", point, executor)
 
 
 def strategy_frontier(
@@ -156,7 +159,7 @@ def strategy_frontier(
         price = np.nan if run.price_of_time_w is None else run.price_of_time_w
         return run.energy.net_j, price, np.nan if run.gap is None or run.bound is None else run.bound.energy_j
 
-    return _frontier(task, coarsened(task, max_cells), travel_times_s, point, executor)
+    return _frontier(task, coarsened(task, max_cells), travel_times_s, strategy, point, executor)
 
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, max_cells: int = MAX_CELLS) -> Frontier:
@@ -180,6 +183,7 @@ def _frontier(
     asked: Task,
     task: Task,
     travel_times_s: FloatArray,
+    strategy: str,
     point: Callable[[Task], tuple[float, float, float]],
     executor: Executor | None,
 ) -> Frontier:
@@ -214,6 +218,7 @@ def _frontier(
         columns,
         {"notes": tuple(notes)},
         len(times),
+        strategy=strategy,
         shortest_travel_time_s=task.shortest_travel_time_s,
         cell_count=task.mesh.cell_count,
         refused=tuple((float(times[row]), reason) for row, reason in rows.reasons.items()),

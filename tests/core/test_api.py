@@ -63,9 +63,9 @@ def test_a_preset_takes_changes_of_its_keys_and_its_drive():
 
 def test_tables_give_the_line_that_they_describe(tmp_path):
     LIMITS.to_csv(tmp_path / "limits.csv", index=False)
-    line = rj.Line.from_tables(
-        gradients=GRADIENTS, limits=tmp_path / "limits.csv", stations=[rj.Station(position_m=700)]
-    )
+    stop = rj.Station(position_m=700)
+    with pytest.warns(UserWarning, match=r"limits.csv: nothing from .* m, .*: taken as without a limit"):
+        line = rj.Line.from_tables(gradients=GRADIENTS, limits=tmp_path / "limits.csv", stations=[stop])
     assert line.length_m == 1400
     assert [station.position_m for station in line.stations] == [700]
     limits = [(section.length_m, section.speed_limit_kmh) for section in line.sections]

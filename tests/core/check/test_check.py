@@ -416,7 +416,8 @@ def test_a_run_carries_its_check_if_asked():
 
 def test_solve_raises_what_its_check_finds(monkeypatch):
     good = STRATEGIES["optimal"]
-    monkeypatch.setitem(STRATEGIES, "optimal", lambda task: with_energy(good(task), kinetic_j=1e7))
+    bad = replace(good, run=lambda task: with_energy(good.run(task), kinetic_j=1e7))
+    monkeypatch.setitem(STRATEGIES, "optimal", bad)
     with pytest.raises(CheckError, match=r"^optimal: The run breaks 2 of \d+ rules, worst of all 'account: ") as caught:
         solve(plain_scenario(), check=True)
     assert isinstance(caught.value.run, Trajectory)

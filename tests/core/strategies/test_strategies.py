@@ -1,5 +1,6 @@
 """All strategies have the same call and the same result, and each run comes with its bound."""
 
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -122,7 +123,7 @@ def test_one_strategy_that_fails_leaves_the_others(error, monkeypatch):
     def fails(_):
         raise error
 
-    monkeypatch.setitem(STRATEGIES, "speed_limits", fails)
+    monkeypatch.setitem(STRATEGIES, "speed_limits", replace(STRATEGIES["speed_limits"], run=fails))
     found = compare(SUBURBAN)
     runs, refused = found.runs, found.refused
     assert {run.strategy for run in runs} == set(STRATEGIES) - {"speed_limits"}
@@ -133,7 +134,7 @@ def test_a_run_beyond_the_map_of_its_drive_is_a_refusal(monkeypatch):
     def fails(_):
         raise DriveRangeError("the map of the drive ends at 303.2 kN to brake with, below 5880 kN.")
 
-    monkeypatch.setitem(STRATEGIES, "phases", fails)
+    monkeypatch.setitem(STRATEGIES, "phases", replace(STRATEGIES["phases"], run=fails))
     words = r"^finds no run that can be driven: the map of the drive ends at 303.2 kN to brake with, below 5880 kN\.$"
     with pytest.raises(StrategyRefusedError, match=words):
         solve(SUBURBAN, "phases")
