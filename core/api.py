@@ -24,7 +24,7 @@ def simulate(scenario: Scenario | str | Path, reaction: "Reaction | None" = None
     scenario : Scenario, str or Path
         A scenario, the name of a shipped one, or the path of a scenario file.
     reaction : str, optional
-        Who reacts to events: "driver", "computer" or "known"; by default as the events of the scenario say.
+        Reaction to events: "driver", "computer" or "known"; by default that of the events of the scenario.
     **disturbance
         Keys of the scenario's table `disturbance` to change, such as `actual_load_factor=1.0` or
         `coordinate_error_m=15.0`.

@@ -26,7 +26,7 @@ LOG = logging.getLogger(__name__)
 VARIABLE = "NUMBA_CACHE_DIR"
 PACKAGE = "railjoule.core"
 CORE = Path(__file__).parent
-STORE = "syntax_trees.json"
+STORE = "source_trees.json"
 """The file with the hashes of all syntax trees, so that a start parses only the files that have changed."""
 COMPLETE = "complete-{}"
 """The file that marks the kernels of one state of the sources as compiled."""
@@ -112,7 +112,7 @@ def _digest(text: str) -> str:
 def _parse(data: bytes) -> Source:
     tree = ast.parse(data)
     imports: set[str] = set()
-    for node in _executed(tree):
+    for node in executed_nodes(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
             imports |= {f"{node.module}", *(f"{node.module}.{name.name}" for name in node.names)}
         elif isinstance(node, ast.Import):
@@ -123,12 +123,12 @@ def _parse(data: bytes) -> Source:
     return Source(_digest(ast.dump(tree)), tuple(sorted(imports)))
 
 
-def _executed(tree: ast.AST) -> Iterator[ast.AST]:
+def executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
     """Yield all nodes of a tree but those below `if TYPE_CHECKING`, which never run."""
     yield tree
     for node in ast.iter_child_nodes(tree):
         if not (isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"):
-            yield from _executed(node)
+            yield from executed_nodes(node)
 
 
 def _is_text(line: ast.stmt) -> bool:

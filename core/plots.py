@@ -24,7 +24,7 @@ def plot_run(run: "Trajectory", axes: Any = None) -> Any:
     run : Trajectory
         The run.
     axes : matplotlib Axes, optional
-        Where to draw; by default a new figure.
+        Axes to draw on; by default those of a new figure.
 
     Returns
     -------

@@ -37,8 +37,8 @@ class Strategy:
     label : str
         The name in text; by default made from `name`.
     colour : (str, str)
-        Colours of its line on a light and on a dark ground. They should lie at least 20 apart in CIELAB from those of
-        all others (16 on the dark ground), for all three kinds of colour blindness.
+        Colours of its line on a light and on a dark ground. Their distance in CIELAB from those of all others
+        should be at least 20 (16 on the dark ground), for all three kinds of colour blindness.
     dash : str or tuple of int
         Pattern of its line.
     help : str

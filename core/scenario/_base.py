@@ -63,14 +63,14 @@ class Part(BaseModel):
 def _construction_error(part: type[Part], fields: Mapping[str, Any], error: ValidationError) -> ScenarioError:
     """Return the error of a constructor as one sentence."""
     # `_sentences` imports the parts, which inherit from the class above
-    from railjoule.core.scenario._sentences import sentence_of  # noqa: PLC0415
+    from railjoule.core.scenario._sentences import describe_findings  # noqa: PLC0415
 
     name, preset = part.__name__, fields.get("preset")
     if preset is not None and any(finding["type"] == "missing" for finding in error.errors()):
         return ScenarioError(
             f"{name}(preset={preset!r}) needs all other keys; {name}.from_preset({preset!r}) fills them in."
         )
-    return ScenarioError(sentence_of(error, part, name))
+    return ScenarioError(describe_findings(error, part, name))
 
 
 def require_effect(part: Part, keys: Iterable[str], reason: str) -> None:

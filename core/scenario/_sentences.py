@@ -60,10 +60,10 @@ def validated(model: type[Model], document: Any, source: str) -> Model:
     try:
         return model.model_validate(document)
     except ValidationError as error:
-        raise ScenarioError(sentence_of(error, model, source)) from None
+        raise ScenarioError(describe_findings(error, model, source)) from None
 
 
-def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> str:
+def describe_findings(error: ValidationError, model: type[BaseModel], source: str) -> str:
     """Describe the first finding of `error` in one sentence, with the number of the others."""
     everything = error.errors(include_url=False)
     findings = [finding for finding in everything if not _is_consequence(finding, everything)]

@@ -179,7 +179,7 @@ register(
         order=10,
         label="Optimal",
         colour=("#0B5BD3", "#7AA2FF"),
-        dash='"solid"',
+        dash="solid",
         help=(
             "The run that needs the least energy in the given time, found by an interior-point method. A lower "
             "bound, computed separately, shows how far it can be from the true optimum."

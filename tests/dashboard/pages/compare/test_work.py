@@ -30,7 +30,7 @@ def text(markup: str) -> str:
 
 def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session) -> None:
     state = session.state
-    assert list(state.compared.runs) == ["optimal", "phases", "fastest", "bellman", "speed_limits"]
+    assert list(state.compared.runs) == ["optimal", "fastest", "phases", "bellman", "speed_limits"]
     assert set(state.compared.refused) == {"eoc", "enoc"}
     before = state.compared
     state.page = "Drive"
