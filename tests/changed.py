@@ -3,7 +3,8 @@
 Changes are the commits since the merge base with `main`, the working tree and new files. The rules:
 
 - A changed module of core/ or dashboard/: all test files but those of tests/browser that import it, directly or through
-  other modules; imports only for type checking do not count. `from railjoule.core import solve` counts as an import of the module that defines `solve`.
+  other modules. Imports only for type checking do not count; `from railjoule.core import solve` counts as an import of
+  the module that defines `solve`.
 - A changed helper of the tests: all test files that import it. A changed conftest.py: all test files of its folder.
 - Any changed module, script or style sheet: tests/browser/test_pages.py, which opens all pages; pages are loaded by
   name, without an import statement. A script: also tests/browser/test_scripts.py.

@@ -146,7 +146,7 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "draw_speed": {
-        "course": {
+        "mesh": {
             "position": [0, 2],
             "length": [2],
             "limit": [9],
@@ -174,7 +174,7 @@ VALUES: dict[str, dict[str, Any]] = {
         "driven": "",
         "verdict": {},
         "refusals": 0,
-        "course": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
+        "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
     },
     "editor_head": {"status": "", "open": False},
     "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "max_bytes": 1, "version": 0},
@@ -534,15 +534,15 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
     scenario, mesh = lesson()
     driven = drive_manually(scenario, mesh, read_commands(text, mesh.cell_count))
     code = """
-      const commands = m.read(a.text, a.meshed line.length.length), speed2 = [a.meshed line.entering2];
+      const commands = m.read(a.text, a.mesh.length.length), speed2 = [a.mesh.entering2];
       let sum = m.nothing_yet();
       commands.forEach((command, i) => {
-        speed2.push(m.next_speed2(a.meshed line, i, speed2[i], command));
-        sum = m.with_cell(a.meshed line, sum, i, speed2[i], speed2[i + 1]);
+        speed2.push(m.next_speed2(a.mesh, i, speed2[i], command));
+        sum = m.with_cell(a.mesh, sum, i, speed2[i], speed2[i + 1]);
       });
       return {speed2, sum, written: m.written(commands)};
     """
-    found = run(page, "driving", code, {"text": text, "course": mesh_arrays(mesh)})
+    found = run(page, "driving", code, {"text": text, "mesh": mesh_arrays(mesh)})
     account, sum_ = driven.energy, found["sum"]
     assert found["written"] == text
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
@@ -574,11 +574,11 @@ def test_a_drawn_run_has_the_numbers_of_the_library(page: Page, name: str) -> No
     """Speeds, time and each part of the account, of drawings that ask for more than the train can do."""
     driven = run_of(DRAWINGS[name])
     code = """
-      const drawn = m.between_points(a.meshed line, a.points).map((kmh) => kmh / 3.6);
-      const driven = m.drive_drawn(a.meshed line, drawn);
+      const drawn = m.between_points(a.mesh, a.points).map((kmh) => kmh / 3.6);
+      const driven = m.drive_drawn(a.mesh, drawn);
       return {speed2: driven.speed2, sum: driven.sums.at(-1), net: m.net_energy(driven.sums.at(-1))};
     """
-    given = {"course": mesh_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
+    given = {"mesh": mesh_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
     found = run(page, "driving", code, given)
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
     assert found["sum"]["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)

@@ -31,7 +31,7 @@ class DrawSpeed(PlayedForm):
     def shown(self, found: DrawingResult) -> dict[str, Any]:
         """Return what the train obeys, and the drawing to begin with."""
         return {
-            "course": dict(found.mesh),
+            "mesh": dict(found.mesh),
             "shortest_s": found.shortest_s,
             "begun": list(found.begun),
             "linked": bool(found.request.begun),

@@ -34,7 +34,7 @@ class DriveIt(PlayedForm):
 
     def shown(self, found: TryResult) -> dict[str, Any]:
         """Return what the train obeys, and a run that may be replayed."""
-        return {"course": dict(found.mesh), "driven": self.state.learn.driven}
+        return {"mesh": dict(found.mesh), "driven": self.state.learn.driven}
 
     def _take(self, message: dict[str, Any]) -> None:
         if message.get("what") == "open":
