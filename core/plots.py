@@ -41,8 +41,7 @@ def plot_run(run: "Trajectory", axes: Any = None) -> Any:
     for phase in run.phases:
         if phase.phase == "coast":
             axes.axvspan(phase.start_m, phase.end_m, color="0.5", alpha=COAST_ALPHA, lw=0)
-    axes.legend()
-    return axes
+    return _finished(axes)
 
 
 def plot_speeds(runs: Sequence["Trajectory"], axes: Any = None) -> Any:
@@ -53,9 +52,7 @@ def plot_speeds(runs: Sequence["Trajectory"], axes: Any = None) -> Any:
         colour, label = (strategy.colour[0], strategy.label) if strategy else (GREY[0], run.strategy)
         axes.plot(run.position_m, run.speed_ms / MS_PER_KMH, color=colour, label=f"{label}, {run.energy_kwh:.3f} kWh")
     axes.set(xlabel="distance [m]", ylabel="speed [km/h]")
-    axes.set_ylim(bottom=0)
-    axes.legend()
-    return axes
+    return _finished(axes)
 
 
 def plot_frontier(frontier: "Frontier", axes: Any = None) -> Any:
@@ -68,6 +65,15 @@ def plot_frontier(frontier: "Frontier", axes: Any = None) -> Any:
     if np.any(np.isfinite(table["lower_bound_kwh"])):
         axes.plot(table["travel_time_s"], table["lower_bound_kwh"], color="0.6", ls=":", label="lower bound")
     axes.set(xlabel="travel time [s]", ylabel="energy [kWh]")
+    axes.legend()
+    return axes
+
+
+def _finished(axes: Any) -> Any:
+    """Return axes of speeds that show all lines and begin at zero, with a legend."""
+    axes.relim()
+    axes.autoscale()
+    axes.set_ylim(bottom=0)
     axes.legend()
     return axes
 

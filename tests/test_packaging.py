@@ -96,7 +96,7 @@ def declared(requirements: Iterable[str]) -> set[str]:
 DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
 IMPORTED_AS = {"pyyaml": "yaml"}
 """Packages that are imported by another name."""
-OF_THE_CORE = ("cluster", "excel", "parquet", "yaml")
+OF_THE_CORE = ("cluster", "excel", "parquet", "plot", "yaml")
 SELDOM = {IMPORTED_AS.get(name, name) for extra in OF_THE_CORE for name in declared(EXTRAS[extra])}
 """Packages that read or write a kind of file, or find a cluster, each imported where that is asked for."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"

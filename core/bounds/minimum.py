@@ -27,7 +27,7 @@ ATTEMPTS = (
     (SECOND_ITERATIONS, STEADY_CENTRING, False),
     (LAST_ITERATIONS, STEADY_CENTRING, False),
 )
-# Of a power that jumps, cost is bilinear in effort and speed where the drive is switched: only its positive part makes
+# With idle losses, cost is bilinear in effort and speed where the drive is switched: only its positive part makes
 # steps so short that the point lags behind the barrier. Exact second derivatives are tried in each attempt: of 347
 # problems the first solves all but nine, of which the second solves eight. Attempts with a barrier that waits for
 # the point, before, left ten open, and took five times as long for metros that average 20 km/h
@@ -88,16 +88,16 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
 @lru_cache(maxsize=4)
 def _minimise(task: Task, tolerance: float) -> Solution:
     """Return `minimise`; the last solutions are kept, as a proof needs the optimum of the strategy before it."""
-    jumps, iterations, points = task.mesh.drive.has_idle_losses, 0, []
+    has_idle_losses, iterations, points = task.mesh.drive.has_idle_losses, 0, []
     given = task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s
-    for attempt in RELAXED_ATTEMPTS if jumps else ATTEMPTS:
+    for attempt in RELAXED_ATTEMPTS if has_idle_losses else ATTEMPTS:
         points.append(minimise_energy(*given, tolerance, *attempt))
         iterations += points[-1].iterations
         if points[-1].status == CONVERGED:
             break
     # a relaxation is no run to drive: its multipliers are good enough for a bound and a decision where to drive
     closest = min(points, key=lambda point: (point.status, point.relative_gap))
-    if closest.status != CONVERGED and not (jumps and closest.relative_gap < LOOSE_GAP):
+    if closest.status != CONVERGED and not (has_idle_losses and closest.relative_gap < LOOSE_GAP):
         raise SolverError(f"the optimum was not found within {iterations} iterations.")
     return Solution(closest, iterations, closest.energy_j + task.dwell_energy_j)
 

@@ -30,7 +30,7 @@ from railjoule.core.drive.kinds import (
     COPPER_LOSS,
     DRAWS,
     INDUCTION,
-    JUMPS,
+    IDLE_LOSSES,
     LOSS_MAP,
     LOSS_POLYNOMIAL,
     PowerTerms,
@@ -66,7 +66,7 @@ def make_drive(parameters: DriveParameters) -> Drive:
 @njit(cache=True)
 def has_idle_losses(kind: int) -> bool:
     """Return whether a drive has idle losses: it takes power without effort while it is on, and none while off."""
-    return JUMPS[kind]
+    return IDLE_LOSSES[kind]
 
 
 @njit(cache=True)
@@ -146,7 +146,7 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
     """Return the supply power at a tractive effort [W], and its derivatives; zero at a negligible effort."""
     p, p_f, p_v, p_ff, p_fv, p_vv = power_when_on(kind, parameters, False, effort, speed)
     # slopes by effort stay: a solver at no effort must still see the cost of the first newton
-    if JUMPS[kind] and effort <= parameters[NEGLIGIBLE]:
+    if IDLE_LOSSES[kind] and effort <= parameters[NEGLIGIBLE]:
         return 0.0, p_f, 0.0, p_ff, p_fv, 0.0
     return p, p_f, p_v, p_ff, p_fv, p_vv
 
@@ -157,7 +157,7 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
 
     Negative where braking needs power, unless the train has a standstill brake.
     """
-    if JUMPS[kind] and effort <= parameters[NEGLIGIBLE]:
+    if IDLE_LOSSES[kind] and effort <= parameters[NEGLIGIBLE]:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     p, p_f, p_v, p_ff, p_fv, p_vv = power_when_on(kind, parameters, True, effort, speed)
     # motors that need power to brake are better off: the standstill brake then brakes for them
@@ -171,7 +171,7 @@ def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
     """Return the least supply energy per work of traction, and the most energy generated per work of braking."""
     if kind == CONSTANT_EFFICIENCY:
         return 1.0 / parameters[formulas.TRACTION_EFFICIENCY], parameters[formulas.BRAKING_EFFICIENCY]
-    if JUMPS[kind]:
+    if IDLE_LOSSES[kind]:
         # losses and friction of the motors only add to the gear's share
         return parameters[DRIVING_SHARE], parameters[BRAKING_SHARE]
     return 1.0, 1.0
@@ -184,7 +184,7 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
     Gear and friction are part of it; the rest of the power are losses that do not fall with speed.
     """
     sign = -1.0 if braking else 1.0
-    if not JUMPS[kind]:
+    if not IDLE_LOSSES[kind]:
         return sign * effort, sign
     by_effort = sign * parameters[BRAKING_SHARE if braking else DRIVING_SHARE]
     return parameters[MOTORS] * parameters[TURNS] * parameters[FRICTION] + by_effort * effort, by_effort
@@ -193,13 +193,13 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
 @njit(cache=True)
 def has_standstill_brake(kind: int, parameters: FloatArray) -> bool:
     """Return whether another brake takes over where the electric one would need supply power."""
-    return JUMPS[kind] and parameters[STANDSTILL_BRAKE] > 0.0
+    return IDLE_LOSSES[kind] and parameters[STANDSTILL_BRAKE] > 0.0
 
 
 @njit(cache=True)
 def negligible_effort(kind: int, parameters: FloatArray) -> float:
     """Return the effort up to which a drive with idle losses is off [N]; zero of any other."""
-    effort: float = parameters[NEGLIGIBLE] if JUMPS[kind] else 0.0
+    effort: float = parameters[NEGLIGIBLE] if IDLE_LOSSES[kind] else 0.0
     return effort
 
 

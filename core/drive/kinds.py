@@ -44,5 +44,5 @@ CAPABILITIES = (
 )
 """The capabilities of each kind, by its number. A number without a row is an error, in compiled code as well."""
 
-JUMPS, DRAWS, GEARED, CONCAVE = zip(*CAPABILITIES, strict=True)
+IDLE_LOSSES, DRAWS, GEARED, CONCAVE = zip(*CAPABILITIES, strict=True)
 """The columns of the table, for compiled code."""

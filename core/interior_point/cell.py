@@ -52,7 +52,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
     h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
     cells, z, used = work.cells, work.rows.multiplier, work.used
     kind, parameters = mesh.drive_kind, mesh.drive_parameters
-    share, jumps = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
+    share, idles = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
     friction = used[ix.FRICTION_POSITIVE] > 0.0
     top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
     work.nodes.time_gradient[:] = 0.0
@@ -74,7 +74,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
         cells.braking[i] = x
-        if jumps:
+        if idles:
             efforts = max(f, 0.0) * scale, max(x, 0.0) * scale
             taken, generated = switched_powers(mesh, i, work.rays, work.envelope, *efforts, v)
         else:
@@ -103,7 +103,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         cells.force_price[i] = -price
         _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
         v0 = v1
-    if jumps:
+    if idles:
         keep_larger_curvature(work.curvature, work.last_curvature)
     _limit_change_of_speed(mesh, scale, work)
     return energy, gross, total_time, _finish_residuals(work)
