@@ -117,6 +117,11 @@ def _make_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
     effort_share = ALL_OR_NOTHING if is_lossless else EFFORT_SHARES
     energy = fill_energies(mesh, speed, most, effort_share)
     bounds = work_bounds(mesh.drive_kind, mesh.drive_parameters)
+    # A machine cannot reach some efforts of the lines above its limits, so their power is NaN. The least that the drive
+    # needs per work at the wheels is a lower bound there, too.
+    effort = most[:, :, np.newaxis] * effort_share
+    per_work = np.array([bounds[0], -bounds[1] * mesh.recuperation_factor]).reshape(2, 1, 1)
+    energy = np.where(np.isnan(energy), per_work * effort, energy)
     price = _price_grid(mesh, bounds)
     least = np.empty((len(price), len(speed)))
     fill_least(energy, most, effort_share, price, mesh.friction_effort_n, least)

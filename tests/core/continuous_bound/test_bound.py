@@ -11,8 +11,10 @@ from railjoule.core.continuous_bound.bound import continuous_bound, piece_shares
 from railjoule.core.continuous_bound.hamiltonian import min_hamiltonian, strip_bends
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH
+from tests.any_scenarios import any_wide_document
 from tests.every_drive import DRIVES, train
 from tests.random_scenarios import random_run
 
@@ -111,3 +113,10 @@ def test_no_run_over_cells_an_eighth_as_long_lies_below_the_bound_of_a_coarse_me
     eighths = np.append((node[:-1, None] + np.diff(node)[:, None] * np.arange(8) / 8).ravel(), node[-1])
     fine = replace(prepare_task(task.scenario, *task.end_speeds_ms, eighths), running_time_s=task.running_time_s)
     assert minimise(fine).optimum.energy_j > bound.energy_j
+
+
+@pytest.mark.parametrize("seed", [10, 766])
+def test_efforts_that_a_machine_cannot_reach_leave_no_hole_in_the_table(seed):
+    """At the greatest speed the line above a limit passed the pull-out: the bound was NaN, `optimal` a traceback."""
+    task = prepare_task(scenario_from_document(any_wide_document(seed)))
+    assert np.all(np.isfinite(tabulate_drive(task.mesh).least))
