@@ -97,6 +97,7 @@ def _line_run(task: Task) -> Trajectory:
     """Compute the run over a line with several limits or gradients."""
     task.require_budget("phases")
     plan = plan_line(task.scenario, task.mesh, task.running_time_s)
+    _require_exit_speed(task, float(plan.speed2[-1]))
     check_accelerations(task.mesh, plan.speed2)
     check_speeds(task.mesh, plan.speed2)
     price = plan.price_of_time_w
@@ -108,6 +109,16 @@ def _line_run(task: Task) -> Trajectory:
         price_of_time_w=None if price is None else price - task.mesh.data.auxiliary_power_w,
         notes=_stretch_sentences(task.mesh, plan),
     )
+
+
+def _require_exit_speed(task: Task, exit_speed2: float) -> None:
+    """Refuse a run that ends slower than its timetable asks for, as no phase accelerates the train before the end."""
+    asked_kmh, found_kmh = task.end_speeds_ms[1] / MS_PER_KMH, exit_speed2**0.5 / MS_PER_KMH
+    if found_kmh < asked_kmh - SAME_KMH:
+        raise StrategyRefusedError(
+            f"leaves the line at {found_kmh:.1f} km/h with these phases, where timetable.exit_speed_kmh asks for "
+            f"{asked_kmh:.1f} km/h."
+        )
 
 
 def _planner(task: Task) -> PhasePlanner:

@@ -134,3 +134,10 @@ def test_any_line_has_a_run_or_a_sentence(seed):
         sentence = str(refusal)
     assert run is None or check_run(task.scenario, run).ok
     assert sentence is None or (sentence.endswith(".") and "\n" not in sentence)
+
+
+def test_an_exit_speed_above_the_speed_that_is_held_is_refused():
+    """No phase accelerates before the end: such runs ended at up to 39 % below the speed asked for."""
+    slow = {"line.sections": HILLS, "timetable.travel_time_s": 300.0, "timetable.exit_speed_kmh": 50.0}
+    with pytest.raises(StrategyRefusedError, match=r"with these phases, where timetable.exit_speed_kmh asks for 50.0"):
+        run_strategy(prepare_task(plain_scenario(slow)), "phases")
