@@ -123,7 +123,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
 
 
 def test_full_power_decides_little_at_20_kmh(rows):
-    """Runs of 5.5340 kWh with 2199 kW at the wheels and of 5.5352 and 5.5356 kWh with at most 2090 kW have been found."""
+    """Runs of 5.5340 kWh with 2199 kW at the wheels and of 5.5352 kWh with at most 2090 kW have been found."""
     case, scenario = "20 km/h, optimum", shtompel.kharkiv_scenario(20)
     run = solve(shtompel.allow_window(scenario), "optimal", prove_seconds=0)
     # `optimal` ends in one of several local optima, 5.5340 to 5.5383 kWh, by the last digits of its relaxed optimum, in
