@@ -1,9 +1,14 @@
-"""The solver core of railjoule: scenarios, drives, motion, strategies, studies. It knows no screen."""
+"""The solver core of railjoule: scenarios, drives, motion, strategies, studies. It must not import user-interface code.
 
+`import railjoule as rj` offers its public names.
+"""
+
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-# Whoever needs scipy writes `import scipy` and `scipy.optimize.brentq`: its parts then load when they are first used.
-# Together they take as long as the rest of the core, and most runs need none of them.
+# Import SciPy as `import scipy` everywhere, so that its submodules load when they are first used: together they take as
+# long as the rest of the core, and most runs need none of them.
+from railjoule.core.api import frontier, simulate
 from railjoule.core.check import Check, CheckResult, check_run, check_table
 from railjoule.core.energy import Energy
 from railjoule.core.errors import (
@@ -16,43 +21,85 @@ from railjoule.core.errors import (
     TimetableError,
 )
 from railjoule.core.phases import Phase
-from railjoule.core.scenario import Scenario, load_scenario, save_scenario
-from railjoule.core.strategies import compare, solve
+from railjoule.core.scenario import (
+    Braking,
+    Line,
+    Resistance,
+    Scenario,
+    Section,
+    SpeedLimit,
+    Station,
+    Timetable,
+    Traction,
+    Vehicle,
+    load_scenario,
+    preset_names,
+    save_scenario,
+)
+from railjoule.core.strategies import STRATEGIES, Comparison, Strategy, compare, register, solve
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Bound, Trajectory
 
 if TYPE_CHECKING:
+    from railjoule.core.identification import fit_runs as fit
+    from railjoule.core.measured import load_run
     from railjoule.core.studies.sweep import SweepTable, sweep
 
+_LAZY = {
+    "SweepTable": ("railjoule.core.studies.sweep", "SweepTable"),
+    "fit": ("railjoule.core.identification", "fit_runs"),
+    "load_run": ("railjoule.core.measured", "load_run"),
+    "sweep": ("railjoule.core.studies.sweep", "sweep"),
+}
+"""Names that take a tenth of a second to import and that most programs do not need: module and name there."""
+
 __all__ = [
+    "STRATEGIES",
     "Bound",
+    "Braking",
     "Check",
     "CheckError",
     "CheckResult",
+    "Comparison",
     "Energy",
     "InfeasibleLineError",
+    "Line",
     "Phase",
     "RailjouleError",
+    "Resistance",
     "Scenario",
     "ScenarioError",
+    "Section",
     "SolverError",
+    "SpeedLimit",
+    "Station",
+    "Strategy",
     "StrategyRefusedError",
     "SweepTable",
+    "Task",
+    "Timetable",
     "TimetableError",
+    "Traction",
     "Trajectory",
+    "Vehicle",
     "check_run",
     "check_table",
     "compare",
+    "fit",
+    "frontier",
+    "load_run",
     "load_scenario",
+    "preset_names",
+    "register",
     "save_scenario",
+    "simulate",
     "solve",
     "sweep",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    # studies take a tenth of a second to import, which most of what asks for the core need not wait for
-    if name in {"SweepTable", "sweep"}:
-        from railjoule.core.studies import sweep as swept  # noqa: PLC0415
-
-        return getattr(swept, name)
+    if name in _LAZY:
+        module, own_name = _LAZY[name]
+        return getattr(import_module(module), own_name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,8 +1,8 @@
-"""Driving advice: the phases of a run as instructions, with the numbers that are printed and no others.
+"""Driving advice: the phases of a run as instructions, with only the numbers that are printed.
 
-Whoever does what they say keeps the timetable, the limits and the energy of the run: speeds to a tenth of a km/h, as
-half a km/h at the end of full power would change a run's energy by percents; places to a metre, brakes early and power
-late, so that no limit is broken. `railjoule.core.simulate.advised` drives them.
+A driver who follows them keeps the timetable, the limits and the energy of the run: speeds to a tenth of a km/h, as
+half a km/h at the end of full power would change a run's energy by percents; positions to a metre, brakes early and
+power late, so that no limit is broken. `railjoule.core.simulation.advised` drives them.
 """
 
 import math
@@ -34,23 +34,23 @@ class Instruction:
     """One line of the advice, its numbers rounded as they are printed.
 
     An instruction holds until the next one begins. Coasting after full power begins when the speed of the full power
-    is reached, and its place tells where that is; everything else begins at its place.
+    is reached, at about its position; everything else begins at its position.
 
     Parameters
     ----------
     action : str
-        What the driver does.
+        Action of the driver.
     from_m : float
-        Where it begins, in whole metres; at a start or a stop the place itself [m].
+        Begin, in whole metres; at a start or a stop the exact position [m].
     to_kmh : float or None
         The speed that power or a brake leads to, or that is held: in tenths; None for coasting and standing [km/h].
     at_m : float or None
-        Where part power or a brake reaches that speed, or coasting comes to a stop, in whole metres; at a stop the
-        place itself [m].
+        Position at which part power or a brake reaches that speed, or coasting comes to a stop, in whole metres; at a
+        stop the exact position [m].
     between_kmh : tuple of two floats or None
-        Of a speed held by turns: where power is taken and where it is taken off [km/h].
+        Speeds at which power is switched on and off, for a speed held by turns [km/h].
     power_share : float or None
-        Of a speed held by turns: the share of full power that is taken, in hundredths.
+        Share of full power for a speed held by turns, in hundredths.
     fully : bool
         Whether a brake takes all that the brakes have.
     stand_s : float or None
@@ -80,7 +80,7 @@ def advise(run: "Trajectory") -> tuple[Instruction, ...]:
 
 
 def _begin_m(phase: Phase, data: RunData) -> float:
-    """Return where a phase is to begin [m]: brakes with their reserve, power no earlier than a limit may end."""
+    """Return the begin of a phase [m]: brakes with their reserve, power no earlier than a limit may end."""
     if phase.start_ms <= AT_REST_MS or phase.start_m == data.position_m[0]:
         return phase.start_m
     if phase.phase == "brake":

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
+ComplexArray = NDArray[np.complex128]
 
 
 def frozen_array(values: Iterable[float] | FloatArray) -> FloatArray:
@@ -16,3 +17,8 @@ def frozen_array(values: Iterable[float] | FloatArray) -> FloatArray:
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array
+
+
+def midpoints(values: FloatArray) -> FloatArray:
+    """Return the means of neighbouring values; shape (n - 1,) for n of them."""
+    return 0.5 * (values[:-1] + values[1:])

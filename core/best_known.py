@@ -1,7 +1,7 @@
 """Runs over one scenario beside each other: which of them is the best known, and what each is measured against.
 
 A run is measured against the best that is known among those that arrive within the time of the timetable. A run that is
-late, as one under speed limits may be, brings the optimum over its own time with it. What is proven
+late, as one under speed limits may be, brings the optimum over its own time with it. A run that is proven
 to be the optimum within the time stays the reference: a run on another mesh may need a hair less.
 
 A run that misses a window of arrival which binds the optimum solves another problem: it is measured against nothing,
@@ -35,7 +35,7 @@ def with_best_known(runs: Sequence[Trajectory]) -> list[Trajectory]:
 
 
 def _reference(run: Trajectory, runs: Sequence[Trajectory], windows: tuple[Window, ...]) -> Reference | None:
-    """Return what a run is measured against: the best of runs that keep the windows of arrival, as it does itself."""
+    """Return the reference of a run: the best of runs that keep the windows of arrival, as it does itself."""
     own, within = run.reference, run.scenario.travel_time_s
     if own is not None and own.within_s > within + ON_TIME_S:
         # a late run is not measured by the timetable, which it does not keep

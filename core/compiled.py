@@ -4,50 +4,51 @@ import threading
 import time
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
+from importlib import import_module
 from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
 from numba.extending import intrinsic, models, overload, register_jitable, register_model, typeof_impl
 
-from railjoule.core import kernel_cache
 from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.kernel_cache import has_all_kernels, use_kernel_cache
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 Array = TypeVar("Array", FloatArray, IntArray)
 Value = TypeVar("Value", float, FloatArray)
-"""What a formula is asked for and answers: a number, or as many as an array holds."""
+"""Argument and result of a formula: a number or an array."""
 Numbers = Any
-"""What else it takes: a number, an array of them, or symbols of CasADi."""
+"""Other arguments: a number, an array, or symbols of CasADi."""
 PATIENCE_S = 2.0
 """A process whose interpreted kernels have taken longer than this compiles before it goes on."""
 
-kernel_cache.use_kernel_cache()
+use_kernel_cache()
 
 
 class _Thread(threading.local):
     is_interpreting = False
-    """Whether a kernel of this thread is interpreted: then all that it calls are."""
+    """Whether a kernel of this thread is interpreted, and with it all kernels that it calls."""
 
 
 _THREAD = _Thread()
 
 
 class Mode:
-    """How kernels run that Python calls: compiled, or interpreted while the compiled code is not available."""
+    """How kernels that Python calls run: compiled, or interpreted until compiled code is available."""
 
     def __init__(self) -> None:
         self.interpreted_s = 0.0
         """Time that interpreted kernels have taken in this process [s]."""
         self.is_saving = True
-        """Whether compiled code is saved; not where that has failed."""
+        """Whether compiled code is saved; False once that has failed."""
         self.before_interpreting: Callable[[], None] = compile_when_slow
         """Called before each kernel that Python calls while it is interpreted."""
 
     @cached_property
     def is_compiled(self) -> bool:
         """Whether compiled code is called; assign to switch."""
-        return bool(_CONFIG.DISABLE_JIT) or kernel_cache.has_all_kernels()
+        return bool(_CONFIG.DISABLE_JIT) or has_all_kernels()
 
 
 def compile_when_slow() -> None:
@@ -58,18 +59,16 @@ def compile_when_slow() -> None:
 
 def compile_now() -> None:
     """Wait until all kernels are compiled."""
-    # it imports all of the core
-    from railjoule.core.compilation import require_compiled  # noqa: PLC0415
-
-    require_compiled()
+    # by name, so that the keys of kernels do not contain the modules that it imports
+    import_module("railjoule.core.compilation").require_compiled()
 
 
 class Kernel:
     """A function that is compiled; Python interprets it until all kernels are.
 
-    Interpreted it returns the same numbers some hundred times slower: half a second for an optimum of a usual line. The
-    code that Python needs to call a kernel, which unpacks and counts each array of a course, takes longer to compile
-    than many a kernel itself. So there are two compiled forms, and each is compiled only where it is used.
+    An interpreted kernel returns the same numbers about a hundred times slower: half a second for an optimum of a usual
+    line. The code with which Python calls a kernel unpacks and counts each array of a mesh, and often takes longer to
+    compile than the kernel itself. So there are two compiled forms, and each is compiled only where it is used.
 
     Parameters
     ----------
@@ -96,7 +95,7 @@ class Kernel:
 
     def _form(self, function: FunctionType, **options: bool) -> Any:
         cached = self._options.get("cache", False) and MODE.is_saving
-        # nobody calls a kernel from C
+        # no kernel is called from C
         return _NJIT(**{**self._options, **options, "cache": cached}, no_cfunc_wrapper=True)(function)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
@@ -115,7 +114,7 @@ class Kernel:
         try:
             return self.py_func(*arguments, **named)
         except ZeroDivisionError:
-            # compiled code divides as NumPy does; what the call has written so far, it writes again
+            # compiled code divides like NumPy; it writes all results of the interrupted call again
             _THREAD.is_interpreting = False
             compile_now()
             return self.entry(*arguments, **named)
@@ -124,14 +123,8 @@ class Kernel:
             MODE.interpreted_s += time.perf_counter() - began_s
 
     def __reduce__(self) -> str:
-        """Pickle a kernel as a function is: by its name."""
+        """Pickle a kernel by its name, like a function."""
         return self.py_func.__qualname__
-
-    @property
-    def specialisations(self) -> int:
-        """How many times it has been compiled, or loaded, for the types of its arguments."""
-        made = (vars(self).get(form) for form in ("entry", "within"))
-        return sum(len(form.signatures) for form in made if form is not None)
 
 
 MODE = Mode()
@@ -144,7 +137,7 @@ class KernelType(numba.types.Dispatcher):
     """The type of a kernel within compiled code, which compiles no version of its own for a literal argument."""
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of a call; numbers and flags that are written in the code count as any others."""
+        """Return the signature of a call, in which literal numbers and flags have their general types."""
         plain = {name: _UNLITERAL(kind) for name, kind in kws.items()}
         return super().get_call_type(context, tuple(map(_UNLITERAL, args)), plain)
 
@@ -163,7 +156,7 @@ def njit(**options: Any) -> Callable[[Function], Function]:
     def decorate(function: FunctionType) -> Any:
         return function if _CONFIG.DISABLE_JIT else Kernel(function, options)
 
-    # a kernel is called as its function is, and type checkers see the function
+    # a kernel is called like its function, and type checkers see the function
     return cast("Callable[[Function], Function]", decorate)
 
 
@@ -176,10 +169,10 @@ def _renamed(function: FunctionType) -> FunctionType:
 
 
 def formula(function: Function) -> Function:
-    """Let compiled code call a function that stays one of Python: of numbers there, of arrays or symbols elsewhere.
+    """Let compiled code call a function with numbers, which Python also calls with arrays or symbols.
 
-    So a rule of physics is written once for kernels, for arrays and for CasADi. It is compiled into its callers,
-    without liberties of floating point: all of them get the same digits.
+    A rule of physics is thus written once for kernels, arrays and CasADi. It is compiled into its callers without
+    relaxed floating point, so that all of them get the same digits.
     """
     # no fastmath and error_model="numpy": the same order of operations and the same division by zero as in Python
     shared: Function = register_jitable(error_model="numpy")(function)
@@ -187,7 +180,7 @@ def formula(function: Function) -> Function:
 
 
 def _copy_without_owner(_types: Any, array: Any) -> Any:
-    """Return the type and the code of a copy of an array's structure, all but the pointers to what owns its data."""
+    """Return type and code of a copy of an array's structure, without the pointers to the owner of its data."""
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         view = context.make_array(signature.args[0])(context, builder, arguments[0])
@@ -204,11 +197,11 @@ _without_owner: Any = intrinsic(_copy_without_owner)
 def borrowed(array: Array) -> Array:
     """Return the same array for use within a compiled function, without a count of its references.
 
-    Numba counts a reference, atomically, each time that an array enters a function which LLVM does not inline: five
-    nanoseconds for each of a handful of arrays, several times for each cell, are more than the physics of a cell. An
-    array without an owner is not counted. So a loop borrows its arrays once. The lender must outlive the loan, as an
-    argument of the compiled function does: never return a borrowed array, nor keep it. Outside compiled code it is
-    the array itself.
+    Numba counts a reference, atomically, each time an array enters a function that LLVM does not inline. At five
+    nanoseconds for each array, several times for each cell, this takes longer than the physics of a cell. An array
+    without an owner is not counted, so a loop borrows its arrays once. The owner must outlive the borrowed array, as an
+    argument of the compiled function does: never return or store a borrowed array. Outside compiled code it is the
+    array itself.
     """
     return array
 
@@ -225,7 +218,7 @@ def _borrowed_in_compiled_code(array: Any) -> Callable[[Any], Any]:
 def copy_rows(source: Array, target: Array) -> None:
     """Copy all rows of an array to the first ones of another.
 
-    Instead of an assignment to a slice: to that numba adds the sentence of its error, which takes long to compile.
+    An assignment to a slice takes longer to compile, because numba adds the text of its error.
     """
     for i in range(source.shape[0]):
         if source.ndim == 1:

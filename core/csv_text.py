@@ -1,4 +1,4 @@
-"""Tables as CSV in which no text is taken for a formula: spreadsheets run what begins as one, whoever has written it.
+"""Tables as CSV in which no text is taken for a formula: spreadsheets run what begins as one, of any author.
 
 Such a text gets an apostrophe before it, which readers here take away again; numbers stay as they are.
 """
@@ -20,7 +20,7 @@ NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 
 
 def guarded(cell: Any) -> Any:
-    """Return a cell as it may be written: a text that a spreadsheet would run is told to be text."""
+    """Return a cell as it may be written: a text that a spreadsheet would run is marked as text."""
     runs = isinstance(cell, str) and FORMULA.match(cell) and not NUMBER.fullmatch(cell)
     return MARK + cell if runs else cell
 
@@ -76,5 +76,5 @@ def _texts(table: "pandas.DataFrame") -> Iterator[Any]:
 
 
 def _line_end(cells: Iterable[Any]) -> str:
-    # Python's writer quotes the signs of its own line end alone: a lone "\r" in a cell would begin a row
+    # Python's writer quotes only the signs of its own line end: a single "\r" in a cell would begin a row
     return "\r\n" if any(isinstance(cell, str) and "\r" in cell for cell in cells) else "\n"

@@ -1,8 +1,8 @@
-"""Where a run's energy is and has gone, place by place and stretch by stretch: the account of a run, followed along it.
+"""The energy balance of a run at each place, for each stretch, and between supply and wheels.
 
-What the line has given up to a place is motion and height there, or has gone into resistance and losses, or was given
-back. Work at the wheels, line energy, motion and height are those of the run; resistance and losses are what closes the
-account of train and drive, so that both end at the sums of `Trajectory.energy`.
+The energy drawn up to a place is kinetic and potential energy there, was lost in resistance and losses, or was fed
+back. Work at the wheels, supply energy, kinetic and potential energy are computed from the run; resistance and losses
+complete the balances of train and drive, so that both end at the sums of `Trajectory.energy`.
 """
 
 from dataclasses import dataclass
@@ -10,30 +10,35 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import Energy
 from railjoule.core.phases import Phase
 from railjoule.core.physics.resistance import gradient_force_n
 from railjoule.core.trajectory import Trajectory
+
+STRETCH_ENERGIES = ("motion_j", "height_j", "resistance_j", "losses_j", "returned_j", "drawn_j")
+BRAKES = ("brake_resistors", "friction_brakes")
+"""Losses outside the drive."""
 
 
 @dataclass(frozen=True, eq=False)
 class EnergyAlong:
     """The energy of a run up to each of its nodes [J]: arrays of shape (n + 1,).
 
-    The account closes at each of them: drawn - returned = motion gained + height + resistance + losses. Auxiliaries
-    are apart, as they run whatever the driver does.
+    At each node, drawn - returned = motion gained + height + resistance + losses. Auxiliaries are excluded, as they do
+    not depend on the driving.
 
     Parameters
     ----------
     position_m : array
         Places of the nodes [m].
     motion_j : array
-        Kinetic energy that the train has there.
+        Kinetic energy.
     height_j : array
-        Potential energy beyond that at the start; negative below it.
+        Potential energy relative to the start.
     resistance_j, losses_j : array
-        Gone into running and curve resistance; into drive, brake resistors and friction brakes.
+        Losses in running and curve resistance; in drive, brake resistors and friction brakes.
     returned_j, drawn_j : array
-        Given back to the line; taken from it to drive.
+        Fed back to the supply; drawn from it for traction.
     """
 
     position_m: FloatArray
@@ -47,19 +52,19 @@ class EnergyAlong:
 
 @dataclass(frozen=True)
 class Stretch:
-    """What one phase of a run does to the energy, and what its time is worth [J].
+    """Energies of one phase of a run, and the value of its time [J].
 
     Parameters
     ----------
     phase : Phase
-        What the driver does, from where to where.
+        Driving regime with its start and end.
     motion_j, height_j : float
-        What the train has more at its end than at its start.
+        Difference between its end and its start.
     resistance_j, losses_j, returned_j, drawn_j : float
-        As in `EnergyAlong`, of the stretch alone.
+        As in `EnergyAlong`, only of the stretch.
     time_worth_j : float or None
-        Its time at the price of a second, where the run has one: so much would be saved if the timetable allowed the
-        same time more at that price.
+        Its time multiplied by the price of time, where the run has one: the energy that a timetable longer by this time
+        would save at that price.
     """
 
     phase: Phase
@@ -73,11 +78,11 @@ class Stretch:
 
 
 def energy_along(run: Trajectory) -> EnergyAlong:
-    """Return where a run's energy is and has gone at each of its nodes."""
+    """Return the energies of a run up to each node."""
     length, duration = np.diff(run.position_m), np.diff(run.time_s)
     vehicle = run.scenario.vehicle
     # constant over the whole run, dwells included
-    traction_w = run.line_power_w - run.energy.auxiliary_j / run.travel_time_s
+    traction_w = run.supply_power_w - run.energy.auxiliary_j / run.travel_time_s
     drawn, returned = (_so_far(np.maximum(sign * traction_w, 0.0) * duration) for sign in (1, -1))
     motion = 0.5 * vehicle.total_inertia_kg * run.speed_ms**2
     height = _so_far(gradient_force_n(vehicle, run.gradient_permille) * length)
@@ -95,14 +100,14 @@ def energy_along(run: Trajectory) -> EnergyAlong:
 
 
 def stretches(run: Trajectory, price_of_time_w: float | None = None) -> tuple[Stretch, ...]:
-    """Return what each phase of a run does to the energy.
+    """Return the energies of each phase of a run.
 
     Parameters
     ----------
     run : Trajectory
-        The run, without stops on the way.
+        A run without intermediate stops.
     price_of_time_w : float, optional
-        The price of a second, where it is not the run's own [J/s].
+        Price of time [J/s]; by default the one of the run.
     """
     along = energy_along(run)
     price = run.price_of_time_w if price_of_time_w is None else price_of_time_w
@@ -111,21 +116,73 @@ def stretches(run: Trajectory, price_of_time_w: float | None = None) -> tuple[St
         start, end = np.interp([phase.start_m, phase.end_m], along.position_m, energy)
         return float(end - start)
 
-    return tuple(
-        Stretch(
-            phase=phase,
-            motion_j=gained(along.motion_j, phase),
-            height_j=gained(along.height_j, phase),
-            resistance_j=gained(along.resistance_j, phase),
-            losses_j=gained(along.losses_j, phase),
-            returned_j=gained(along.returned_j, phase),
-            drawn_j=gained(along.drawn_j, phase),
-            time_worth_j=None if price is None else price * (phase.end_s - phase.start_s),
-        )
-        for phase in run.phases
-    )
+    def stretch(phase: Phase) -> Stretch:
+        energies = {name: gained(getattr(along, name), phase) for name in STRETCH_ENERGIES}
+        worth_j = None if price is None else price * (phase.end_s - phase.start_s)
+        return Stretch(phase=phase, time_worth_j=worth_j, **energies)
+
+    return tuple(map(stretch, run.phases))
 
 
 def _so_far(of_cells: FloatArray) -> FloatArray:
-    """Return the sum of what stands in the cells before each node."""
+    """Return the sum over the cells before each node."""
     return np.append(0.0, np.cumsum(of_cells))
+
+
+@dataclass(frozen=True)
+class EnergyFlow:
+    """The energies of a run, with the work at the wheels [J].
+
+    Parameters
+    ----------
+    energy : Energy
+        The energies.
+    wheel_traction_j : float
+        Work of the drive at the wheels.
+    wheel_braking_j : float
+        Work of the electric brake at the wheels.
+    """
+
+    energy: Energy
+    wheel_traction_j: float
+    wheel_braking_j: float
+
+    @property
+    def driving_loss_j(self) -> float:
+        """Losses of the drive in traction [J]."""
+        return self.energy.traction_j - self.wheel_traction_j
+
+    @property
+    def braking_loss_j(self) -> float:
+        """Losses of the drive in braking, without brake resistors [J]."""
+        return self.wheel_braking_j - self.energy.recuperated_j - self.brake_resistors_j
+
+    @property
+    def brake_resistors_j(self) -> float:
+        """Dissipated in resistors [J]."""
+        return self.energy.losses_j.get("brake_resistors", 0.0)
+
+    @property
+    def friction_brakes_j(self) -> float:
+        """Dissipated in friction brakes [J]."""
+        return self.energy.losses_j.get("friction_brakes", 0.0)
+
+    @property
+    def imbalance(self) -> float:
+        """Losses of the drive from its input and output minus those of its formulas, over the energy exchanged."""
+        drive_j = sum(joules for kind, joules in self.energy.losses_j.items() if kind not in BRAKES)
+        moved_j = max(self.energy.traction_j + self.energy.recuperated_j, 1.0)
+        # the fields of the motors store energy between the supply and the wheels
+        drive_j += self.energy.magnetic_field_j
+        return (self.driving_loss_j + self.braking_loss_j - drive_j) / moved_j
+
+
+def energy_flow(run: Trajectory) -> EnergyFlow:
+    """Return the energies of a run with the work at the wheels."""
+    # 0 during a dwell
+    length = np.diff(run.position_m)
+    return EnergyFlow(
+        energy=run.energy,
+        wheel_traction_j=float(np.sum(run.tractive_effort_n * length)),
+        wheel_braking_j=float(np.sum(run.electric_braking_n * length)),
+    )

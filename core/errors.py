@@ -95,11 +95,11 @@ class TimetableError(RailjouleError):
         self.travel_time_s = travel_time_s
         self.shortest_time_s = shortest_time_s
         super().__init__(
-            f"{key} = {travel_time_s:.6g} s is shorter than the shortest possible {self.least_tenth_s:.1f} s."
+            f"{key} = {travel_time_s:.6g} s is shorter than the shortest possible {self.min_tenth_s:.1f} s."
         )
 
     @property
-    def least_tenth_s(self) -> float:
+    def min_tenth_s(self) -> float:
         """The least time in whole tenths of a second that can be kept [s]."""
         # always above the shortest time, never equal to it: at that time itself there is no run to choose
         return (math.floor(self.shortest_time_s * 10) + 1) / 10

@@ -13,6 +13,7 @@ import os
 import shutil
 import sys
 import tempfile
+from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
 from pathlib import Path
@@ -25,7 +26,7 @@ LOG = logging.getLogger(__name__)
 VARIABLE = "NUMBA_CACHE_DIR"
 PACKAGE = "railjoule.core"
 CORE = Path(__file__).parent
-STORE = "syntax_trees.json"
+STORE = "source_trees.json"
 """The file with the hashes of all syntax trees, so that a start parses only the files that have changed."""
 COMPLETE = "complete-{}"
 """The file that marks the kernels of one state of the sources as compiled."""
@@ -35,7 +36,7 @@ OTHER_LOCATORS = "UserProvidedCacheLocator,InTreeCacheLocator,UserWideCacheLocat
 
 
 class Source(NamedTuple):
-    """What a source file contributes to the key of a kernel."""
+    """The part of a source file in the key of a kernel."""
 
     tree: str
     """Hash of its syntax tree without docstrings."""
@@ -44,7 +45,7 @@ class Source(NamedTuple):
 
 
 def cache_root() -> Path:
-    """Return a folder for cached files that this user, and no other, can write to."""
+    """Return a folder for cached files that only this user can write to."""
     variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
     base = os.environ.get(variable)
     return (Path(base) if base else Path.home() / ".cache") / "railjoule"
@@ -111,7 +112,7 @@ def _digest(text: str) -> str:
 def _parse(data: bytes) -> Source:
     tree = ast.parse(data)
     imports: set[str] = set()
-    for node in ast.walk(tree):
+    for node in executed_nodes(tree):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(PACKAGE):
             imports |= {f"{node.module}", *(f"{node.module}.{name.name}" for name in node.names)}
         elif isinstance(node, ast.Import):
@@ -120,6 +121,14 @@ def _parse(data: bytes) -> Source:
         if isinstance(body, list):
             node.body = [line for line in body if not _is_text(line)]  # type: ignore[attr-defined]
     return Source(_digest(ast.dump(tree)), tuple(sorted(imports)))
+
+
+def executed_nodes(tree: ast.AST) -> Iterator[ast.AST]:
+    """Yield all nodes of a tree but those below `if TYPE_CHECKING`, which never run."""
+    yield tree
+    for node in ast.iter_child_nodes(tree):
+        if not (isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"):
+            yield from executed_nodes(node)
 
 
 def _is_text(line: ast.stmt) -> bool:
@@ -172,9 +181,8 @@ def _path(module: str) -> Path | None:
     return next((path for path in candidates if path.is_file()), None)
 
 
-@cache
-def module_hash(module: str) -> str:
-    """Return a hash of the code of a module and of all modules of the core that it imports, directly or not."""
+def module_files(module: str) -> list[Path]:
+    """Return the files of a module and of all modules of the core that it imports, directly or not."""
     seen: set[Path] = set()
     due = [_path(module)]
     while due:
@@ -182,8 +190,15 @@ def module_hash(module: str) -> str:
         if path is not None and path not in seen:
             seen.add(path)
             due += map(_path, _source(path).imports)
+    return sorted(seen)
+
+
+@cache
+def module_hash(module: str) -> str:
+    """Return a hash of the code of `module_files`."""
+    trees = [f"{path.relative_to(CORE).as_posix()} {_source(path).tree}\n" for path in module_files(module)]
     _store().save()
-    return _digest("".join(f"{path.relative_to(CORE).as_posix()} {_source(path).tree}\n" for path in sorted(seen)))
+    return _digest("".join(trees))
 
 
 class KernelLocator(_CacheLocator):
@@ -204,7 +219,7 @@ class KernelLocator(_CacheLocator):
         return self._hash
 
     def get_disambiguator(self) -> str:
-        """Return a text that tells kernels of one name in one module apart: there are none."""
+        """Return a text that distinguishes kernels of one name in one module: there are none."""
         return ""
 
     @classmethod

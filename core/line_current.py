@@ -3,12 +3,12 @@
 from railjoule.core.arrays import FloatArray, frozen_array
 
 
-def line_current_a(line_power_w: FloatArray, line_voltage_v: float | None) -> FloatArray | None:
+def supply_current_a(supply_power_w: FloatArray, line_voltage_v: float | None) -> FloatArray | None:
     """Return the current at the line, power over voltage; None where the voltage is not known.
 
     Parameters
     ----------
-    line_power_w : array of shape (n,)
+    supply_power_w : array of shape (n,)
         Power taken from the line, auxiliaries included; negative where energy goes back [W].
     line_voltage_v : float or None
         Voltage at the vehicle, taken as constant [V]. On an alternating voltage this is the active part of the current.
@@ -18,10 +18,10 @@ def line_current_a(line_power_w: FloatArray, line_voltage_v: float | None) -> Fl
     array of shape (n,) or None
         Negative where energy goes back [A].
     """
-    return None if line_voltage_v is None else frozen_array(line_power_w / line_voltage_v)
+    return None if line_voltage_v is None else frozen_array(supply_power_w / line_voltage_v)
 
 
-def power_of_line_current_w(current_a: FloatArray, line_voltage_v: FloatArray | float) -> FloatArray:
+def power_of_supply_current_w(current_a: FloatArray, line_voltage_v: FloatArray | float) -> FloatArray:
     """Return the power taken from the line, current times voltage [W]; negative where energy goes back.
 
     Parameters

@@ -1,22 +1,22 @@
-"""A scenario made ready for any strategy: its course, its shortest time, the time that it may take."""
+"""A scenario made ready for any strategy: its meshed line, its shortest time, the time that it may take."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import InfeasibleLineError, StrategyRefusedError, TimetableError
-from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
-from railjoule.core.motion.course import train_extent
+from railjoule.core.motion import MeshedLine, build_meshed_line, max_speeds, running_time
 from railjoule.core.motion.mesh import enough_words
+from railjoule.core.motion.meshed_line import train_extent
 from railjoule.core.motion.passes import MOVED
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
 # the barrier of an interior point needs room: a time that only rounding keeps above the shortest has none
-LEAST_SLACK = 1e-9
+MIN_SLACK = 1e-9
 """A timetable must exceed the shortest time by this share, or an interior point has no strictly feasible start."""
 # a state that is found within the rounding of a run may lie that much above its limit, and is no request of a file
 SAME_SPEED2 = 1e-6
@@ -31,9 +31,9 @@ class Task:
     ----------
     scenario : Scenario
         What is asked for.
-    course : Course
+    mesh : MeshedLine
         The mesh and what holds on it.
-    greatest_speed2 : array of shape (n + 1,)
+    fastest_speed2 : array of shape (n + 1,)
         Greatest feasible squares of speed at the nodes [m2/s2]: the fastest run.
     shortest_time_s, running_time_s : float
         Time of that run, and time allowed, without dwells [s].
@@ -42,28 +42,37 @@ class Task:
     """
 
     scenario: Scenario
-    course: Course
-    greatest_speed2: FloatArray
+    mesh: MeshedLine
+    fastest_speed2: FloatArray
     shortest_time_s: float
     running_time_s: float
     can_be_remeshed: bool = True
 
+    @property
+    def position_m(self) -> FloatArray:
+        """Nodes of the mesh [m]; shape (n + 1,)."""
+        return self.mesh.position_m
+
+    @cached_property
+    def fastest_speed_ms(self) -> FloatArray:
+        """Speeds of the fastest run at the nodes [m/s]; shape (n + 1,)."""
+        return frozen_array(np.sqrt(self.fastest_speed2))
+
     @cached_property
     def dwell_s(self) -> float:
         """Time for which the train stands [s]."""
-        return float(self.course.dwell_s.sum())
+        return float(self.mesh.dwell_s.sum())
 
     @property
     def dwell_energy_j(self) -> float:
         """What the auxiliaries take while the train stands [J]."""
         # apart from the rest, as no strategy can change it: the solver never sees a dwell
-        return self.course.data.auxiliary_power_w * self.dwell_s
+        return self.mesh.data.auxiliary_power_w * self.dwell_s
 
     @property
     def end_speeds_ms(self) -> tuple[float, float]:
         """Speeds at both ends [m/s]; 0 where an end is free."""
-        # -1 marks a free speed, which has no root; an end that is free begins a run like any other node
-        initial, final = np.sqrt(np.maximum(self.course.data.fixed_speed2[[0, -1]], 0.0)).tolist()
+        initial, final = np.sqrt(np.nan_to_num(self.mesh.data.fixed_speed2[[0, -1]])).tolist()
         return initial, final
 
     @property
@@ -84,27 +93,27 @@ class Task:
     @property
     def has_slack(self) -> bool:
         """Whether the timetable is longer than the shortest possible time."""
-        return self.running_time_s > self.shortest_time_s * (1 + LEAST_SLACK)
+        return self.running_time_s > self.shortest_time_s * (1 + MIN_SLACK)
 
     def require_timetable(self) -> None:
         """Raise TimetableError unless the timetable is longer than the shortest possible time."""
         if not self.has_slack:
             raise TimetableError(self.travel_time_s, self.shortest_travel_time_s, self.scenario.travel_time_key)
 
-    def require_few_cells(self, most_cells: int) -> None:
-        """Raise StrategyRefusedError if the mesh has more than `most_cells` cells."""
+    def require_few_cells(self, max_cells: int) -> None:
+        """Raise StrategyRefusedError if the mesh has more than `max_cells` cells."""
         # a sentence with the mesh that would do, as the count also depends on sections and cars
-        if self.course.cell_count <= most_cells:
+        if self.mesh.cell_count <= max_cells:
             return
         line, mesh = self.scenario.line.in_running_order(), self.scenario.solver.mesh_m
         # each car adds a node where it passes a border, which no longer mesh removes: so many the message must leave
         crossings = (len(line.sections) - 1) * train_extent(self.scenario).crossing_points
         raise StrategyRefusedError(
-            f"takes at most {most_cells:,} cells, and solver.mesh_m = {mesh:g} makes {self.course.cell_count:,}"
-            f"{enough_words(line, most_cells, crossings, self.scenario.limits_last_m)}"
+            f"takes at most {max_cells:,} cells, and solver.mesh_m = {mesh:g} makes {self.mesh.cell_count:,}"
+            f"{enough_words(line, max_cells, crossings, self.scenario.limits_last_m)}"
         )
 
-    def require_budget(self, strategy: StrategyName) -> None:
+    def require_budget(self, strategy: str) -> None:
         """Raise StrategyRefusedError if the mesh has more cells than the current budget gives a strategy."""
         budget = current_budget()
         self.require_few_cells(budget.strategy_cells.get(strategy, budget.cell_count))
@@ -134,19 +143,19 @@ def prepare_task(
     InfeasibleLineError
         If no run passes the line at all.
     """
-    return task_over(scenario, build_course(scenario, initial_speed_ms, final_speed_ms, position_m))
+    return task_over(scenario, build_meshed_line(scenario, initial_speed_ms, final_speed_ms, position_m))
 
 
-def task_over(scenario: Scenario, course: Course) -> Task:
-    """Return the task of a scenario over a course of its own; errors as `prepare_task`."""
-    _require_speeds_within_limits(course)
+def task_over(scenario: Scenario, mesh: MeshedLine) -> Task:
+    """Return the task of a scenario over a meshed line of its own; errors as `prepare_task`."""
+    _require_speeds_within_limits(mesh)
     # the fastest run first: it shows whether there is any run at all, and bounds the speeds of all others
-    speed2, obstacle, braking = greatest_speeds(course.data)
+    speed2, obstacle, braking = max_speeds(mesh.data)
     if obstacle != MOVED:
-        raise InfeasibleLineError(_obstacle_sentence(course, obstacle, braking))
-    shortest = running_time(course.data.cell_length_m, speed2)
-    dwell = float(course.dwell_s.sum())
-    return Task(scenario, course, speed2, shortest, scenario.travel_time_s - dwell)
+        raise InfeasibleLineError(_obstacle_sentence(mesh, obstacle, braking))
+    shortest = running_time(mesh.data.cell_length_m, speed2)
+    dwell = float(mesh.dwell_s.sum())
+    return Task(scenario, mesh, speed2, shortest, scenario.travel_time_s - dwell)
 
 
 def task_over_nodes(task: Task, position_m: FloatArray) -> Task:
@@ -155,30 +164,30 @@ def task_over_nodes(task: Task, position_m: FloatArray) -> Task:
     return replace(other, running_time_s=task.running_time_s)
 
 
-def _require_speeds_within_limits(course: Course) -> None:
+def _require_speeds_within_limits(mesh: MeshedLine) -> None:
     """Refuse a speed that is prescribed where the line or the vehicle allows less."""
-    data = course.data
-    over = np.flatnonzero(data.fixed_speed2 > data.largest_speed2 * (1 + SAME_SPEED2))
+    data = mesh.data
+    over = np.flatnonzero(data.fixed_speed2 > data.limit_speed2 * (1 + SAME_SPEED2))
     if len(over):
         node = int(over[0])
-        asked, allowed = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (data.fixed_speed2, data.largest_speed2))
+        asked, allowed = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (data.fixed_speed2, data.limit_speed2))
         raise InfeasibleLineError(
-            f"The train is to run at {asked:.5g} km/h at {course.position_m[node]:.0f} m, where at most "
+            f"The train is to run at {asked:.5g} km/h at {mesh.position_m[node]:.0f} m, where at most "
             f"{allowed:.5g} km/h are allowed."
         )
 
 
-def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
-    if course.data.powered[cell] < 1:
-        return _neutral_sentence(course, cell, braking)
-    place, gradient = course.position_m[cell], course.gradient_permille[cell]
+def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
+    if mesh.data.supply_share[cell] < 1:
+        return _neutral_sentence(mesh, cell, braking)
+    place, gradient = mesh.position_m[cell], mesh.gradient_permille[cell]
     if braking:
-        effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / N_PER_KN, 3)
+        effort = round((mesh.data.braking.constant_n + mesh.data.friction_effort_n) / N_PER_KN, 3)
         return (
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
             "cannot slow the train down for what lies ahead."
         )
-    effort, curve = course.data.traction.constant_n / N_PER_KN, course.curve_force_n[cell] / N_PER_KN
+    effort, curve = mesh.data.traction.constant_n / N_PER_KN, mesh.curve_force_n[cell] / N_PER_KN
     # the curve alone may be what stops it
     resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (
@@ -187,21 +196,21 @@ def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
     )
 
 
-def _neutral_sentence(course: Course, cell: int, braking: bool) -> str:
+def _neutral_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
     """Return why no run passes a cell without traction power."""
-    place, gradient = course.position_m[cell], course.gradient_permille[cell]
-    powered = np.flatnonzero(course.data.powered >= 1)
+    place, gradient = mesh.position_m[cell], mesh.gradient_permille[cell]
+    powered = np.flatnonzero(mesh.data.supply_share >= 1)
     # nodes: after the last cell before it that has power, and before the first one behind it
-    start = course.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
-    end = course.position_m[int(np.min(powered[powered > cell], initial=course.cell_count))]
+    start = mesh.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
+    end = mesh.position_m[int(np.min(powered[powered > cell], initial=mesh.cell_count))]
     section = f"the neutral section from {start:.0f} to {end:.0f} m (line.neutral_sections)"
     if braking:
-        effort = round(course.data.friction_effort_n / N_PER_KN, 3)
+        effort = round(mesh.data.friction_effort_n / N_PER_KN, 3)
         return (
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, friction brakes of at most "
             f"{effort:.4g} kN alone cannot slow the train down for what lies ahead."
         )
-    if course.data.fixed_speed2[cell] == 0:
+    if mesh.data.fixed_speed2[cell] == 0:
         return (
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, the train stands and cannot "
             "start: it has no traction power there."

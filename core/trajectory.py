@@ -9,15 +9,16 @@ import numpy as np
 from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.check import CheckResult
+from railjoule.core.citation import bibtex
 from railjoule.core.energy import Energy, share_above
-from railjoule.core.line_current import line_current_a
-from railjoule.core.motion.course import Course, build_course
+from railjoule.core.line_current import supply_current_a
 from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
 from railjoule.core.phases import Phase, RunData, find_phases
-from railjoule.core.physics.account import RunAccount, account_of_run
-from railjoule.core.physics.course_data import CourseData, electric_limit_n, tractive_limit_n
-from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
+from railjoule.core.physics.account import SMALL_ENERGY_SHARE, RunAccount, account_of_run
+from railjoule.core.physics.mesh_data import MeshData, electric_limit_n, tractive_limit_n
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 if TYPE_CHECKING:
@@ -144,19 +145,19 @@ class Trajectory:
         What was asked for.
     strategy : str
         Who made the run.
-    position_m, speed_ms, time_s, line_energy_j : array of nodes
+    position_m, speed_ms, time_s, supply_energy_j : array of nodes
         Place [m], speed [m/s], time [s], and line energy so far, auxiliaries included [J].
     tractive_effort_n, electric_braking_n, friction_braking_n : array of cells
         Efforts at the wheels, all positive [N].
-    largest_effort_n : array of cells
+    max_effort_n : array of cells
         Largest tractive effort at the cell's speed [N].
-    largest_braking_n : array of cells
+    max_braking_n : array of cells
         Largest braking effort at the cell's speed, friction brakes included [N].
-    line_power_w : array of cells
+    supply_power_w : array of cells
         Power taken from the line, auxiliaries included; negative where energy goes back [W].
     current_a : array of cells or None
         Current of one motor, negative in braking [A], where the drive's model has one.
-    line_current_a : array of cells or None
+    supply_current_a : array of cells or None
         Current at the line, negative where energy goes back [A], where the vehicle's line voltage is known.
     gradient_permille : array of cells
         Mean gradient under the train.
@@ -184,13 +185,13 @@ class Trajectory:
     position_m: FloatArray
     speed_ms: FloatArray
     time_s: FloatArray
-    line_energy_j: FloatArray
+    supply_energy_j: FloatArray
     tractive_effort_n: FloatArray
     electric_braking_n: FloatArray
     friction_braking_n: FloatArray
-    largest_effort_n: FloatArray
-    largest_braking_n: FloatArray
-    line_power_w: FloatArray
+    max_effort_n: FloatArray
+    max_braking_n: FloatArray
+    supply_power_w: FloatArray
     current_a: FloatArray | None
     gradient_permille: FloatArray
     energy: Energy
@@ -201,7 +202,7 @@ class Trajectory:
     solve_time_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
     check: CheckResult | None = None
-    line_current_a: FloatArray | None = None
+    supply_current_a: FloatArray | None = None
 
     @property
     def effort_n(self) -> FloatArray:
@@ -306,10 +307,10 @@ class Trajectory:
             position_m=self.position_m,
             time_s=self.time_s,
             speed_ms=self.speed_ms,
-            energy_j=self.line_energy_j - auxiliary_w * (self.time_s - self.time_s[0]),
+            energy_j=self.supply_energy_j - auxiliary_w * (self.time_s - self.time_s[0]),
             effort_n=self.effort_n,
-            largest_effort_n=self.largest_effort_n,
-            largest_braking_n=self.largest_braking_n,
+            max_effort_n=self.max_effort_n,
+            max_braking_n=self.max_braking_n,
             limit_ms=np.minimum(limit_kmh, vehicle.traction.max_speed_kmh) * MS_PER_KMH,
             inertia_kg=vehicle.total_inertia_kg,
             max_deceleration_ms2=vehicle.braking.max_deceleration_ms2 or np.inf,
@@ -325,8 +326,8 @@ class Trajectory:
         if self.scenario.vehicle.braking.permitted_deceleration is None:
             return None
         entry_ms, exit_ms = self.speed_ms[[0, -1]].tolist()
-        data = build_course(self.scenario, entry_ms, exit_ms, self.nodes_m).data
-        departing2, prescribed2 = data.largest_speed2, data.fixed_speed2
+        data = build_meshed_line(self.scenario, entry_ms, exit_ms, self.nodes_m).data
+        departing2, prescribed2 = data.limit_speed2, data.fixed_speed2
         arriving2 = np.where(prescribed2 >= 0, np.minimum(prescribed2, departing2), departing2)
         # before the first node lies no curve
         arriving2[0] = departing2[0]
@@ -347,6 +348,17 @@ class Trajectory:
         """The driving advice for this run, an instruction for each phase."""
         return advise(self)
 
+    def plot(self, axes: Any = None) -> Any:
+        """Draw speed over distance with matplotlib; return the axes. As `railjoule.core.plots.plot_run`."""
+        from railjoule.core.plots import plot_run  # noqa: PLC0415  (matplotlib is an extra)
+
+        return plot_run(self, axes)
+
+    def cite(self) -> str:
+        """Return BibTeX entries of railjoule and of the paper that describes the run's strategy, if there is one."""
+        strategy = STRATEGIES.get(self.strategy)
+        return bibtex([strategy.source] if strategy is not None and strategy.source else [])
+
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""
         import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
@@ -356,14 +368,14 @@ class Trajectory:
             "time_s": self.time_s,
             "speed_kmh": self.speed_ms / MS_PER_KMH,
             "effort_kn": _at_nodes(self.effort_n) / N_PER_KN,
-            "line_power_kw": _at_nodes(self.line_power_w) / W_PER_KW,
-            "line_energy_kwh": self.line_energy_j / J_PER_KWH,
+            "line_power_kw": _at_nodes(self.supply_power_w) / W_PER_KW,
+            "line_energy_kwh": self.supply_energy_j / J_PER_KWH,
             "gradient_permille": _at_nodes(self.gradient_permille),
         }
         if self.current_a is not None:
             columns["current_a"] = _at_nodes(self.current_a)
-        if self.line_current_a is not None:
-            columns["line_current_a"] = _at_nodes(self.line_current_a)
+        if self.supply_current_a is not None:
+            columns["line_current_a"] = _at_nodes(self.supply_current_a)
         return pandas.DataFrame(columns)
 
 
@@ -374,15 +386,15 @@ def _at_nodes(values: FloatArray) -> FloatArray:
 
 
 def make_trajectory(
-    scenario: Scenario, course: Course, strategy: str, speed2: FloatArray, **details: Any
+    scenario: Scenario, mesh: MeshedLine, strategy: str, speed2: FloatArray, **details: Any
 ) -> Trajectory:
-    """Return the run that squares of speed over a course describe, with its energy account.
+    """Return the run that squares of speed over a meshed line describe, with its energy account.
 
     Parameters
     ----------
     scenario : Scenario
         What was asked for.
-    course : Course
+    mesh : MeshedLine
         The mesh and what holds on it.
     strategy : str
         Who made the run.
@@ -391,90 +403,90 @@ def make_trajectory(
     **details
         Further fields of the trajectory.
     """
-    data, cells = course.data, account_of_run(course.data, speed2)
-    stops = np.flatnonzero(course.dwell_s > 0)
+    data, cells = mesh.data, account_of_run(mesh.data, speed2)
+    stops = np.flatnonzero(mesh.dwell_s > 0)
     with_dwell = _DwellInserter(stops)
-    durations = durations_s(course, cells)
-    power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
-    current = course.drive.current_a(supplied_effort_n(data, cells), cells.mean_speed_ms)
+    durations = durations_s(mesh, cells)
+    power = with_dwell.cells(cells.supply_power_w) + data.auxiliary_power_w
+    current = mesh.drive.current_a(supplied_effort_n(data, cells), cells.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
-    largest_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
+    max_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
     return Trajectory(
         scenario=scenario,
         strategy=strategy,
-        position_m=frozen_array(with_dwell.nodes(course.position_m)),
+        position_m=frozen_array(with_dwell.nodes(mesh.position_m)),
         speed_ms=frozen_array(with_dwell.nodes(np.sqrt(speed2))),
         time_s=frozen_array(np.append(0.0, np.cumsum(durations))),
-        line_energy_j=frozen_array(np.append(0.0, np.cumsum(power * durations))),
+        supply_energy_j=frozen_array(np.append(0.0, np.cumsum(power * durations))),
         tractive_effort_n=frozen_array(with_dwell.cells(cells.tractive_effort_n)),
         electric_braking_n=frozen_array(with_dwell.cells(cells.electric_braking_n)),
         friction_braking_n=frozen_array(with_dwell.cells(cells.friction_braking_n)),
-        largest_effort_n=frozen_array(with_dwell.cells(tractive_limit_n(data, cells.mean_speed_ms))),
-        largest_braking_n=frozen_array(with_dwell.cells(largest_braking)),
-        line_power_w=frozen_array(power),
+        max_effort_n=frozen_array(with_dwell.cells(tractive_limit_n(data, cells.mean_speed_ms))),
+        max_braking_n=frozen_array(with_dwell.cells(max_braking)),
+        supply_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
-        gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),
-        energy=energy_account(course, speed2, cells),
-        line_current_a=line_current_a(power, scenario.vehicle.line_voltage_v),
+        gradient_permille=frozen_array(with_dwell.cells(mesh.gradient_permille)),
+        energy=energy_balance(mesh, speed2, cells),
+        supply_current_a=supply_current_a(power, scenario.vehicle.line_voltage_v),
         **details,
     )
 
 
-def durations_s(course: Course, cells: RunAccount) -> FloatArray:
+def durations_s(mesh: MeshedLine, cells: RunAccount) -> FloatArray:
     """Return the times of a run's cells and dwells in their order [s]; a dwell is a cell without length."""
     # Efforts and powers are of cells, and standing is one with time and without length: so all sums over cells hold,
     # and a chart over time shows the stop.
-    stops = np.flatnonzero(course.dwell_s > 0)
-    return _DwellInserter(stops).cells(cells.duration_s, course.dwell_s[stops])
+    stops = np.flatnonzero(mesh.dwell_s > 0)
+    return _DwellInserter(stops).cells(cells.duration_s, mesh.dwell_s[stops])
 
 
-def supplied_effort_n(data: CourseData, cells: RunAccount) -> FloatArray:
+def supplied_effort_n(data: MeshData, cells: RunAccount) -> FloatArray:
     """Return the electric efforts that take power, braking negative [N]; shape (n,).
 
     The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
     drive with idle losses all of them.
     """
-    return np.where(data.powered < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
+    return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
-def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:
+def supply_energies_j(mesh: MeshedLine, cells: RunAccount) -> tuple[float, float, float]:
     """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
     duration = cells.duration_s
     # a cell takes or gives, never both: its power is constant
-    taken = float(np.maximum(cells.line_power_w, 0.0) @ duration)
-    given = float(np.maximum(-cells.line_power_w, 0.0) @ duration)
-    return taken, given, course.data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s))
+    taken = float(np.maximum(cells.supply_power_w, 0.0) @ duration)
+    given = float(np.maximum(-cells.supply_power_w, 0.0) @ duration)
+    return taken, given, mesh.data.auxiliary_power_w * float(np.sum(duration) + np.sum(mesh.dwell_s))
 
 
-def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
+def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: RunAccount) -> Energy:
     """Return the energy account of a run from those of its cells.
 
     Parameters
     ----------
-    course : Course
+    mesh : MeshedLine
         The mesh and what holds on it.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     cells : RunAccount
         What `account_of_run` says of them.
     """
-    data, length, duration = course.data, course.data.cell_length_m, cells.duration_s
+    data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
-        for kind, power in course.drive.losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
+        for kind, power in mesh.drive.losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
-    traction_j, recuperated_j, auxiliary_j = line_energies_j(course, cells)
+    traction_j, recuperated_j, auxiliary_j = supply_energies_j(mesh, cells)
     return Energy(
         traction_j=traction_j,
         recuperated_j=recuperated_j,
         auxiliary_j=auxiliary_j,
-        running_resistance_j=float(course.running_resistance_n(speed2) @ length),
-        curve_resistance_j=float(course.curve_force_n @ length),
+        running_resistance_j=float(mesh.running_resistance_n(speed2) @ length),
+        curve_resistance_j=float(mesh.curve_force_n @ length),
         losses_j=losses,
         kinetic_j=float(data.half_inertia_kg * (speed2[-1] - speed2[0])),
-        potential_j=float(course.gradient_force_n @ length),
+        potential_j=float(mesh.gradient_force_n @ length),
     )
 
 

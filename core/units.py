@@ -21,7 +21,7 @@ H_PER_MH = 1e-3
 M_PER_MM = 1e-3
 """Metres in one millimetre."""
 
-MOST_DIGITS = 12
+MAX_DIGITS = 12
 """By which two numbers that rounding has not made equal can be told apart."""
 
 # not 9.80665, so that results can be compared with the papers: 0.03 per cent of the weight
@@ -31,11 +31,11 @@ STANDARD_GRAVITY_MS2 = 9.81
 
 def distinct_numbers(one: float, other: float, digits: int = 4) -> tuple[str, str]:
     """Return two numbers in words, with as many digits as it takes to tell them apart, but no fewer than asked for."""
-    for count in range(digits, MOST_DIGITS):
+    for count in range(digits, MAX_DIGITS):
         words = plain_number(one, count), plain_number(other, count)
         if words[0] != words[1]:
             return words
-    return plain_number(one, MOST_DIGITS), plain_number(other, MOST_DIGITS)
+    return plain_number(one, MAX_DIGITS), plain_number(other, MAX_DIGITS)
 
 
 def plain_number(value: float, digits: int) -> str:

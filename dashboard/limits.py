@@ -7,18 +7,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from railjoule.core.budget import LIBRARY, PAGE, Budget
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
+from railjoule.core.scenario.text_file import MAX_FILE_BYTES, MAX_KEY_PARTS
 
 LONGEST_TEXT = 2_000_000
 """Characters of a text on the page."""
 LONGEST_LINK = 2_000_000
 """Characters of an address."""
-MOST_FIELDS, MOST_KEYS, DEEPEST = 500, 500, 12
+MAX_FIELDS, MOST_KEYS, DEEPEST = 500, 500, 12
 """Values of a link, keys of a table in it, and tables and lists one in the other; the deepest real ones are 5."""
 MOST_ITEMS = 500
 """Entries of a list of fields on the page."""
-MOST_STEPS = 100
+MAX_STEPS = 100
 """Steps back that a page remembers."""
 LARGEST_RUN_BYTES = 8_000_000
 """Of a recorder's file; ten samples a second of eight columns are 2 MB an hour."""
@@ -54,18 +53,18 @@ def limits() -> tuple[Limit, ...]:
         Limit("Rows of any list of a scenario", *_both(lambda budget: budget.row_count)),
         Limit("Plan that is driven in closed loop, s", *_both(lambda budget: int(budget.loop_time_s))),
         Limit("Steps of time in closed loop", *_both(lambda budget: budget.loop_steps)),
-        Limit("Scenario file", _megabytes(LARGEST_FILE_BYTES), _megabytes(LONGEST_TEXT)),
-        Limit("Report that is opened", _megabytes(LARGEST_FILE_BYTES), _megabytes(LARGEST_FILE_BYTES)),
+        Limit("Scenario file", _megabytes(MAX_FILE_BYTES), _megabytes(LONGEST_TEXT)),
+        Limit("Report that is opened", _megabytes(MAX_FILE_BYTES), _megabytes(MAX_FILE_BYTES)),
         Limit("Characters of the note in a report", f"{LONGEST_NOTE:,}", f"{LONGEST_NOTE:,}"),
         Limit("File of a measured run", NONE, _megabytes(LARGEST_RUN_BYTES)),
         Limit("File of a study that is opened", NONE, _megabytes(LARGEST_STUDY_BYTES)),
         Limit("File of a study that is dropped", NONE, _megabytes(LARGEST_RUN_BYTES)),
-        Limit("Parts of a dotted key", str(MOST_KEY_PARTS), str(MOST_KEY_PARTS)),
+        Limit("Parts of a dotted key", str(MAX_KEY_PARTS), str(MAX_KEY_PARTS)),
         Limit("Characters of a link", NONE, f"{LONGEST_LINK:,}"),
-        Limit("Values of a link", NONE, f"{MOST_FIELDS:,}"),
+        Limit("Values of a link", NONE, f"{MAX_FIELDS:,}"),
         Limit("Keys of a table in a link", NONE, f"{MOST_KEYS:,}"),
         Limit("Tables and lists in each other in a link", NONE, f"{DEEPEST:,}"),
-        Limit("Steps back", NONE, f"{MOST_STEPS:,}"),
+        Limit("Steps back", NONE, f"{MAX_STEPS:,}"),
     )
 
 

@@ -17,7 +17,7 @@ from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario import Scenario, parse_scenario
 from railjoule.core.scenario._base import without_misleading
 from railjoule.core.scenario._sentences import show
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, decoded
+from railjoule.core.scenario.text_file import MAX_FILE_BYTES, decoded
 from railjoule.core.written import write_text
 from railjoule.dashboard.limits import LONGEST_TEXT
 
@@ -152,7 +152,7 @@ class ScenarioFolder:
 
     def _beside(self, file_name: str) -> str:
         """Return the text of a table that a scenario names."""
-        return self._read(file_name, LARGEST_FILE_BYTES)
+        return self._read(file_name, MAX_FILE_BYTES)
 
 
 def checked_name(text: str) -> str:

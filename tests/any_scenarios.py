@@ -15,7 +15,7 @@ from tests.builders import INDUCTION, LOSS_POLYNOMIAL
 
 MODELS = ("constant_efficiency", "copper_loss", "loss_polynomial", "efficiency_map", "induction", "synchronous")
 MOST_TIME_S = 20_000
-MOST_CELLS = 60
+MAX_CELLS = 60
 SPREAD = 0.2
 """By how much the numbers of a motor vary, as a share."""
 
@@ -48,7 +48,7 @@ def any_document(seed: int) -> Table:
         "vehicle": _vehicle(rng, train, model),
         "line": line,
         "timetable": {"travel_time_s": 86_400.0},
-        "solver": {"mesh_m": max(float(rng.uniform(5, 40)), length / MOST_CELLS)},
+        "solver": {"mesh_m": max(float(rng.uniform(5, 40)), length / MAX_CELLS)},
         "search": {"regulator": str(rng.choice(["coast", "coast", "brake", "literal"]))},
     }
     # the search for limits takes most of the time, and no less for more of them
@@ -85,7 +85,7 @@ def any_wide_document(seed: int) -> Table:
     rng, document = np.random.default_rng([seed, 3]), any_full_document(seed)
     line, vehicle, top = document["line"], document["vehicle"], document["vehicle"]["traction"]["max_speed_kmh"]
     length = sum(section["length_m"] for section in line["sections"])
-    document["solver"]["mesh_m"] = float(max(10 ** rng.uniform(0.3, 1.9), length / MOST_CELLS))
+    document["solver"]["mesh_m"] = float(max(10 ** rng.uniform(0.3, 1.9), length / MAX_CELLS))
     if MODELS[seed % len(MODELS)] in MODELS[2:] and rng.random() < 0.4:
         vehicle["drive"]["least_switching_s"] = float(rng.choice([0.0, rng.uniform(0, 15)]))
     if rng.random() < 0.2:
@@ -288,15 +288,15 @@ def _varied(rng: np.random.Generator, drive: Table, keys: tuple[str, ...]) -> Ta
 def _map(rng: np.random.Generator, train: _Train) -> Table:
     """Return a map of efficiencies of two motors that lose something at rest, by speed and by torque."""
     turns, share = 12.5, float(rng.choice([0.0, 0.03]))
-    most_nm, most_rads = 1.02 * train.effort_n * (1 + share) / (2 * turns), 1.01 * train.speed_ms * turns
+    max_nm, most_rads = 1.02 * train.effort_n * (1 + share) / (2 * turns), 1.01 * train.speed_ms * turns
     power = train.power_w / 2
-    torques = np.linspace(0, most_nm, int(rng.integers(3, 9)))
+    torques = np.linspace(0, max_nm, int(rng.integers(3, 9)))
     if rng.random() < 0.5:
         torques = np.concatenate([-torques[:0:-1], torques])
     points = []
     for torque in torques.tolist():
         for speed in np.linspace(0, most_rads, 7).tolist():
-            loss = power * (0.004 + 0.02 * (speed / most_rads) ** 2 + 0.05 * (torque / most_nm) ** 2)
+            loss = power * (0.004 + 0.02 * (speed / most_rads) ** 2 + 0.05 * (torque / max_nm) ** 2)
             shaft = abs(torque) * speed
             efficiency = shaft / (shaft + loss) if torque >= 0 else max(1 - loss / max(shaft, 1e-9), 0.0)
             points.append([torque, speed, round(efficiency, 6)])

@@ -3,7 +3,8 @@
 Changes are the commits since the merge base with `main`, the working tree and new files. The rules:
 
 - A changed module of core/ or dashboard/: all test files but those of tests/browser that import it, directly or through
-  other modules. `from railjoule.core import solve` counts as an import of the module that defines `solve`.
+  other modules. Imports only for type checking do not count; `from railjoule.core import solve` counts as an import of
+  the module that defines `solve`.
 - A changed helper of the tests: all test files that import it. A changed conftest.py: all test files of its folder.
 - Any changed module, script or style sheet: tests/browser/test_pages.py, which opens all pages; pages are loaded by
   name, without an import statement. A script: also tests/browser/test_scripts.py.
@@ -19,6 +20,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
+
+from railjoule.core.kernel_cache import executed_nodes
 
 ROOT = Path(__file__).parents[1]
 PRODUCT, TESTS, BROWSER = ("core/", "dashboard/"), "tests/", "tests/browser/"
@@ -79,7 +82,7 @@ def importers() -> dict[str, set[str]]:
 
 def _imported(path: str) -> Iterator[tuple[str, str, str]]:
     """Yield the module, the name and the local name of each import of a file."""
-    for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+    for node in executed_nodes(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             yield from ((alias.name, "", alias.asname or alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:

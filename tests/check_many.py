@@ -42,7 +42,7 @@ WARMING_SEEDS = range(2 * len(MODELS))
 STARTING_S = 1800.0
 SAID = "no run was found"
 """What a run says of itself that is switched more often than the scenario allows, as no other was found in time."""
-MOST_NAMED = 12
+MAX_NAMED = 12
 """So many calls are named where more are counted."""
 DEARER = 1e-3
 """From this share on another strategy's run counts as cheaper than the optimum."""
@@ -155,7 +155,7 @@ def checked(run: Trajectory) -> Row:
         "status": "solved",
         "energy_kwh": run.energy_kwh,
         "time_s": run.travel_time_s,
-        "cells": len(run.line_power_w),
+        "cells": len(run.supply_power_w),
         "broken": [[check.name, check.largest, check.allowed, check.at_m] for check in broken],
         "told": [check.name for check in broken] == [switching.NAME] and says_so,
     }
@@ -371,8 +371,8 @@ def _other_lines(rows: list[Row]) -> Iterator[str]:
 
 def _places(rows: Iterable[Row]) -> str:
     found = [f"{row['strategy'] or 'scenario'} {row['seed']}" for row in rows]
-    more = [f"{len(found) - MOST_NAMED} more"] if len(found) > MOST_NAMED else []
-    return f"{len(found)} ({', '.join([*found[:MOST_NAMED], *more])})" if found else "none"
+    more = [f"{len(found) - MAX_NAMED} more"] if len(found) > MAX_NAMED else []
+    return f"{len(found)} ({', '.join([*found[:MAX_NAMED], *more])})" if found else "none"
 
 
 def _dearer(solved: list[Row]) -> Iterator[Row]:

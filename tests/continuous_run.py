@@ -17,19 +17,18 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.adhesion import adhesion_limits_n
 from railjoule.core.check.drives import loss_model
-from railjoule.core.check.limits import limit_beyond_breakdown_n, stated_limit_n
-from railjoule.core.check.train import Route, route_of, train_of
+from railjoule.core.check.limits import adhesion_limits_n, stated_limits_n
+from railjoule.core.check.train import Route, build_route, build_train
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.line_power import line_power
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 STEP_S = 1e-3
-MOST_STEPS = 3_000_000
+MAX_STEPS = 3_000_000
 """A run that needs more is driven in longer steps, of 2 ms after 50 minutes."""
 LINE_STEP_M, SPEED_STEPS = 0.1, 5000
 AHEAD_M = 0.2
@@ -117,9 +116,9 @@ class ContinuousRun:
 
 def drive_plan(plan: Trajectory, step_s: float = STEP_S) -> ContinuousRun | None:
     """Return the run of a train that follows a plan; None if it stands before a stop."""
-    scenario, route = plan.scenario, route_of(plan.scenario)
+    scenario, route = plan.scenario, build_route(plan.scenario)
     efforts, mass = _efforts(plan), _mass(scenario)
-    step_s = max(step_s, plan.travel_time_s / MOST_STEPS)
+    step_s = max(step_s, plan.travel_time_s / MAX_STEPS)
     energy_j, time_s, excess = 0.0, 0.0, 0.0
     # a stop is one node, or two with a dwell between them
     stops = np.flatnonzero(plan.speed_ms[1:-1] <= 0) + 1
@@ -236,7 +235,7 @@ def _leg(plan: Trajectory, first: int, last: int) -> Plan:
 
 def _mass(scenario: Scenario) -> Mass:
     vehicle = scenario.vehicle
-    train = train_of(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
+    train = build_train(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     rise, fall = vehicle.traction.max_acceleration_ms2 or np.inf, vehicle.braking.max_deceleration_ms2 or np.inf
     return Mass(train.inertia_kg, train.constant_n, train.linear, rise, fall)
 
@@ -246,7 +245,7 @@ def _line(plan: Trajectory, route: Route, leg: Plan) -> Line:
     scenario, start, end = plan.scenario, float(leg.position_m[0]), float(leg.position_m[-1])
     borders = np.linspace(start, end, int(np.ceil((end - start) / LINE_STEP_M)) + 1)
     cells = borders[:-1], borders[1:]
-    train = train_of(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
+    train = build_train(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     curves = train.curve_constant_m_n_per_kn * route.curvature_per_m(*cells)
     powered = np.ones(len(borders) - 1)
     for begins, ends in route.neutral:
@@ -270,12 +269,12 @@ def _efforts(plan: Trajectory) -> Efforts:
     """Return the largest efforts over speed: the lower of the check's limits and of the product's."""
     scenario, vehicle = plan.scenario, plan.scenario.vehicle
     speed = np.linspace(0, 1.001 * vehicle.traction.max_speed_kmh * MS_PER_KMH, SPEED_STEPS)
-    model, data = loss_model(vehicle.drive), build_course(scenario, position_m=plan.nodes_m).data
+    model, data = loss_model(vehicle.drive), build_meshed_line(scenario, position_m=plan.nodes_m).data
     driven, braked = adhesion_limits_n(scenario, speed)
     efforts = []
     for limits, product, braking in ((vehicle.traction, data.traction, False), (vehicle.braking, data.braking, True)):
-        own = np.minimum(stated_limit_n(limits, speed), limit_beyond_breakdown_n(limits, speed))
-        own = np.minimum(own, np.minimum(model.largest_effort_n(speed, braking), driven))
+        stated = stated_limits_n(limits, speed).values()
+        own = np.minimum.reduce([*stated, model.max_effort_n(speed, braking), driven])
         efforts.append(np.minimum(own, product.effort_n(np.maximum(speed, 1e-9))))
     return Efforts(float(speed[1]), *efforts, min(vehicle.braking.friction_effort_kn * N_PER_KN, float(np.min(braked))))
 

@@ -6,7 +6,7 @@ from itertools import product
 import numpy as np
 
 from railjoule.core import load_scenario
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.scenario import Scenario
 from tests.builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
@@ -73,10 +73,10 @@ def train(drive: str, friction_kn: float = 0.0, factor: float = 0.37, **changes:
 
 @dataclass(frozen=True)
 class OneCell:
-    """A course of one cell with speeds at its ends [m/s]."""
+    """A meshed line of one cell with speeds at its ends [m/s]."""
 
     scenario: Scenario
-    course: Course
+    mesh: MeshedLine
     speeds: tuple[float, float]
 
     @property
@@ -88,5 +88,5 @@ def one_cell(scenario: Scenario, length_m: float, start_ms: float, end_ms: float
     """Return the first cell of a line that is as long as is asked for."""
     section = {"length_m": length_m, "gradient_permille": 3.0}
     short = scenario.model_copy(update={"line": plain_scenario({"line.sections": [section]}).line})
-    course = build_course(short, start_ms, end_ms, np.array([0.0, length_m]))
-    return OneCell(short, course, (start_ms, end_ms))
+    mesh = build_meshed_line(short, start_ms, end_ms, np.array([0.0, length_m]))
+    return OneCell(short, mesh, (start_ms, end_ms))

@@ -44,7 +44,7 @@ to_holoviews(run)
 What does more time save? A click on a name in the legend mutes its line.
 """,
     """\
-runs = {f"{time_s} s": solve(scenario.with_(**{"timetable.travel_time_s": time_s})) for time_s in (135, 150, 165)}
+runs = {f"{time_s} s": solve(scenario.replace(**{"timetable.travel_time_s": time_s})) for time_s in (135, 150, 165)}
 for name, one in runs.items():
     print(f"{name}: {one.energy_kwh:.4f} kWh")
 """,

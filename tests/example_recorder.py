@@ -36,7 +36,7 @@ def table() -> str:
     *_, reading = read_files(Request(chosen, Stretch(), load_scenario("metro-with-limit")))
     scenario = parse_scenario(taken(reading.offers[0], reading.offers[0].time_s))
     limits = [limit.model_dump() for limit in scenario.line.speed_limits]
-    columns = samples(solve(scenario.with_(**{"line.speed_limits": [*limits, SLOW]})), seed=9)
+    columns = samples(solve(scenario.replace(**{"line.speed_limits": [*limits, SLOW]})), seed=9)
     distance = np.append(0.0, np.cumsum(0.5 * (columns["speed_ms"][1:] + columns["speed_ms"][:-1])))
     start, rows = datetime(2026, 1, 31, 7, 14), [";".join(HEADINGS)]
     for k, place in enumerate(distance):

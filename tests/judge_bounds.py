@@ -24,8 +24,7 @@ from pathlib import Path
 from railjoule.core import RailjouleError, Scenario, Trajectory, check_run, solve
 from railjoule.core.check import switching
 from railjoule.core.compilation import require_compiled
-from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
-from railjoule.core.scenario import StrategyName
+from railjoule.core.physics.account import SMALL_ENERGY_SHARE
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation import ipopt
@@ -35,7 +34,7 @@ from tests.judged_scenarios import judged_scenario, shipped_names
 from tests.judged_tables import BELOW_SHARE, SMOOTH, Row, refuting, table
 
 MESHES_M = (5.0, 2.0, 1.0, 0.5)
-MOST_CELLS: dict[str, int] = {"bellman": 150, "speed_limits": 300}
+MAX_CELLS: dict[str, int] = {"bellman": 150, "speed_limits": 300}
 """Greatest meshes of strategies that take long."""
 MOST_CELLS_SMOOTH, MOST_CELLS_IDLE, MOST_CELLS_IPOPT = 4000, 1500, 3000
 """Greatest meshes of the others, for drives without and with idle losses, and of IPOPT."""
@@ -52,7 +51,7 @@ ON_TIME_S, PLANS = 0.002, 4
 def judge(
     name: str,
     meshes_m: Sequence[float] = MESHES_M,
-    strategies: Collection[StrategyName] = tuple(STRATEGIES),
+    strategies: Collection[str] = tuple(STRATEGIES),
     repeats: int = 1,
     with_ipopt: bool = False,
 ) -> Row:
@@ -108,29 +107,29 @@ def below_share(best: Trajectory, energy_j: float) -> float:
     return (best.bound.energy_j - energy_j) / max(abs(best.bound.energy_j), SMALL_ENERGY_SHARE * kinetic_j)
 
 
-def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collection[StrategyName]) -> Iterator[Row]:
+def _mesh_rivals(best: Trajectory, meshes_m: Sequence[float], strategies: Collection[str]) -> Iterator[Row]:
     """Yield the runs of strategies over the meshes that have few enough cells for them."""
     given_m = best.scenario.solver.mesh_m
     for mesh_m in (given_m, *(mesh for mesh in meshes_m if mesh < given_m)):
         task = _task(best.scenario, mesh_m)
         for name in strategies:
-            if task is not None and task.course.cell_count <= _most_cells(best.scenario, name):
+            if task is not None and task.mesh.cell_count <= _most_cells(best.scenario, name):
                 yield from _strategy_rival(best, task, name)
 
 
 def _task(scenario: Scenario, mesh_m: float) -> Task | None:
     try:
-        return prepare_task(scenario.with_(**{"solver.mesh_m": mesh_m}))
+        return prepare_task(scenario.replace(**{"solver.mesh_m": mesh_m}))
     except RailjouleError:
         return None
 
 
 def _most_cells(scenario: Scenario, strategy: str) -> int:
     most = MOST_CELLS_SMOOTH if scenario.vehicle.drive.model in SMOOTH else MOST_CELLS_IDLE
-    return MOST_CELLS.get(strategy, most)
+    return MAX_CELLS.get(strategy, most)
 
 
-def _strategy_rival(best: Trajectory, task: Task, name: StrategyName) -> Iterator[Row]:
+def _strategy_rival(best: Trajectory, task: Task, name: str) -> Iterator[Row]:
     """Yield the run of a strategy, if it takes the task and arrives in time."""
     try:
         run = run_strategy(task, name)
@@ -145,7 +144,7 @@ def _strategy_rival(best: Trajectory, task: Task, name: StrategyName) -> Iterato
     yield row | {"driven": driven_rival(best, name, mesh_m) if below > BELOW_SHARE and not broken else None}
 
 
-def driven_rival(best: Trajectory, strategy: StrategyName, mesh_m: float) -> Row | None:
+def driven_rival(best: Trajectory, strategy: str, mesh_m: float) -> Row | None:
     """Return the train that is driven in time along plans of a strategy over a mesh [m]; None if it cannot be."""
     due_s = planned_s = best.scenario.travel_time_s
     found: list[tuple[float, float]] = []
@@ -167,11 +166,11 @@ def driven_rival(best: Trajectory, strategy: StrategyName, mesh_m: float) -> Row
     return {"below": below_share(best, energy_j), "early_s": early_s}
 
 
-def _plan(scenario: Scenario, strategy: StrategyName, mesh_m: float, planned_s: float) -> Trajectory | None:
-    least_m = 1.2 * scenario.line.length_m / _most_cells(scenario, strategy)
-    changes = {"solver.mesh_m": max(mesh_m, least_m), "timetable.travel_time_s": planned_s}
+def _plan(scenario: Scenario, strategy: str, mesh_m: float, planned_s: float) -> Trajectory | None:
+    min_m = 1.2 * scenario.line.length_m / _most_cells(scenario, strategy)
+    changes = {"solver.mesh_m": max(mesh_m, min_m), "timetable.travel_time_s": planned_s}
     try:
-        return run_strategy(prepare_task(scenario.with_(**changes)), strategy)
+        return run_strategy(prepare_task(scenario.replace(**changes)), strategy)
     except RailjouleError:
         return None
 
@@ -179,7 +178,7 @@ def _plan(scenario: Scenario, strategy: StrategyName, mesh_m: float, planned_s: 
 def _ipopt_rival(best: Trajectory) -> Row | None:
     """Return the optimum of IPOPT over a mesh of 1 m, beside the product's over the same mesh."""
     task = _task(best.scenario, 1.0)
-    if task is None or not ipopt.is_known(task) or task.course.cell_count > MOST_CELLS_IPOPT:
+    if task is None or not ipopt.is_known(task) or task.mesh.cell_count > MOST_CELLS_IPOPT:
         return None
     theirs, run = ipopt.IpoptProblem(task).solve(), run_strategy(task, "optimal")
     return {
@@ -188,7 +187,7 @@ def _ipopt_rival(best: Trajectory) -> Row | None:
         "below": below_share(best, theirs.energy_j),
         "railjoule_above": run.energy.net_j / theirs.energy_j - 1,
         "seconds": theirs.solve_time_s,
-        "cells": task.course.cell_count,
+        "cells": task.mesh.cell_count,
     }
 
 

@@ -63,7 +63,7 @@ def driven(driver: Driver) -> Trajectory:
         "timetable.travel_time_s": driver.travel_time_s,
         "line.speed_limits": [*own, *kept],
     }
-    return solve(scenario.with_(**changes))
+    return solve(scenario.replace(**changes))
 
 
 def recorded(run: Trajectory, seed: int) -> str:
@@ -71,7 +71,7 @@ def recorded(run: Trajectory, seed: int) -> str:
     chance = np.random.default_rng(seed)
     time = np.append(np.arange(0.0, run.travel_time_s, STEP_S), run.travel_time_s)
     speed = np.interp(time, run.time_s, run.speed_ms) / MS_PER_KMH
-    effort, power = _means(run, run.effort_n, time) / N_PER_KN, _means(run, run.line_power_w, time) / W_PER_KW
+    effort, power = _means(run, run.effort_n, time) / N_PER_KN, _means(run, run.supply_power_w, time) / W_PER_KW
     position = WORN_WHEELS * np.interp(time, run.time_s, run.position_m)
     columns = {
         "time_s": (time, STEP_S, 1),

@@ -13,7 +13,7 @@ import numpy as np
 
 from railjoule.core import Scenario, load_scenario
 from railjoule.core.arrays import FloatArray
-from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS_FACTOR, RESISTANCE
+from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS_FACTOR, RESISTANCE
 from railjoule.core.measured import MeasuredRun, measured_run, read_recording
 
 SCENARIO = "liashenko-ii"

@@ -15,8 +15,8 @@ from time import perf_counter
 from railjoule.core import Scenario, solve
 from railjoule.core.errors import RailjouleError
 from railjoule.core.imports.source_file import SourceFile
-from railjoule.core.imports.ttobench.scenario import read_ttobench
-from railjoule.core.motion import greatest_speeds
+from railjoule.core.imports.ttobench.track import read_ttobench
+from railjoule.core.motion import max_speeds
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.task import prepare_task
 from tests.ttobench import ABSENT, TRACKS, TRAINS, track_names, train_names
@@ -67,11 +67,11 @@ def rows() -> Iterator[dict[str, str]]:
 
 def fastest_ms(track: str, train: str) -> float:
     """Return the least time of some calls that find the fastest run of a track and a train [ms]."""
-    course = prepare_task(scenario_of(track, train)).course
+    mesh = prepare_task(scenario_of(track, train)).mesh
     seconds = []
     for _ in range(REPEATS):
         started = perf_counter()
-        greatest_speeds(course.data)
+        max_speeds(mesh.data)
         seconds.append(perf_counter() - started)
     return 1e3 * min(seconds)
 

@@ -8,7 +8,7 @@ from railjoule.core.phases import RunData
 LARGEST_N = 100e3
 INERTIA_KG = 100e3
 # a kernel is compiled anew for each kind of array: these are the kinds that a trajectory gives
-FROZEN = ("position_m", "time_s", "speed_ms", "largest_effort_n", "largest_braking_n")
+FROZEN = ("position_m", "time_s", "speed_ms", "max_effort_n", "max_braking_n")
 
 
 def run_of(*pieces, start_ms=10.0, limit_ms=np.inf, cell_m=10.0, **fields):
@@ -34,8 +34,8 @@ def run_of(*pieces, start_ms=10.0, limit_ms=np.inf, cell_m=10.0, **fields):
         "speed_ms": np.array(speed),
         "energy_j": taken,
         "effort_n": efforts,
-        "largest_effort_n": LARGEST_N * cells,
-        "largest_braking_n": LARGEST_N * cells,
+        "max_effort_n": LARGEST_N * cells,
+        "max_braking_n": LARGEST_N * cells,
         "limit_ms": limit_ms * cells,
         "inertia_kg": INERTIA_KG,
         "max_deceleration_ms2": np.inf,

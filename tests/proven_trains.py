@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.chain_proof.prices import node_prices
 from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
 from tests.every_drive import train
 
 IDLING = ("loss polynomial", "efficiency map", "induction", "induction with a standstill brake", "synchronous")
@@ -37,9 +37,9 @@ def name_of(case):
 
 def proof_of(task, optimum, best_j, tolerance, around2=None):
     """Return a proof that aims below a run's energy [J] by a share; above it where that is negative."""
-    data = task.course.data
+    data = task.mesh.data
     target = best_j - tolerance * reference_energy(data, best_j, task.running_time_s)
     slowest2 = np.minimum(SLOWEST_SPEED2, optimum.speed2)
     around2 = optimum.speed2 if around2 is None else around2
-    given = data, task.running_time_s, task.greatest_speed2, slowest2, around2
+    given = data, task.running_time_s, task.fastest_speed2, slowest2, around2
     return ChainProof(*given, node_prices(data, optimum), optimum.price_of_time_w, target)

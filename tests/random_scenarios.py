@@ -5,18 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.errors import RailjouleError
-from railjoule.core.motion.course import Course, build_course
-from railjoule.core.motion.passes import MOVED, greatest_speeds, running_time
+from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
+from railjoule.core.motion.passes import MOVED, max_speeds, running_time
 from railjoule.core.scenario import Scenario, scenario_from_document
 from railjoule.core.task import Task
 
 
 @dataclass(frozen=True, eq=False)
 class RandomRun:
-    """A scenario with its course and its shortest time [s], dwells not included."""
+    """A scenario with its meshed line and its shortest time [s], dwells not included."""
 
     scenario: Scenario
-    course: Course
+    mesh: MeshedLine
     fastest_speed2: np.ndarray
     shortest_time_s: float
     running_time_s: float
@@ -24,7 +24,7 @@ class RandomRun:
     @property
     def task(self) -> Task:
         """The same as strategies take it."""
-        return Task(self.scenario, self.course, self.fastest_speed2, self.shortest_time_s, self.running_time_s)
+        return Task(self.scenario, self.mesh, self.fastest_speed2, self.shortest_time_s, self.running_time_s)
 
 
 def random_run(seed: int, stops: bool) -> RandomRun:
@@ -34,29 +34,29 @@ def random_run(seed: int, stops: bool) -> RandomRun:
         boundary_speed = float(rng.choice([0.0, 1.0]))
         scenario = _draw(rng, stops)
         try:
-            course = build_course(scenario, boundary_speed, boundary_speed)
+            mesh = build_meshed_line(scenario, boundary_speed, boundary_speed)
         except RailjouleError:
             continue
-        fastest, obstacle, _ = greatest_speeds(course.data)
+        fastest, obstacle, _ = max_speeds(mesh.data)
         if obstacle != MOVED or fastest[1:-1].max() < 1.0:
             continue
-        shortest = running_time(course.data.cell_length_m, fastest)
+        shortest = running_time(mesh.data.cell_length_m, fastest)
         allowed = shortest * _slack_factor(rng)
         if allowed > 20_000:
             continue
-        return RandomRun(scenario, course, fastest, shortest, allowed)
+        return RandomRun(scenario, mesh, fastest, shortest, allowed)
 
 
 def random_speeds(task: Task, seed: int) -> np.ndarray:
     """Return squares of speed of a feasible run in the time allowed: the fastest one under caps that `seed` draws."""
-    data = task.course.data
-    places = np.linspace(0, task.course.length_m, 8)
-    shape = np.interp(task.course.position_m, places, np.random.default_rng(seed).uniform(0.2, 1.0, len(places)))
-    low, high, found = 0.0, 5 * data.largest_speed2.max() ** 0.5, task.greatest_speed2
+    data = task.mesh.data
+    places = np.linspace(0, task.mesh.length_m, 8)
+    shape = np.interp(task.mesh.position_m, places, np.random.default_rng(seed).uniform(0.2, 1.0, len(places)))
+    low, high, found = 0.0, 5 * data.limit_speed2.max() ** 0.5, task.fastest_speed2
     for _ in range(30):
         cap = 0.5 * (low + high)
-        capped = np.minimum(data.largest_speed2, (cap * shape) ** 2)
-        speed2, obstacle, _ = greatest_speeds(data._replace(largest_speed2=capped))
+        capped = np.minimum(data.limit_speed2, (cap * shape) ** 2)
+        speed2, obstacle, _ = max_speeds(data._replace(limit_speed2=capped))
         if obstacle == MOVED and running_time(data.cell_length_m, speed2) <= task.running_time_s:
             high, found = cap, speed2
         else:

@@ -20,12 +20,12 @@ COLUMNS = ("time_s", "speed_ms", "effort_kn", "power_kw", "energy_kwh")
 
 def true_runs(times_s: tuple[float, ...], name: str = "liashenko-ii") -> list[Trajectory]:
     """Return runs of the true train in these times."""
-    truth = load_scenario(name).with_(**TRUE_TRAIN)
+    truth = load_scenario(name).replace(**TRUE_TRAIN)
     return [solve(with_time(truth, time)) for time in times_s]
 
 
 def with_time(scenario: Scenario, time_s: float) -> Scenario:
-    return scenario.with_(**{"timetable.average_speed_kmh": None, "timetable.travel_time_s": time_s})
+    return scenario.replace(**{"timetable.average_speed_kmh": None, "timetable.travel_time_s": time_s})
 
 
 def samples(
@@ -46,7 +46,7 @@ def samples(
     effort = np.where(inside, run.effort_n[cell], 0.0)
     mean_speed = 0.5 * (run.speed_ms[1:] + run.speed_ms[:-1])[cell]
     # the power of a cell is that of its mean speed, and a recorder reads it at a moment
-    power = np.where(inside, run.line_power_w[cell] + np.maximum(effort, 0.0) * (speed - mean_speed) / 0.82, 0.0)
+    power = np.where(inside, run.supply_power_w[cell] + np.maximum(effort, 0.0) * (speed - mean_speed) / 0.82, 0.0)
     if speed_step_ms > 0:
         speed = np.round(speed / speed_step_ms) * speed_step_ms
     return {
@@ -54,7 +54,7 @@ def samples(
         "speed_ms": speed,
         "effort_kn": effort * (1 + effort_noise * random.standard_normal(len(time))) / N_PER_KN,
         "power_kw": power / W_PER_KW,
-        "energy_kwh": np.interp(time, run.time_s, run.line_energy_j) / J_PER_KWH,
+        "energy_kwh": np.interp(time, run.time_s, run.supply_energy_j) / J_PER_KWH,
     }
 
 

@@ -65,7 +65,10 @@ USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 COMMAND_LINE = (
-    *(f"command/{name}" for name in ("cli", "commands", "imports", "measurements", "summary", "sweeps", "terminal")),
+    *(
+        f"command/{name}"
+        for name in ("cli", "cluster", "commands", "imports", "measurements", "summary", "sweeps", "terminal")
+    ),
     "keep/embedded",
     "look/comparisons",
     "look/words",
@@ -93,10 +96,11 @@ def declared(requirements: Iterable[str]) -> set[str]:
 DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
 IMPORTED_AS = {"pyyaml": "yaml"}
 """Packages that are imported by another name."""
-OF_THE_CORE = ("cluster", "excel", "parquet", "yaml")
+OF_THE_CORE = ("cluster", "excel", "parquet", "plot", "yaml")
 SELDOM = {IMPORTED_AS.get(name, name) for extra in OF_THE_CORE for name in declared(EXTRAS[extra])}
 """Packages that read or write a kind of file, or find a cluster, each imported where that is asked for."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
+CLUSTER = ROOT / "dashboard" / "command" / "cluster.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
@@ -106,7 +110,7 @@ def test_dependencies_are_those_that_the_core_and_the_command_line_use():
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
-    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK}
+    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK, CLUSTER}
     assert declared(EXTRAS["page"]) == (imported_packages(paths) - DEPENDENCIES) | USED_BY_PANEL
 
 

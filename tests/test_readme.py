@@ -14,12 +14,16 @@ def test_first_block_is_the_two_commands():
     assert (first.kind, first.text) == ("sh", "./run serve\n./run test\n")
 
 
-def test_python_example_has_five_lines_and_prints_what_is_shown(tmp_path):
-    (example,), (shown,) = blocks(TEXT, "python"), blocks(TEXT, "text")
-    assert len([line for line in example.splitlines() if line]) <= 5
-    run = run_python(["-c", example], tmp_path)
+def test_five_tasks_take_six_lines_each_and_print_what_is_shown(tmp_path):
+    """Solve a preset, bring a line from tables, compare strategies, draw a frontier, judge a strategy of one's own."""
+    examples = blocks(TEXT, "python")
+    assert len(examples) == 5
+    for example in examples:
+        assert len([line for line in example.splitlines() if line]) <= 6, example
+    run = run_python(["-c", "\n".join(examples)], tmp_path)
     assert run.stderr == ""
-    assert run.stdout == shown
+    assert run.stdout == "".join(blocks(TEXT, "text"))
+    assert (tmp_path / "frontier.png").read_bytes()[:4] == b"\x89PNG"
 
 
 def test_it_is_read_in_three_minutes():

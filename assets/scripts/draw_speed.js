@@ -20,20 +20,20 @@ export function render({model}) {
   });
   const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small");
   const {bars, show: show_bars} = energy_bars(), button = pressing(signal), result = make("div", {hidden: true});
-  let course = null, figure = null, points = [], chosen = 0, run = null, verdict = null, asked = false, due = false, held = null;
+  let mesh = null, figure = null, points = [], chosen = 0, run = null, verdict = null, asked = false, due = false, held = null;
   const frames = [];
 
-  const place_of = (k) => (course.position.at(-1) * k) / (points.length - 1);
+  const place_of = (k) => (mesh.position.at(-1) * k) / (points.length - 1);
   const kinds = () => {
-    const {speed2} = run, least = COASTING_SHARE * course.traction.constant;
-    return course.length.map((_, i) => {
-      const force = force_between(course, i, speed2[i], speed2[i + 1]);
+    const {speed2} = run, least = COASTING_SHARE * mesh.traction.constant;
+    return mesh.length.map((_, i) => {
+      const force = force_between(mesh, i, speed2[i], speed2[i + 1]);
       return force > least ? POWER : force < -least ? BRAKE : COAST;
     });
   };
   const picture = () => {
-    const begun = performance.now(), drawn = between_points(course, points).map((kmh) => kmh / KMH_PER_MS);
-    run = drive_drawn(course, drawn);
+    const begun = performance.now(), drawn = between_points(mesh, points).map((kmh) => kmh / KMH_PER_MS);
+    run = drive_drawn(mesh, drawn);
     const sum = run.sums.at(-1), spare = sum.time - model.shortest_s, speed = points[chosen];
     figure.draw({
       speeds: run.speed2.map(Math.sqrt), commands: kinds(), at: place_of(chosen), speed: speed / KMH_PER_MS, verdict, drawn,
@@ -65,7 +65,7 @@ export function render({model}) {
   };
   const draw_to = (event) => {
     const {at, speed} = figure.place_of(event), last = points.length - 1;
-    const k = Math.min(Math.max(Math.round((last * at) / course.position.at(-1)), 0), last), kmh = speed * KMH_PER_MS;
+    const k = Math.min(Math.max(Math.round((last * at) / mesh.position.at(-1)), 0), last), kmh = speed * KMH_PER_MS;
     // what a quick hand leaves out lies on a line
     const from = held ?? {k, kmh}, steps = Math.max(Math.abs(k - from.k), 1);
     for (let step = 0; step <= steps; step++) {
@@ -77,17 +77,17 @@ export function render({model}) {
     changed();
   };
   canvas.addEventListener("pointerdown", (event) => {
-    if (!course || asked) { return; }
+    if (!mesh || asked) { return; }
     canvas.setPointerCapture(event.pointerId);
     held = null;
     draw_to(event);
   }, {signal});
   canvas.addEventListener("pointermove", (event) => {
-    if (!asked && course && canvas.hasPointerCapture(event.pointerId)) { draw_to(event); }
+    if (!asked && mesh && canvas.hasPointerCapture(event.pointerId)) { draw_to(event); }
   }, {signal});
   canvas.addEventListener("keydown", (event) => {
     const turn = TURNS[event.key], walk = WALKS[event.key], ends = {Home: 0, End: points.length - 1}[event.key];
-    if (!course || asked || event.ctrlKey || event.metaKey || event.altKey || (turn ?? walk ?? ends) === undefined) { return; }
+    if (!mesh || asked || event.ctrlKey || event.metaKey || event.altKey || (turn ?? walk ?? ends) === undefined) { return; }
     event.preventDefault();
     if (turn !== undefined) {
       set(chosen, points[chosen] + turn);
@@ -147,12 +147,12 @@ export function render({model}) {
   told.textContent = "Opening";
   reveal.disabled = true;
   const prepare = () => {
-    if (course || !model.course.length || !model.begun.length) { return; }
-    ({course} = model);
+    if (mesh || !model.mesh.length || !model.begun.length) { return; }
+    ({mesh} = model);
     points = [...model.begun];
     canvas.setAttribute("aria-valuemin", String(model.ends_kmh[0]));
     canvas.setAttribute("aria-valuemax", String(model.ends_kmh[1]));
-    figure = figure_on(canvas, course);
+    figure = figure_on(canvas, mesh);
     told.textContent = "Press on the figure and draw.";
     const again = () => { figure.recolour(); picture(); };
     again();
@@ -160,7 +160,7 @@ export function render({model}) {
     new ResizeObserver(again).observe(canvas);
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(again), {signal});
   };
-  redraw_on(model, ["course", "begun", "shortest_s", "linked"], prepare);
+  redraw_on(model, ["mesh", "begun", "shortest_s", "linked"], prepare);
   redraw_on(model, ["verdict"], () => { if (model.verdict.points && asked) { judge(); } });
   redraw_on(model, ["refusals"], () => { if (asked) { asked = false; told.textContent = ""; picture(); } });
   prepare();

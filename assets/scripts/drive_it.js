@@ -18,13 +18,13 @@ const arrival_words = (late_s) => `${figures_of(Math.abs(late_s), 1)} s ${late_s
 // --- a train on its way
 
 // The state of one run; `advance` drives on for some seconds with a command, or with those of a run that is replayed.
-const journey = (course) => {
-  const cells = course.length.length, state = {
-    speeds: [Math.sqrt(course.entering2)], commands: [], sum: nothing_yet(), cell: null, in_cell: 0, arrived: false,
+const journey = (mesh) => {
+  const cells = mesh.length.length, state = {
+    speeds: [Math.sqrt(mesh.entering2)], commands: [], sum: nothing_yet(), cell: null, in_cell: 0, arrived: false,
   };
   const enter = (command) => {
-    const i = state.commands.length, from2 = state.speeds[i] ** 2, to2 = next_speed2(course, i, from2, command);
-    state.cell = {i, from2, to2, after: with_cell(course, state.sum, i, from2, to2)};
+    const i = state.commands.length, from2 = state.speeds[i] ** 2, to2 = next_speed2(mesh, i, from2, command);
+    state.cell = {i, from2, to2, after: with_cell(mesh, state.sum, i, from2, to2)};
     state.cell.lasts = state.cell.after.time - state.sum.time;
     state.commands.push(command);
   };
@@ -44,12 +44,12 @@ const journey = (course) => {
   // speed rises evenly over the time in a cell
   const now = () => {
     const {cell, in_cell, sum} = state, i = state.speeds.length - 1;
-    if (!cell) { return {at: course.position[i], speed: state.speeds[i], sum}; }
+    if (!cell) { return {at: mesh.position[i], speed: state.speeds[i], sum}; }
     const from = Math.sqrt(cell.from2), change = (Math.sqrt(cell.to2) - from) / cell.lasts, speed = from + change * in_cell;
     const gone = 0.5 * (from + speed) * in_cell;
     return {
-      at: course.position[cell.i] + gone, speed,
-      sum: {...with_cell(course, sum, cell.i, cell.from2, cell.to2, gone / course.length[cell.i]), time: sum.time + in_cell},
+      at: mesh.position[cell.i] + gone, speed,
+      sum: {...with_cell(mesh, sum, cell.i, cell.from2, cell.to2, gone / mesh.length[cell.i]), time: sum.time + in_cell},
     };
   };
   return {state, advance, now};
@@ -62,12 +62,12 @@ export function render({model}) {
   const canvas = make("canvas", {role: "img", "aria-label": "Speed over distance, your commands and the track"});
   const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small"), best_note = make("small");
   const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
-  let course = null, figure = null, trip = null, command = COAST, rate = RATES[0], driving = false, replayed = null;
+  let mesh = null, figure = null, trip = null, command = COAST, rate = RATES[0], driving = false, replayed = null;
   let verdict = null, last = 0, frames = [], asked = false;
   const tries = [];
 
   const give = (next) => {
-    if (!course || asked || replayed) { return; }
+    if (!mesh || asked || replayed) { return; }
     if (!driving && (next !== POWER || trip.state.arrived || tries.length >= TRIES)) { return; }
     command = next;
     if (!driving) { set_off(); }
@@ -95,7 +95,7 @@ export function render({model}) {
     figure.draw({speeds: driving ? [...trip.state.speeds, speed] : trip.state.speeds, commands: trip.state.commands, at, speed, verdict});
     clock.textContent = clock_of(sum.time);
     used.textContent = `${kwh_of(net_energy(sum))} kWh`;
-    const to_go = course.position.at(-1) - at, left = model.timetable_s - sum.time;
+    const to_go = mesh.position.at(-1) - at, left = model.timetable_s - sum.time;
     clock_note.textContent = trip.state.arrived ? `timetable ${clock_of(model.timetable_s)}`
       : `timetable ${clock_of(model.timetable_s)}; ${Math.round(to_go)} m to go` +
         (left > 0 ? `, ${Math.round((to_go / left) * KMH_PER_MS)} km/h on average needed` : ", late");
@@ -122,7 +122,7 @@ export function render({model}) {
     requestAnimationFrame((time) => { last = time; frame(time); });
   };
   const begin = () => {
-    trip = journey(course);
+    trip = journey(mesh);
     verdict = null;
     command = COAST;
     told.textContent = `Try ${tries.length + 1} of ${TRIES}: press Power to depart.`;
@@ -133,9 +133,9 @@ export function render({model}) {
     picture();
   };
   const watch = (text) => {
-    if (!course || driving) { return; }
-    trip = journey(course);
-    replayed = read(text, course.length.length);
+    if (!mesh || driving) { return; }
+    trip = journey(mesh);
+    replayed = read(text, mesh.length.length);
     set_off();
   };
   const arrive = () => {
@@ -203,7 +203,7 @@ export function render({model}) {
     make("div", {class: "row", role: "group", "aria-label": "Clock"}, make("span", {}, "Clock"), ...rates, replay), aside, result);
   root.addEventListener("keydown", (event) => {
     const other = event.target.closest?.("button") && !commands.includes(event.target);
-    if (!(event.key in KEYS) || (event.key === " " && other) || !course || asked || event.ctrlKey || event.metaKey || event.altKey) { return; }
+    if (!(event.key in KEYS) || (event.key === " " && other) || !mesh || asked || event.ctrlKey || event.metaKey || event.altKey) { return; }
     // only what drives: after the last try the arrows scroll the page again
     if (!driving && tries.length >= TRIES) { return; }
     event.preventDefault();
@@ -213,9 +213,9 @@ export function render({model}) {
     if (driving) { commands[command].focus({preventScroll: true}); }
   }, {signal});
   const prepare = () => {
-    if (!model.course.length || course) { return; }
-    course = model.course;
-    figure = figure_on(canvas, course);
+    if (!model.mesh.length || mesh) { return; }
+    mesh = model.mesh;
+    figure = figure_on(canvas, mesh);
     for (const one of commands) { one.disabled = false; }
     begin();
     new ResizeObserver(() => { if (!driving) { figure.recolour(); picture(); } }).observe(canvas);
@@ -227,9 +227,9 @@ export function render({model}) {
   told.textContent = "Opening";
   press();
   replay.hidden = true;
-  redraw_on(model, ["course"], prepare);
-  // a link's run may come after the course
-  redraw_on(model, ["driven"], () => { if (course && !driving) { replay.hidden = !model.driven; } });
+  redraw_on(model, ["mesh"], prepare);
+  // a link's run may come after the mesh
+  redraw_on(model, ["driven"], () => { if (mesh && !driving) { replay.hidden = !model.driven; } });
   redraw_on(model, ["verdict"], () => { if (model.verdict.commands && asked) { show(); } });
   redraw_on(model, ["refusals"], () => { if (asked) { asked = false; begin(); } });
   prepare();

@@ -24,7 +24,7 @@ export function render({model}) {
   const bring = async (files) => {
     own_error.hidden = true;
     for (const file of files) {
-      if (file.size > model.largest_bytes) { model.send_msg({what: "too_large", name: file.name}); continue; }
+      if (file.size > model.max_bytes) { model.send_msg({what: "too_large", name: file.name}); continue; }
       try {
         model.send_msg({what: "add", name: file.name, content: await encoded(file)});
       } catch {

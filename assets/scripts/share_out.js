@@ -29,12 +29,12 @@ export function render({model}) {
       share.firstChild.textContent = `${one} s`;
       fill.style.width = `${(100 * price) / widest}%`;
       value.textContent = figures_of(price, price < 100 ? 1 : 0);
-      own.textContent = figures_of(line.legs[k].energy_kwh[one - line.least_s], 2);
+      own.textContent = figures_of(line.legs[k].energy_kwh[one - line.min_s], 2);
       before += one;
       if (border) {
         border.style.left = `${(100 * before) / slack}%`;
-        border.setAttribute("aria-valuemin", String(before - one + line.least_s));
-        border.setAttribute("aria-valuemax", String(before + seconds[k + 1] - line.least_s));
+        border.setAttribute("aria-valuemin", String(before - one + line.min_s));
+        border.setAttribute("aria-valuemax", String(before + seconds[k + 1] - line.min_s));
         border.setAttribute("aria-valuenow", String(before));
         border.setAttribute("aria-valuetext", `${one} s for the leg before it, ${seconds[k + 1]} s for the leg after it`);
       }
@@ -45,7 +45,7 @@ export function render({model}) {
   };
   const move = (k, by) => {
     if (asked) { return; }
-    const next = moved(seconds, k, by, line.least_s);
+    const next = moved(seconds, k, by, line.min_s);
     if (next[k] === seconds[k]) { return; }
     seconds = next;
     result.hidden = true;

@@ -7,9 +7,9 @@ export const moved = (seconds, k, by, least) => {
 };
 
 // A table holds a value for each whole second from the least on.
-export const price_of = (line, seconds, k) => line.legs[k].price_wh_s[seconds[k] - line.least_s];
+export const price_of = (line, seconds, k) => line.legs[k].price_wh_s[seconds[k] - line.min_s];
 export const total_kwh = (line, seconds) =>
-  line.legs.reduce((sum, leg, k) => sum + leg.energy_kwh[seconds[k] - line.least_s], line.standing_kwh);
+  line.legs.reduce((sum, leg, k) => sum + leg.energy_kwh[seconds[k] - line.min_s], line.standing_kwh);
 
 export const equal_share = (line) => line.legs.map(() => line.slack_s / line.legs.length);
 export const sharing_text = (name, seconds) => `${name}:${seconds.join(",")}`;

@@ -7,8 +7,8 @@ const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limi
 const NEAR_LIMIT_MS = 4;
 
 // Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
-export const figure_on = (canvas, course) => {
-  const {position, limit, gradient, length} = course, end = position.at(-1);
+export const figure_on = (canvas, mesh) => {
+  const {position, limit, gradient, length} = mesh, end = position.at(-1);
   const heights = [0];
   // per newton of weight: only the shape is drawn
   gradient.forEach((force, i) => heights.push(heights[i] + force * length[i]));

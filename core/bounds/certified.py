@@ -1,40 +1,42 @@
-"""The energy that no run of a task undercuts, and which runs that covers.
+"""The energy that no run of a task undercuts: a bound for every driving of the train, for any time and timetable.
 
 `certify` gives the bound of `railjoule.core.continuous_bound`: it holds for every driving of the train, on any mesh and
-none. Of a drive without idle losses it is close to the optimum. One that takes power without effort may be switched as
-often as it likes there, and where it is slow one price for all speeds of a place says little: there
-`railjoule.core.bounds.proof_steps` goes on with the chains of `railjoule.core.chain_proof`, which hold for runs over
-one mesh with one effort in each cell, and `with_chains` keeps the greater one.
+none. Without idle losses it is close to the optimum. A drive with idle losses may be switched as often as it likes
+there, and where it is slow one price for all speeds of a place proves little: there `railjoule.core.bounds.chain_bound`
+goes on with chains.
 
-References: the proofs are in `railjoule.core.continuous_bound.bound` and `railjoule.core.chain_proof.proof`.
+The prices of one optimum, with T its time and lambda its price of a second, prove for every driving that takes t
+
+    E + lambda t >= D,
+
+see `railjoule.core.continuous_bound.bound`, which does not depend on the time allowed. A run that may take t' takes no
+more, and lambda >= 0, so that E >= (D - lambda T) - lambda (t' - T) for each t', shorter or longer than T: that line is
+`time_line`. A bound holds for all runs within its time, so that one of a longer time holds for every shorter one as
+well; the least energy never rises with the time, but a proof may be tighter at the longer time (`strongest_bounds`).
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import frozen_array
 from railjoule.core.bounds.minimum import minimise, minimise_decided
-from railjoule.core.chain_proof.prices import node_prices
-from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.chain_proof.table import premise
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.duty import duty, safest_modes
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Bound, Costate, Trajectory
 from railjoule.core.units import J_PER_KWH
 
 LITTLE = 0.05
-"""Where the multipliers of free switching leave this share of its energy open, others are tried."""
-ROUNDED_GAP = 1e-6
-"""A proof by chains aims at the tolerance less this share of it: no proof finds more than it aims at."""
+"""If the multipliers of free switching leave this share of its energy open, others are tried."""
 SAID_M, SAID_S, ROUNDED = 0.1, 0.1, 1e-6
-"""To which a sentence rounds the length of a cell [m] and a time [s], and the share of that which is rounding alone."""
+"""To which a sentence rounds the length of a cell [m] and a time [s], and the share of that which is only rounding."""
 SAID_KWH = 1e-4
 """To which a sentence rounds a bound [kWh]."""
 
@@ -44,10 +46,30 @@ def bound_of(task: Task) -> Bound | None:
 
     A bound is an extra: that it is missing is no reason to throw a finished run away.
     """
-    if not task.has_slack:
+    optimum = _known_optimum(task) if task.has_slack else None
+    return None if optimum is None else certify(task, optimum)
+
+
+def time_line(task: Task) -> ContinuousBound | None:
+    """Return a bound, dwells included, whose energy falls by `price_of_time_w` with each second more, or rises so.
+
+    None where no optimum is found.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable; its windows of arrival do not count.
+    """
+    optimum = _known_optimum(task)
+    if optimum is None:
         return None
+    proven = every_run_bound(task, optimum)
+    return proven._replace(energy_j=proven.energy_j + task.dwell_energy_j)
+
+
+def _known_optimum(task: Task) -> Optimum | None:
     try:
-        return certify(task, minimise(task).optimum)
+        return minimise(task).optimum
     except (SolverError, StrategyRefusedError):
         return None
 
@@ -75,95 +97,41 @@ def certify(task: Task, optimum: Optimum, proven: ContinuousBound | None = None)
     Parameters
     ----------
     task : Task
-        What is asked for.
+        The task.
     optimum : Optimum
         Over its mesh; the multipliers of any mesh, converged or not, prove a bound.
     proven : ContinuousBound, optional
-        What they prove, if that is known.
+        The bound that they prove, if that is known.
     """
     proven = proven or every_run_bound(task, optimum)
     # where multipliers prove little, as those that have not converged, the plain work may be the better bound
     # a plain number: kernels that are not compiled return numpy's, and a comparison of these is no bool
     energy_j = float(max(proven.energy_j + task.dwell_energy_j, work_floor_j(task)))
-    assumed = premise(task.course.data.drive_kind)
+    assumed = premise(task.mesh.data.drive_kind)
     statement = every_run_statement(task, energy_j)
     return Bound(energy_j, statement, task.travel_time_s, energy_j, premise=assumed, costate=_costate(task, proven))
 
 
 def every_run_bound(task: Task, optimum: Optimum) -> ContinuousBound:
-    """Return what the multipliers of an optimum prove, or better ones where these prove little.
+    """Return the bound that the multipliers of an optimum prove, or better ones where these prove little.
 
-    Those of a relaxation that has not converged, or to a local optimum, may prove next to nothing. Others are those of
-    a smooth problem: with the drive on wherever the optimum drives at all.
+    Multipliers of a relaxation that has not converged, or has to a local optimum, may prove next to nothing. The others
+    are of a smooth problem: with the drive on wherever the optimum drives at all.
     """
-    course, time_s = task.course, task.running_time_s
-    found = continuous_bound(course, optimum, time_s)
-    little = LITTLE * reference_energy(course.data, optimum.energy_j, time_s)
-    if not course.drive.jumps_at_no_effort or optimum.energy_j - found.energy_j <= little:
+    mesh, time_s = task.mesh, task.running_time_s
+    found = continuous_bound(mesh, optimum, time_s)
+    little = LITTLE * reference_energy(mesh.data, optimum.energy_j, time_s)
+    if not mesh.drive.has_idle_losses or optimum.energy_j - found.energy_j <= little:
         return found
-    smooth = minimise_decided(task, safest_modes(duty(course.data, optimum)))
-    return max(found, continuous_bound(course, smooth, time_s), key=lambda bound: bound.energy_j)
+    smooth = minimise_decided(task, safest_modes(duty(mesh.data, optimum)))
+    return max(found, continuous_bound(mesh, smooth, time_s), key=lambda bound: bound.energy_j)
 
 
 def _costate(task: Task, proven: ContinuousBound) -> Costate:
     """Return the price of force along the line that proves a bound."""
-    position = task.course.position_m[0] + proven.pieces.position_m
+    position = task.mesh.position_m[0] + proven.pieces.position_m
     ends = np.array([position[:-1], position[1:]]).T.ravel()
     return Costate(frozen_array(ends), frozen_array(proven.pieces.force.T.ravel()))
-
-
-def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: float) -> ChainProof:
-    """Return the proof that no run with one effort in each cell needs much less than a known one, not yet begun.
-
-    It is continued by `ChainProof.advance` or `run`; its energies are without dwells.
-
-    Parameters
-    ----------
-    task : Task
-        What is to be run.
-    optimum : Optimum
-        Whose multipliers are the prices.
-    speed2 : array of shape (n + 1,)
-        Squares of speed of the known run [m2/s2].
-    energy_j : float
-        What that needs, dwells included [J].
-    """
-    data, target = task.course.data, chain_target_j(task, energy_j) - task.dwell_energy_j
-    given = data, task.running_time_s, task.greatest_speed2, slowest_covered_ms(optimum) ** 2, speed2
-    return ChainProof(*given, node_prices(data, optimum), optimum.price_of_time_w, target)
-
-
-def chain_target_j(task: Task, energy_j: float) -> float:
-    """Return what a proof by chains aims at, below what a known run needs [J], dwells included in both."""
-    moving = energy_j - task.dwell_energy_j
-    # a gap is relative to the bound, this share to the run
-    gap = task.scenario.solver.tolerance * (1.0 - ROUNDED_GAP)
-    open_share = gap / (1.0 + gap)
-    return energy_j - open_share * reference_energy(task.course.data, moving, task.running_time_s)
-
-
-def slowest_covered_ms(optimum: Optimum) -> FloatArray:
-    """Return the least speeds at the nodes of the runs that chains from an optimum's prices cover [m/s]."""
-    # next to a stop, where the optimum itself is slower, they cover runs down to its speed
-    slowest: FloatArray = np.sqrt(np.minimum(SLOWEST_SPEED2, optimum.speed2))
-    return slowest
-
-
-def with_chains(task: Task, bound: Bound, proven_j: float, slowest_ms: FloatArray) -> Bound:
-    """Return the greater of a bound and what chains have proven [J], dwells not included, of runs so fast at least."""
-    energy_j = float(proven_j + task.dwell_energy_j)
-    if energy_j <= bound.energy_j:
-        return bound
-    return Bound(
-        energy_j,
-        mesh_statement(task, energy_j, bound.every_run_j),
-        task.travel_time_s,
-        bound.every_run_j,
-        task.course.position_m,
-        slowest_ms,
-        premise(task.course.data.drive_kind),
-        costate=bound.costate,
-    )
 
 
 def work_floor_j(task: Task) -> float:
@@ -171,11 +139,11 @@ def work_floor_j(task: Task) -> float:
 
     It counts gradients, curves, constant running resistance and the speeds that are given at both ends.
     """
-    data = task.course.data
+    data = task.mesh.data
     start, end = data.fixed_speed2[[0, -1]]
     # what needs least: a free end at rest, and a free start at the greatest speed, whose kinetic energy is given
-    start = task.greatest_speed2[0] if start < 0 else start
-    kinetic = data.half_inertia_kg * (max(end, 0.0) - start)
+    start = task.fastest_speed2[0] if np.isnan(start) else start
+    kinetic = data.half_inertia_kg * (np.nan_to_num(end) - start)
     work = float(data.cell_length_m @ (data.line_force_n + data.resistance_constant_n))
     return float(kinetic) + work + data.auxiliary_power_w * task.shortest_time_s + task.dwell_energy_j
 
@@ -192,32 +160,60 @@ def every_run_statement(task: Task, energy_j: float, windows: str = "") -> str:
         Windows of arrival that are kept, as the end of a list.
     """
     return (
-        f"No way of driving this train over this line within {_said_s(task)}{windows} uses less than "
-        f"{_said_kwh(energy_j)}{_assumption(task)}."
+        f"No way of driving this train over this line within {said_time(task)}{windows} uses less than "
+        f"{said_energy(energy_j)}{assumption(task)}."
     )
 
 
-def mesh_statement(task: Task, energy_j: float, every_run_j: float) -> str:
-    """Return in one sentence what chains prove of runs over a mesh [J], and what every driving needs [J]."""
-    # upwards: no cell is longer
-    longest = math.ceil(float(task.course.data.cell_length_m.max()) / SAID_M - ROUNDED) * SAID_M
-    return (
-        f"No run within {_said_s(task)} over this mesh of {task.course.cell_count} cells of at most {longest:.6g} m, "
-        f"with one effort in each, uses less than {_said_kwh(energy_j)}; every way of driving this train needs at "
-        f"least {_said_kwh(every_run_j)}{_assumption(task)}."
-    )
-
-
-def _assumption(task: Task) -> str:
-    assumed = premise(task.course.data.drive_kind)
+def assumption(task: Task) -> str:
+    """Return the premise of a bound of a task, as the end of a sentence."""
+    assumed = premise(task.mesh.data.drive_kind)
     return f"; this assumes that {assumed}" if assumed else ""
 
 
-def _said_s(task: Task) -> str:
+def said_time(task: Task) -> str:
+    """Return the time of a task in words."""
     # downwards: a run that arrives later may need less
     return f"{math.floor(task.travel_time_s / SAID_S + ROUNDED) * SAID_S:.1f} s"
 
 
-def _said_kwh(energy_j: float) -> str:
+def said_energy(energy_j: float) -> str:
+    """Return a bound [J] in words."""
     # downwards: rounded up, it would say more than is proven
     return f"{math.floor(energy_j / J_PER_KWH / SAID_KWH) * SAID_KWH:.4f} kWh"
+
+
+def strongest_bounds(bounds: Sequence[Bound]) -> list[Bound]:
+    """Return for each bound of a scenario the greatest of all that cover whatever it covers.
+
+    Parameters
+    ----------
+    bounds : sequence of Bound
+        Of the same scenario but for the timetable's times, in any order; one over a mesh holds over no other.
+
+    Returns
+    -------
+    list of Bound
+        In the same order, each a given one with its own statement. Over one mesh they do not rise with the time.
+    """
+    return [
+        max((other for other in bounds if _includes(other, own)), key=lambda bound: bound.energy_j) for own in bounds
+    ]
+
+
+def _includes(other: Bound, own: Bound) -> bool:
+    """Return whether all runs that a bound covers are covered by another one, too."""
+    # the numbers first: they rule out half of all pairs
+    return (
+        other.travel_time_s >= own.travel_time_s
+        and other.energy_j >= own.energy_j
+        and set(other.windows) <= set(own.windows)
+        and _covers_mesh(other, own)
+    )
+
+
+def _covers_mesh(other: Bound, own: Bound) -> bool:
+    """Return whether a bound holds over every mesh, or over that of another one for runs that are as slow."""
+    if other.position_m is None or own.position_m is None:
+        return other.position_m is None
+    return np.array_equal(other.position_m, own.position_m) and bool(np.all(other.slowest_ms <= own.slowest_ms))

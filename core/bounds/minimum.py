@@ -1,12 +1,13 @@
 """The optimum of a task, by the interior-point method in up to three attempts, and that of one decision."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import IntArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
-from railjoule.core.physics.course_data import lowered_limits
+from railjoule.core.physics.mesh_data import lowered_limits
 from railjoule.core.task import Task
 
 # Relative gap asked of a smooth drive: a tenth of what a run may lie above its bound and still be called proven
@@ -16,26 +17,26 @@ RELAXED_TOLERANCE = 1e-5
 SWITCHED_TOLERANCE = 1e-6
 """Relative gap asked of a decision: its derivatives may jump, and no step uses what lies below."""
 FIRST_ITERATIONS, SECOND_ITERATIONS, LAST_ITERATIONS = 40, 60, 150
-"""Where nearly all energies vanish, as on long descents that only brakes drive, the barrier falls slowly at first."""
+"""The barrier falls slowly at first where nearly all energies vanish, as on long descents that only brakes drive."""
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 """The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
-# From quick to patient: nearly all tasks end in the first, whose steps are longest. Iterations, centring, whether the
-# barrier waits for the residual of the dual, and whether exact second derivatives are tried
+# From quick to patient: nearly all tasks end in the first, whose steps are longest. Iterations, centring, and whether
+# exact second derivatives are tried
 ATTEMPTS = (
-    (FIRST_ITERATIONS, FREE_CENTRING, False, False),
-    (SECOND_ITERATIONS, STEADY_CENTRING, False, False),
-    (LAST_ITERATIONS, STEADY_CENTRING, False, False),
+    (FIRST_ITERATIONS, FREE_CENTRING, False),
+    (SECOND_ITERATIONS, STEADY_CENTRING, False),
+    (LAST_ITERATIONS, STEADY_CENTRING, False),
 )
-# Of a power that jumps, cost is bilinear in effort and speed where the drive is switched: its positive part alone makes
+# With idle losses, cost is bilinear in effort and speed where the drive is switched: only its positive part makes
 # steps so short that the point lags behind the barrier. Exact second derivatives are tried in each attempt: of 347
 # problems the first solves all but nine, of which the second solves eight. Attempts with a barrier that waits for
 # the point, before, left ten open, and took five times as long for metros that average 20 km/h
 RELAXED_ATTEMPTS = (
-    (SECOND_ITERATIONS, FREE_CENTRING, False, True),
-    (LAST_ITERATIONS, STEADY_CENTRING, False, True),
+    (SECOND_ITERATIONS, FREE_CENTRING, True),
+    (LAST_ITERATIONS, STEADY_CENTRING, True),
 )
 LOOSE_GAP = 0.1
-"""A relaxation that ends with a smaller gap still tells where to drive, and its multipliers still prove a bound."""
+"""A relaxation that ends with a smaller gap still shows where to drive, and its multipliers still prove a bound."""
 # Of 950 decisions for ordinary scenarios, coasting exactly made the run late by up to 7e-7 in 35 of the 47 whose run
 # would else have broken a limit. A millionth more of the time saves a few millionths of the energy
 SPARED_SHARE, SLACK_SHARE = 1e-6, 0.01
@@ -62,7 +63,7 @@ class Solution:
 
 
 def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
-    """Return the optimum of a task; a drive that takes power without effort may be switched at will within a cell.
+    """Return the optimum of a task; a drive with idle losses may be switched at will within a cell.
 
     Parameters
     ----------
@@ -78,27 +79,30 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     StrategyRefusedError
         If the mesh has more cells than the current budget gives to such a drive.
     """
-    iterations = 0
-    jumps = task.course.drive.jumps_at_no_effort
-    if jumps:
+    if task.mesh.drive.has_idle_losses:
         task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, RELAXED_TOLERANCE)
-    given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
-    points = []
-    for attempt in RELAXED_ATTEMPTS if jumps else ATTEMPTS:
-        optimum = minimise_energy(*given, tolerance, *attempt)
-        iterations += optimum.iterations
-        if optimum.status == CONVERGED:
-            return Solution(optimum, iterations, optimum.energy_j + task.dwell_energy_j)
-        points.append(optimum)
+    return _minimise(task, tolerance)
+
+
+@lru_cache(maxsize=4)
+def _minimise(task: Task, tolerance: float) -> Solution:
+    """Return `minimise`; the last solutions are kept, as a proof needs the optimum of the strategy before it."""
+    has_idle_losses, iterations, points = task.mesh.drive.has_idle_losses, 0, []
+    given = task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s
+    for attempt in RELAXED_ATTEMPTS if has_idle_losses else ATTEMPTS:
+        points.append(minimise_energy(*given, tolerance, *attempt))
+        iterations += points[-1].iterations
+        if points[-1].status == CONVERGED:
+            break
     # a relaxation is no run to drive: its multipliers are good enough for a bound and a decision where to drive
-    closest = min(points, key=lambda point: point.relative_gap)
-    if jumps and closest.relative_gap < LOOSE_GAP:
-        return Solution(closest, iterations, closest.energy_j + task.dwell_energy_j)
-    raise SolverError(f"the optimum was not found within {iterations} iterations.")
+    closest = min(points, key=lambda point: (point.status, point.relative_gap))
+    if closest.status != CONVERGED and not (has_idle_losses and closest.relative_gap < LOOSE_GAP):
+        raise SolverError(f"the optimum was not found within {iterations} iterations.")
+    return Solution(closest, iterations, closest.energy_j + task.dwell_energy_j)
 
 
-def minimise_decided(task: Task, modes: FloatArray, spared_time_share: float = SPARED_SHARE) -> Optimum:
+def minimise_decided(task: Task, modes: IntArray, spared_time_share: float = SPARED_SHARE) -> Optimum:
     """Return the optimum with a decision what the drive does in each cell, whether it has converged or not.
 
     Coasting exactly afterwards, where it all but coasts, changes efforts and time by some of their last digits, and
@@ -107,16 +111,16 @@ def minimise_decided(task: Task, modes: FloatArray, spared_time_share: float = S
     Parameters
     ----------
     task : Task
-        Must have slack in its timetable; its drive takes power without effort.
+        Must have slack in its timetable; its drive has idle losses.
     modes : array of shape (n,)
-        DRIVING, BRAKING or OFF of `course_data`.
+        DRIVE, BRAKE or OFF of `mesh_data`.
     spared_time_share : float
         Which share of the time is left, at most.
     """
     slack = task.running_time_s - task.shortest_time_s
     # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
     spared = min(SPARED_SHARE, SLACK_SHARE * slack / task.running_time_s)
-    data = lowered_limits(task.course.data._replace(machines_on=modes), spared)
+    data = lowered_limits(task.mesh.data._replace(mode=modes), spared)
     times = task.shortest_time_s, task.running_time_s * (1 - min(spared, spared_time_share))
-    given = data, task.greatest_speed2, *times, SWITCHED_TOLERANCE
-    return minimise_energy(*given, SECOND_ITERATIONS, FREE_CENTRING, False, False)
+    given = data, task.fastest_speed2, *times, SWITCHED_TOLERANCE
+    return minimise_energy(*given, SECOND_ITERATIONS, FREE_CENTRING, False)

@@ -10,7 +10,7 @@ k0 = k - C / 2. A run drives in one of four modes, and takes from the line h e(x
 
 Its account chooses the cheapest share of the electric brake, so that the least over all shares lies below it. A plane
 e >= c0 + cx x + cv v below the corners of the table that hold the box becomes one in w and y: all is linear but
-v = (sqrt w + sqrt y) / 2, which is concave: chords lie below, tangents above; the sign of its factor says which.
+v = (sqrt w + sqrt y) / 2, which is concave: chords lie below, tangents above; the sign of its factor decides.
 Time h / v is convex and falls with v: its tangent at a tangent of v.
 """
 
@@ -20,13 +20,12 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.chain_proof.limit_lines import WIDENING, upper_line
 from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_at, row_speed
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
-from railjoule.core.physics.effort_limit import EffortLimit, effort_range
+from railjoule.core.physics.effort_limit import WIDENING, EffortLimit, effort_range, upper_line
+from railjoule.core.physics.mesh_data import MeshData, cell_of, shared_by_cells
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -35,15 +34,67 @@ COLUMNS = 10
 ROUNDING_ROWS = 1e-9
 """A box reaches so far beyond a row before it needs the next one; the ranges of speed are wider than that."""
 
-Plane = tuple[float, float, float]
-"""Value at w = y = 0 and slopes by w and y."""
-Lines = tuple[float, float, float, float]
-"""y >= l0 + l1 w and y <= u0 + u1 w: l0, l1, u0, u1."""
-Box = tuple[float, float, float, float]
-"""The least and the greatest w, the least and the greatest y."""
+
+class Grid(NamedTuple):
+    """Intervals of speed at the nodes.
+
+    Parameters
+    ----------
+    low, high : array of shape (nodes, intervals)
+        Squares of speed at their ends [m2/s2].
+    counts : array of shape (nodes,)
+        Number of intervals of each node.
+    """
+
+    low: FloatArray
+    high: FloatArray
+    counts: IntArray
 
 
-class Steps(NamedTuple):
+class Pairs(NamedTuple):
+    """Pairs of intervals that cells join: where those of each cell begin, the intervals at both nodes, and the mode."""
+
+    first: IntArray
+    start: IntArray
+    end: IntArray
+    mode: IntArray
+
+
+class Plane(NamedTuple):
+    """Value at w = y = 0 and slopes by w and y."""
+
+    value: float
+    by_w: float
+    by_y: float
+
+
+class Lines(NamedTuple):
+    """y >= lower + lower_by_w w and y <= upper + upper_by_w w."""
+
+    lower: float
+    lower_by_w: float
+    upper: float
+    upper_by_w: float
+
+
+class Box(NamedTuple):
+    """The least and the greatest w, the least and the greatest y [m2/s2]."""
+
+    low_w: float
+    high_w: float
+    low_y: float
+    high_y: float
+
+
+class Minorant(NamedTuple):
+    """c0 + cx x + cv v, a plane below the energy per metre [J/m] over effort x [N] and speed v [m/s]."""
+
+    constant: float
+    by_effort: float
+    by_speed: float
+
+
+class CellMotion(NamedTuple):
     """A cell's motion F = k1 y - k0 w + A + B v over a length h, and what limits its change of w."""
 
     length_m: float
@@ -56,18 +107,18 @@ class Steps(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def steps_of(course: CourseData, number: int) -> Steps:
-    """Return the motion through one cell of a course."""
-    cell = cell_of(course, number)
+def cell_motion(mesh: MeshData, number: int) -> CellMotion:
+    """Return the motion through one cell of a meshed line."""
+    cell = cell_of(mesh, number)
     half, wide = 0.5 * cell.quadratic, 2.0 * cell.length_m * (1.0 + WIDENING)
-    return Steps(
+    return CellMotion(
         cell.length_m,
         cell.inertia + half,
         cell.inertia - half,
         cell.constant_n,
         cell.linear,
-        wide * course.max_acceleration_ms2,
-        wide * course.max_deceleration_ms2,
+        wide * mesh.max_acceleration_ms2,
+        wide * mesh.max_deceleration_ms2,
     )
 
 
@@ -78,43 +129,47 @@ def _chord(box: Box) -> Plane:
     sa, sb, sc, sd = math.sqrt(a), math.sqrt(b), math.sqrt(c), math.sqrt(d)
     by_w = 0.5 / (sa + sb) if b > a else 0.0
     by_y = 0.5 / (sc + sd) if d > c else 0.0
-    return 0.5 * (sa + sc) - by_w * a - by_y * c, by_w, by_y
+    return Plane(0.5 * (sa + sc) - by_w * a - by_y * c, by_w, by_y)
 
 
 @njit(cache=True, error_model="numpy")
 def _tangent(box: Box, w: float, y: float) -> Plane:
     """Return a plane above the mean speed over a box, which touches it at a point."""
-    a, b, c, d = box
     sw, sy = math.sqrt(w), math.sqrt(y)
-    by_w = 0.25 / sw if b > a else 0.0
-    by_y = 0.25 / sy if d > c else 0.0
-    return 0.5 * (sw + sy) - by_w * w - by_y * y, by_w, by_y
+    by_w = 0.25 / sw if box.high_w > box.low_w else 0.0
+    by_y = 0.25 / sy if box.high_y > box.low_y else 0.0
+    return Plane(0.5 * (sw + sy) - by_w * w - by_y * y, by_w, by_y)
 
 
 @njit(cache=True, error_model="numpy")
-def _line(steps: Steps, constant: float, slope: float, speed: Plane) -> tuple[float, float]:
+def _line(cell: CellMotion, constant: float, slope: float, speed: Plane) -> tuple[float, float]:
     """Return y = l0 + l1 w on which k1 y - k0 w + A = constant + slope v, with v on a plane."""
-    by_y = steps.k1 - slope * speed[2]
-    start = (constant + slope * speed[0] - steps.constant_n) / by_y
-    return start, (steps.k0 + slope * speed[1]) / by_y
+    by_y = cell.k1 - slope * speed.by_y
+    start = (constant + slope * speed.value - cell.constant_n) / by_y
+    return start, (cell.k0 + slope * speed.by_w) / by_y
 
 
 @njit(cache=True, error_model="numpy")
 def _limit_line(
-    steps: Steps, box: Box, centre: tuple[float, float], speeds: tuple[float, float], effort: Plane, upper: bool
+    cell: CellMotion,
+    box: Box,
+    centre: tuple[float, float],
+    speeds: tuple[float, float],
+    a0: float,
+    a1: float,
+    upper: bool,
 ) -> tuple[float, float]:
-    """Return the line of F <= a0 + a1 v, or of F >= -(a0 + a1 v) if not `upper`; `effort` is (a0, a1, 0)."""
-    a0, a1 = effort[0], effort[1]
+    """Return the line of F <= a0 + a1 v, or of F >= -(a0 + a1 v) if not `upper`."""
     sign = 1.0 if upper else -1.0
     for _ in range(2):
-        slope = sign * a1 - steps.linear
+        slope = sign * a1 - cell.linear
         # looser: an upper line with more than v times a rising effort, a lower one with less
         speed = _tangent(box, centre[0], centre[1]) if sign * slope > 0.0 else _chord(box)
         # an effort that rises as steeply as inertia asks for no line: its greatest value does
-        if steps.k1 - slope * speed[2] > 0.1 * steps.k1:
+        if cell.k1 - slope * speed.by_y > 0.1 * cell.k1:
             break
         a0, a1 = a0 + max(a1 * speeds[0], a1 * speeds[1]), 0.0
-    return _line(steps, sign * a0, slope, speed)
+    return _line(cell, sign * a0, slope, speed)
 
 
 @njit(cache=True, error_model="numpy")
@@ -127,8 +182,8 @@ def minorant(
     speeds: tuple[float, float],
     price: float,
     by_price: bool,
-) -> Plane:
-    """Return c0, cx, cv: a plane below the energy per metre [J/m] over ranges of effort [N] and speed [m/s].
+) -> Minorant:
+    """Return a plane below the energy per metre over ranges of effort [N] and speed [m/s].
 
     Any slopes make a minorant, with c0 the least over the table's points around the range. `by_price` takes a given
     slope by effort: with the price of effort the minimum over the effort of priced cells is exact, however wide the
@@ -157,38 +212,40 @@ def minorant(
         for k in range(k1, min(k2, last[j]) + 1):
             least = min(least, low[j, k] - cx * step * k)
         c0 = min(c0, least - cv * row_speed(table.slowest_ms, table.fastest_ms, j))
-    return c0, cx, cv
+    return Minorant(c0, cx, cv)
 
 
 @njit(cache=True, error_model="numpy")
-def _least_of_plane(plane: Plane, box: Box, lines: Lines) -> float:
+def _min_of_plane(plane: Plane, box: Box, lines: Lines) -> float:
     """Return about the least of a plane over a box within lines: at their ends by w."""
     best = math.inf
-    for w in (box[0], box[1]):
-        low = min(max(box[2], lines[0] + lines[1] * w), box[3])
-        high = max(min(box[3], lines[2] + lines[3] * w), box[2])
-        best = min(best, plane[1] * w + min(plane[2] * low, plane[2] * high))
-    return plane[0] + best
+    for w in (box.low_w, box.high_w):
+        low = min(max(box.low_y, lines.lower + lines.lower_by_w * w), box.high_y)
+        high = max(min(box.high_y, lines.upper + lines.upper_by_w * w), box.low_y)
+        best = min(best, plane.by_w * w + min(plane.by_y * low, plane.by_y * high))
+    return plane.value + best
 
 
 @njit(cache=True, error_model="numpy")
-def _energy_plane(steps: Steps, minor: Plane, effort: Plane, box: Box, touch: tuple[float, float]) -> Plane:
+def _energy_plane(
+    cell: CellMotion, minor: Minorant, effort: tuple[float, float, float], box: Box, touch: tuple[float, float]
+) -> Plane:
     """Return the plane below a cell's energy from c0 + cx x + cv v, x = x0 + xf (F) + xv v given as (x0, xf, xv)."""
     c0, cx, cv = minor
     x0, by_force, by_speed = effort
-    factor = cv + cx * (by_speed + by_force * steps.linear)
+    factor = cv + cx * (by_speed + by_force * cell.linear)
     speed = _chord(box) if factor > 0.0 else _tangent(box, touch[0], touch[1])
     force = cx * by_force
-    return (
-        steps.length_m * (c0 + cx * x0 + force * steps.constant_n + factor * speed[0]),
-        steps.length_m * (factor * speed[1] - force * steps.k0),
-        steps.length_m * (factor * speed[2] + force * steps.k1),
+    return Plane(
+        cell.length_m * (c0 + cx * x0 + force * cell.constant_n + factor * speed.value),
+        cell.length_m * (factor * speed.by_w - force * cell.k0),
+        cell.length_m * (factor * speed.by_y + force * cell.k1),
     )
 
 
 @njit(cache=True, error_model="numpy")
 def mode_lines(
-    steps: Steps,
+    cell: CellMotion,
     mode: int,
     box: Box,
     speeds: tuple[float, float],
@@ -200,42 +257,42 @@ def mode_lines(
     `limit` is the line above the mode's electric effort and its least value, `friction` what friction brakes do and
     up to which effort the drive counts as off [N].
     """
-    centre = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
+    centre = 0.5 * (box.low_w + box.high_w), 0.5 * (box.low_y + box.high_y)
     a0, a1, least = limit
     spare, off = friction
     if mode == DRIVE:
-        l0, l1 = _limit_line(steps, box, centre, speeds, (0.0, 0.0, 0.0), False)
-        u0, u1 = _limit_line(steps, box, centre, speeds, (a0, a1, 0.0), True)
+        l0, l1 = _limit_line(cell, box, centre, speeds, 0.0, 0.0, False)
+        u0, u1 = _limit_line(cell, box, centre, speeds, a0, a1, True)
     else:
         above = -least if mode == BLEND else off if mode == OFF else 0.0
-        u0, u1 = _limit_line(steps, box, centre, speeds, (above, 0.0, 0.0), True)
+        u0, u1 = _limit_line(cell, box, centre, speeds, above, 0.0, True)
         below = a0 + (0.0 if mode == BRAKE else spare * (1.0 + WIDENING)) + (off if mode == OFF else 0.0)
-        l0, l1 = _limit_line(steps, box, centre, speeds, (below, a1, 0.0), False)
+        l0, l1 = _limit_line(cell, box, centre, speeds, below, a1, False)
     # of two limits the tighter one at the middle: both hold, one line does
-    if u0 + u1 * centre[0] > steps.rise + centre[0]:
-        u0, u1 = steps.rise, 1.0
-    if l0 + l1 * centre[0] < centre[0] - steps.fall:
-        l0, l1 = -steps.fall, 1.0
-    return l0, l1, u0, u1
+    if u0 + u1 * centre[0] > cell.rise + centre[0]:
+        u0, u1 = cell.rise, 1.0
+    if l0 + l1 * centre[0] < centre[0] - cell.fall:
+        l0, l1 = -cell.fall, 1.0
+    return Lines(l0, l1, u0, u1)
 
 
 @njit(cache=True, error_model="numpy")
 def _best_energy(
     table: DriveTable,
-    steps: Steps,
+    cell: CellMotion,
     mode: int,
     box: Box,
     speeds: tuple[float, float],
     limit: tuple[float, float, float],
     touch: tuple[float, float],
     lines: Lines,
-    prices: Plane,
+    prices: tuple[float, float, float],
 ) -> Plane:
     """Return the plane below the energy whose least is greatest with prices (onward / (h k1), of w, of y)."""
     a0, a1, least = limit
     most = a0 + max(a1 * speeds[0], a1 * speeds[1])
-    f1 = steps.k1 * box[2] - steps.k0 * box[1] + steps.constant_n + steps.linear * speeds[0]
-    f2 = steps.k1 * box[3] - steps.k0 * box[0] + steps.constant_n + steps.linear * speeds[1]
+    f1 = cell.k1 * box.low_y - cell.k0 * box.high_w + cell.constant_n + cell.linear * speeds[0]
+    f2 = cell.k1 * box.high_y - cell.k0 * box.low_w + cell.constant_n + cell.linear * speeds[1]
     side = DRIVING if mode == DRIVE else BRAKING
     low, high, wanted, effort = max(f1, 0.0), min(f2, most), prices[0], (0.0, 1.0, 0.0)
     if mode == BRAKE:
@@ -243,16 +300,16 @@ def _best_energy(
     elif mode == BLEND:
         low, high, wanted, effort = least, most, 0.0, (a0, 0.0, a1)
     step = table.top_n[side] / EFFORTS
-    best, found = -math.inf, (0.0, 0.0, 0.0)
+    best, found = -math.inf, Plane(0.0, 0.0, 0.0)
     for by_price in (False, True):
         given = step, (min(low, high), high), speeds, wanted
         minor = minorant(table.low[side], table.last[side], table, *given, by_price)
-        if minor[0] == math.inf:
-            return math.inf, 0.0, 0.0
+        if minor.constant == math.inf:
+            return Plane(math.inf, 0.0, 0.0)
         # of the electric limit a minorant that falls with effort takes the line above, one that rises the least
-        x = (least, 0.0, 0.0) if mode == BLEND and minor[1] > 0.0 else effort
-        plane = _energy_plane(steps, minor, x, box, touch)
-        value = _least_of_plane((plane[0], plane[1] + prices[1], plane[2] + prices[2]), box, lines)
+        x = (least, 0.0, 0.0) if mode == BLEND and minor.by_effort > 0.0 else effort
+        plane = _energy_plane(cell, minor, x, box, touch)
+        value = _min_of_plane(Plane(plane.value, plane.by_w + prices[1], plane.by_y + prices[2]), box, lines)
         if value > best:
             best, found = value, plane
     return found
@@ -275,7 +332,7 @@ def _mode_limit(
 @njit(cache=True, error_model="numpy")
 def fill_box(
     table: DriveTable,
-    steps: Steps,
+    cell: CellMotion,
     traction: EffortLimit,
     braking: EffortLimit,
     friction: tuple[float, float, bool],
@@ -289,11 +346,11 @@ def fill_box(
     Parameters
     ----------
     table : DriveTable
-    steps : Steps
+    cell : Steps
         Of the cell.
     traction, braking : EffortLimit
     friction : tuple
-        What friction brakes do [N], up to which effort the drive counts as off [N], whether a standstill brake stands
+        Effort of friction brakes [N], up to which effort the drive counts as off [N], whether a standstill brake stands
         in for the electric one without power.
     mode : int
     box : Box
@@ -301,37 +358,38 @@ def fill_box(
         Of a second [J/s] and of both squares of speed, as slopes of the cost to go [J s2/m2]: they choose between
         minorants, which hold with any.
     row : array of shape (COLUMNS,)
-        What is filled.
+        To be filled.
     """
     a, b, c, d = box
     v1 = mean_speed(math.sqrt(a), math.sqrt(c))
     v2 = mean_speed(math.sqrt(b), math.sqrt(d))
-    f1 = steps.k1 * c - steps.k0 * b + steps.constant_n + steps.linear * v1
-    f2 = steps.k1 * d - steps.k0 * a + steps.constant_n + steps.linear * v2
+    f1 = cell.k1 * c - cell.k0 * b + cell.constant_n + cell.linear * v1
+    f2 = cell.k1 * d - cell.k0 * a + cell.constant_n + cell.linear * v2
     if (mode == DRIVE and f2 <= 0.0) or (mode != DRIVE and f1 > friction[1]):
         return False
     limit = _mode_limit(traction, braking, mode, friction[2], v1, v2)
     if mode == BLEND and -f1 < limit[2]:
         return False
-    lines = mode_lines(steps, mode, box, (v1, v2), limit, (friction[0], friction[1]))
+    lines = mode_lines(cell, mode, box, (v1, v2), limit, (friction[0], friction[1]))
     # no w of the box leads to a y of it
     if (
-        max(lines[2] + lines[3] * a, lines[2] + lines[3] * b) < c
-        or min(lines[0] + lines[1] * a, lines[0] + lines[1] * b) > d
+        max(lines.upper + lines.upper_by_w * a, lines.upper + lines.upper_by_w * b) < c
+        or min(lines.lower + lines.lower_by_w * a, lines.lower + lines.lower_by_w * b) > d
     ):
         return False
     w = 0.5 * (a + b)
-    y = min(max(min(max(0.5 * (c + d), lines[0] + lines[1] * w), lines[2] + lines[3] * w), c), d)
-    speed, h, v = _tangent(box, w, y), steps.length_m, mean_speed(math.sqrt(w), math.sqrt(y))
+    y = max(0.5 * (c + d), lines.lower + lines.lower_by_w * w)
+    y = min(max(min(y, lines.upper + lines.upper_by_w * w), c), d)
+    speed, h, v = _tangent(box, w, y), cell.length_m, mean_speed(math.sqrt(w), math.sqrt(y))
     slope = -h / (v * v)
-    row[TIME], row[TIME_W], row[TIME_Y] = 2.0 * h / v + slope * speed[0], slope * speed[1], slope * speed[2]
+    row[TIME], row[TIME_W], row[TIME_Y] = 2.0 * h / v + slope * speed.value, slope * speed.by_w, slope * speed.by_y
     row[LOWER], row[LOWER_W], row[UPPER], row[UPPER_W] = lines
     row[ENERGY] = row[ENERGY_W] = row[ENERGY_Y] = 0.0
     if mode != OFF:
         second, start, end = prices
-        given = -end / (h * steps.k1), second * row[TIME_W] - start, second * row[TIME_Y] + end
-        plane = _best_energy(table, steps, mode, box, (v1, v2), limit, (w, y), lines, given)
-        if plane[0] == math.inf:
+        given = -end / (h * cell.k1), second * row[TIME_W] - start, second * row[TIME_Y] + end
+        plane = _best_energy(table, cell, mode, box, (v1, v2), limit, (w, y), lines, given)
+        if plane.value == math.inf:
             return False
         row[ENERGY], row[ENERGY_W], row[ENERGY_Y] = plane
     return True
@@ -339,38 +397,26 @@ def fill_box(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def fill_boxes(
-    course: CourseData,
-    table: DriveTable,
-    low: FloatArray,
-    high: FloatArray,
-    first: IntArray,
-    start: IntArray,
-    end: IntArray,
-    mode: IntArray,
-    node_price: FloatArray,
-    second: float,
-) -> tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]:
-    """Return the boxes that runs may pass: the first of each cell, their intervals, modes and rows of `COLUMNS`.
+    mesh: MeshData, table: DriveTable, grid: Grid, pairs: Pairs, node_price: FloatArray, second: float
+) -> tuple[Pairs, FloatArray]:
+    """Return those pairs that runs may pass, and their boxes: rows of `COLUMNS`.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : DriveTable
-    low, high : array of shape (n + 1, m)
-        Squares of speed at the ends of the intervals of each node [m2/s2].
-    first : array of shape (n + 1,)
-        Where the pairs of each cell begin.
-    start, end, mode : array of shape (k,)
-        Pairs of intervals of a cell's two nodes, and modes.
+    grid : Grid
+    pairs : Pairs
     node_price : array of shape (n + 1, m)
         Slopes of the cost to go in each interval [J s2/m2].
     second : float
         Price of a second, auxiliaries included [J/s].
     """
-    count = start.shape[0]
+    low, high, _ = grid
+    count = pairs.start.shape[0]
     kept, rows = np.zeros(low.shape[0], dtype=np.int64), np.empty((count, COLUMNS))
-    starts, ends, modes = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
-    train, traction, braking, drive = shared_by_cells(course)
+    passed = np.empty((3, count), np.int64)
+    train, traction, braking, drive = shared_by_cells(mesh)
     table = DriveTable(
         borrowed(table.low), borrowed(table.last), table.slowest_ms, table.fastest_ms, borrowed(table.top_n)
     )
@@ -379,13 +425,13 @@ def fill_boxes(
     m = 0
     for i in range(low.shape[0] - 1):
         kept[i] = m
-        steps = steps_of(course, i)
-        for pair in range(first[i], first[i + 1]):
-            k, q = start[pair], end[pair]
-            box = low[i, k], high[i, k], low[i + 1, q], high[i + 1, q]
+        cell = cell_motion(mesh, i)
+        for pair in range(pairs.first[i], pairs.first[i + 1]):
+            k, q, mode = pairs.start[pair], pairs.end[pair], pairs.mode[pair]
+            box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])
             prices = second, node_price[i, k], node_price[i + 1, q]
-            if fill_box(table, steps, traction, braking, friction, mode[pair], box, prices, rows[m]):
-                starts[m], ends[m], modes[m] = k, q, mode[pair]
+            if fill_box(table, cell, traction, braking, friction, mode, box, prices, rows[m]):
+                passed[0, m], passed[1, m], passed[2, m] = k, q, mode
                 m += 1
     kept[low.shape[0] - 1] = m
-    return kept, starts[:m], ends[:m], modes[:m], rows[:m]
+    return Pairs(kept, passed[0, :m], passed[1, :m], passed[2, :m]), rows[:m]

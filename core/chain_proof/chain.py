@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.arrays import FloatArray
 from railjoule.core.chain_proof.boxes import (
     ENERGY,
     ENERGY_W,
@@ -24,6 +24,8 @@ from railjoule.core.chain_proof.boxes import (
     UPPER,
     UPPER_W,
     Box,
+    Grid,
+    Pairs,
 )
 from railjoule.core.compiled import njit
 
@@ -42,7 +44,7 @@ def _cut(first: float, last: float, constant: float, slope: float) -> tuple[floa
 
 
 @njit(cache=True, error_model="numpy")
-def least_of_box(
+def min_of_box(
     row: FloatArray, box: Box, second: float, start_price: float, end_price: float
 ) -> tuple[float, float, float]:
     """Return the least of a box's priced plane, and the squares of speed w and y there; infinite where none is."""
@@ -70,23 +72,14 @@ def least_of_box(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def chain(
-    low: FloatArray,
-    high: FloatArray,
-    count: IntArray,
-    boxes: tuple[IntArray, IntArray, IntArray],
-    rows: FloatArray,
-    node_price: FloatArray,
-    second: float,
-) -> tuple[float, FloatArray, float, FloatArray]:
-    """Return the value of the best chain [J], that of the best through each box, its time [s] and its mismatch.
-
-    The mismatch of a node is the square of speed at which the chain enters it less that at which it leaves it
-    [m2/s2]: the derivative of the value by the node's price.
-    """
-    kept, start, end = boxes
+    grid: Grid, boxes: Pairs, rows: FloatArray, node_price: FloatArray, second: float
+) -> tuple[float, FloatArray, float]:
+    """Return the value of the best chain [J], that of the best through each box, and the time of the first [s]."""
+    low, high, count = grid
+    kept, start, end, _ = boxes
     n, width = count.shape[0] - 1, low.shape[1]
     ahead, behind = np.full((n + 1, width), np.inf), np.full((n + 1, width), np.inf)
-    through, took = np.full(start.shape[0], np.inf), np.zeros((start.shape[0], 3))
+    through, took = np.full(start.shape[0], np.inf), np.zeros(start.shape[0])
     choice = np.full((n + 1, width), -1)
     for k in range(count[n]):
         ahead[n, k] = -max(node_price[n, k] * low[n, k], node_price[n, k] * high[n, k])
@@ -95,11 +88,10 @@ def chain(
     for i in range(n - 1, -1, -1):
         for m in range(kept[i], kept[i + 1]):
             k, q = start[m], end[m]
-            box = low[i, k], high[i, k], low[i + 1, q], high[i + 1, q]
-            value, w, y = least_of_box(rows[m], box, second, node_price[i, k], node_price[i + 1, q])
+            box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])
+            value, w, y = min_of_box(rows[m], box, second, node_price[i, k], node_price[i + 1, q])
             through[m] = value
-            took[m, 0], took[m, 1] = w, y
-            took[m, 2] = rows[m, TIME] + rows[m, TIME_W] * w + rows[m, TIME_Y] * y
+            took[m] = rows[m, TIME] + rows[m, TIME_W] * w + rows[m, TIME_Y] * y
             if value + ahead[i + 1, q] < ahead[i, k]:
                 ahead[i, k], choice[i, k] = value + ahead[i + 1, q], m
     for i in range(n):
@@ -112,15 +104,10 @@ def chain(
     for k in range(count[0]):
         if behind[0, k] + ahead[0, k] < best:
             best, at = behind[0, k] + ahead[0, k], k
-    time, mismatch = 0.0, np.zeros(n + 1)
+    time = 0.0
     for i in range(n):
         m = choice[i, at]
         if m < 0:
             break
-        time += took[m, 2]
-        mismatch[i] -= took[m, 0]
-        mismatch[i + 1] += took[m, 1]
-        at = end[m]
-    # at both ends there is no other cell to agree with
-    mismatch[0] = mismatch[n] = 0.0
-    return best, through, time, mismatch
+        time, at = time + took[m], end[m]
+    return best, through, time

@@ -5,33 +5,28 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, OFF, steps_of
-from railjoule.core.chain_proof.limit_lines import WIDENING
+from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, OFF, Grid, Pairs, cell_motion
 from railjoule.core.compiled import njit
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import WIDENING
+from railjoule.core.physics.mesh_data import MeshData
 
 FIRST_SHARE, GROWTH = 1 / 80, 1.4
 """Width of the first intervals around a run as a share of the greatest speed, and by what they widen away from it."""
 # time and idle losses over a metre go as 1 / v: their tangents lie far below over an interval of several times a speed
 GREATEST_RATIO = 1.6
-"""How far apart the ends of a first interval may be, one over the other."""
+"""The largest ratio of the ends of a first interval."""
 ROUNDING = 1e-7
 """Speeds up to this share above the fastest run's are covered, which other runs reach by rounding."""
 NARROWEST_MS = 2e-3
 """Intervals are not halved below that."""
 
-Grid = tuple[FloatArray, FloatArray, IntArray]
-"""Squares of speed at the lower and upper ends of intervals, shape (nodes, intervals), and how many a node has."""
-Pairs = tuple[IntArray, IntArray, IntArray, IntArray]
-"""Where the pairs of each cell begin, and of each pair the intervals at both nodes and the mode."""
 
-
-def first_grid(course: CourseData, fastest2: FloatArray, slowest2: FloatArray, around2: FloatArray) -> Grid:
+def first_grid(mesh: MeshData, fastest2: FloatArray, slowest2: FloatArray, around2: FloatArray) -> Grid:
     """Return intervals that widen with the distance from a run.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     fastest2, slowest2, around2 : array of shape (n + 1,)
         Squares of the greatest and least speeds, and of those of the run [m2/s2].
     """
@@ -40,7 +35,7 @@ def first_grid(course: CourseData, fastest2: FloatArray, slowest2: FloatArray, a
     steps = width * np.cumsum(GROWTH ** np.arange(60)) - 0.5 * width
     offsets = np.concatenate([-steps[::-1], steps])
     for i in range(len(fastest2)):
-        fixed = course.fixed_speed2[i]
+        fixed = mesh.fixed_speed2[i]
         if fixed >= 0.0:
             nodes.append(np.array([fixed, fixed]))
             continue
@@ -53,7 +48,7 @@ def first_grid(course: CourseData, fastest2: FloatArray, slowest2: FloatArray, a
     lower, upper = np.full((len(nodes), count.max()), np.inf), np.full((len(nodes), count.max()), np.inf)
     for i, edges in enumerate(nodes):
         lower[i, : count[i]], upper[i, : count[i]] = edges[:-1], edges[1:]
-    return lower, upper, count
+    return Grid(lower, upper, count)
 
 
 def _cut_by_ratio(edges: FloatArray) -> FloatArray:
@@ -66,35 +61,35 @@ def _cut_by_ratio(edges: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _fill_pairs(
-    course: CourseData, low: FloatArray, high: FloatArray, count: IntArray, fastest: float, pairs: IntArray, fill: bool
+    mesh: MeshData, low: FloatArray, high: FloatArray, count: IntArray, fastest: float, pairs: IntArray, fill: bool
 ) -> IntArray:
-    """Return where the pairs of each cell begin, and fill them if there is room; `fastest` is a speed [m/s]."""
+    """Return the first pair of each cell, and fill them if there is room; `fastest` is a speed [m/s]."""
     n = count.shape[0] - 1
     first = np.zeros(n + 1, dtype=np.int64)
     wide = 1.0 + WIDENING
-    brakes = course.braking.constant_n > 0.0
+    brakes = mesh.braking.constant_n > 0.0
     m = 0
     for i in range(n):
         first[i] = m
-        steps, powered = steps_of(course, i), course.powered[i] >= 1.0
-        resisting = steps.linear * fastest
+        cell, powered = cell_motion(mesh, i), mesh.supply_share[i] >= 1.0
+        resisting = cell.linear * fastest
         for k in range(count[i]):
             a, b = low[i, k], high[i, k]
-            top = (course.traction.constant_n * wide + steps.k0 * b - steps.constant_n) / steps.k1
-            strongest = (course.braking.constant_n + course.friction_effort_n) * wide
-            bottom = (steps.k0 * a - strongest - steps.constant_n - resisting) / steps.k1
+            top = (mesh.traction.constant_n * wide + cell.k0 * b - cell.constant_n) / cell.k1
+            strongest = (mesh.braking.constant_n + mesh.friction_effort_n) * wide
+            bottom = (cell.k0 * a - strongest - cell.constant_n - resisting) / cell.k1
             # forces within what rounding and a drive that counts as off leave
-            bottom, top = max(bottom, a - steps.fall) - 1e-9, min(top, b + steps.rise) + 1e-9
+            bottom, top = max(bottom, a - cell.fall) - 1e-9, min(top, b + cell.rise) + 1e-9
             for q in range(count[i + 1]):
                 if high[i + 1, q] < bottom or low[i + 1, q] > top:
                     continue
                 for mode in range(4):
-                    if (mode >= BRAKE and not brakes) or (mode == BLEND and course.friction_effort_n <= 0.0):
+                    if (mode >= BRAKE and not brakes) or (mode == BLEND and mesh.friction_effort_n <= 0.0):
                         continue
                     # in a neutral section friction brakes work with the drive off
                     if mode != OFF and not powered:
                         continue
-                    if mode == DRIVE and steps.k1 * high[i + 1, q] - steps.k0 * a + steps.constant_n + resisting <= 0.0:
+                    if mode == DRIVE and cell.k1 * high[i + 1, q] - cell.k0 * a + cell.constant_n + resisting <= 0.0:
                         continue
                     if fill:
                         pairs[0, m], pairs[1, m], pairs[2, m] = k, q, mode
@@ -103,14 +98,14 @@ def _fill_pairs(
     return first
 
 
-def all_pairs(course: CourseData, grid: Grid) -> Pairs:
+def all_pairs(mesh: MeshData, grid: Grid) -> Pairs:
     """Return every pair of intervals that a cell may join, in each mode."""
     low, high, count = grid
     fastest = math.sqrt(float(high[np.isfinite(high)].max()))
-    first = _fill_pairs(course, low, high, count, fastest, np.empty((3, 0), dtype=np.int64), False)
+    first = _fill_pairs(mesh, low, high, count, fastest, np.empty((3, 0), dtype=np.int64), False)
     pairs = np.empty((3, first[-1]), dtype=np.int64)
-    first = _fill_pairs(course, low, high, count, fastest, pairs, True)
-    return first, pairs[0], pairs[1], pairs[2]
+    first = _fill_pairs(mesh, low, high, count, fastest, pairs, True)
+    return Pairs(first, pairs[0], pairs[1], pairs[2])
 
 
 @njit(cache=True, error_model="numpy")
@@ -142,14 +137,13 @@ def _halved_nodes(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def halved(
-    low: FloatArray, high: FloatArray, count: IntArray, boxes: Pairs, alive: BoolArray
-) -> tuple[FloatArray, FloatArray, IntArray, Pairs]:
+def halved(grid: Grid, boxes: Pairs, alive: BoolArray) -> tuple[Grid, Pairs]:
     """Return the grid of halved intervals and the pairs between halves of boxes that are alive.
 
     A node without an interval has no run left.
     """
     kept, start, end, mode = boxes
+    low, high, count = grid
     n = count.shape[0] - 1
     used = np.zeros((n + 1, low.shape[1], 2), dtype=np.bool_)
     used[0, :, 0], used[n, :, 1] = True, True
@@ -158,14 +152,7 @@ def halved(
             if alive[m]:
                 used[i, start[m], 1] = used[i + 1, end[m], 0] = True
     lower, upper, new, first, halves = _halved_nodes(low, high, count, used)
-    total = 0
-    for i in range(n):
-        for m in range(kept[i], kept[i + 1]):
-            if alive[m] and first[i, start[m]] >= 0 and first[i + 1, end[m]] >= 0:
-                total += halves[i, start[m]] * halves[i + 1, end[m]]
-    begin = np.zeros(n + 1, dtype=np.int64)
-    starts, ends, modes = np.empty(total, np.int64), np.empty(total, np.int64), np.empty(total, np.int64)
-    o = 0
+    begin, pairs, o = np.zeros(n + 1, dtype=np.int64), np.empty((3, 4 * alive.sum()), np.int64), 0
     for i in range(n):
         begin[i] = o
         for m in range(kept[i], kept[i + 1]):
@@ -174,7 +161,7 @@ def halved(
                 continue
             for x in range(halves[i, start[m]]):
                 for y in range(halves[i + 1, end[m]]):
-                    starts[o], ends[o], modes[o] = k + x, q + y, mode[m]
+                    pairs[0, o], pairs[1, o], pairs[2, o] = k + x, q + y, mode[m]
                     o += 1
     begin[n] = o
-    return lower, upper, new, (begin, starts, ends, modes)
+    return Grid(lower, upper, new), Pairs(begin, pairs[0, :o], pairs[1, :o], pairs[2, :o])

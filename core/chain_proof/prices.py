@@ -7,7 +7,7 @@ neither pays while K w is worth between
 
     lo(v) = r max over x of generated(x, v) / (x v)    and    hi(v) = min over x of P(x, v) / (x v).
 
-Each interval's price is the multiplier clipped to this window at its speed. Where limits of effort bind, as in a start,
+Each interval's price is the multiplier clipped to this window at its speed. If limits of effort bind, as in a start,
 the optimum's own price rightly lies outside of the window at its own speed: the window is widened by that factor.
 """
 
@@ -16,21 +16,21 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_speed
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 
-def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
+def node_prices(mesh: MeshData, optimum: Optimum) -> FloatArray:
     """Return the slopes of the cost to go by the square of speed at each node [J s2/m2]; shape (n + 1,).
 
     They are -K times the price of force, which is a multiplier at the middle of its cell.
     """
-    length = course.cell_length_m
+    length = mesh.cell_length_m
     middle = optimum.force_price / length
     between = (middle[:-1] * length[1:] + middle[1:] * length[:-1]) / (length[1:] + length[:-1])
-    return -course.half_inertia_kg * np.concatenate([middle[:1], between, middle[-1:]])
+    return -mesh.half_inertia_kg * np.concatenate([middle[:1], between, middle[-1:]])
 
 
-def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:
+def worth_of_speed(mesh: MeshData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return speeds [m/s], and what a square of speed returns by braking and costs by driving there [J s2/m2]."""
     speed = np.array([row_speed(table.slowest_ms, table.fastest_ms, row) for row in range(SPEEDS + 1)])
     efforts = np.arange(1, EFFORTS + 1) / EFFORTS
@@ -43,7 +43,7 @@ def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, F
     if not known.any():
         return speed, np.full(len(speed), -np.inf), np.full(len(speed), np.inf)
     cost = np.interp(speed, speed[known], cost[known])
-    return speed, course.half_inertia_kg * returned, course.half_inertia_kg * np.maximum(cost, returned)
+    return speed, mesh.half_inertia_kg * returned, mesh.half_inertia_kg * np.maximum(cost, returned)
 
 
 def interval_prices(
@@ -58,7 +58,7 @@ def interval_prices(
     Parameters
     ----------
     node_price : array of shape (n + 1,)
-        Those of the multipliers.
+        Prices of the multipliers.
     around_ms : array of shape (n + 1,)
         Speeds of the run whose multipliers they are [m/s].
     worth : tuple of 3 arrays
@@ -70,9 +70,9 @@ def interval_prices(
     middle = 0.5 * (np.sqrt(low2) + np.sqrt(high2))
     least, most = np.interp(middle, speed, returned), np.interp(middle, speed, cost)
     own = -node_price[:, None]
-    least_here = np.interp(around_ms, speed, returned)[:, None]
-    most_here = np.interp(around_ms, speed, cost)[:, None]
+    min_here = np.interp(around_ms, speed, returned)[:, None]
+    max_here = np.interp(around_ms, speed, cost)[:, None]
     # a window that is open to one side is widened by nothing
-    falls = np.divide(own, least_here, out=np.ones_like(own), where=least_here > 0)
-    rises = np.divide(own, most_here, out=np.ones_like(own), where=np.isfinite(most_here) & (most_here > 0))
+    falls = np.divide(own, min_here, out=np.ones_like(own), where=min_here > 0)
+    rises = np.divide(own, max_here, out=np.ones_like(own), where=np.isfinite(max_here) & (max_here > 0))
     return -np.clip(own, least * np.minimum(falls, 1.0), most * np.maximum(rises, 1.0))

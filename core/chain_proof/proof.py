@@ -3,40 +3,28 @@
 Weak duality: for a price of time lambda >= 0 every run in time needs E >= sum(e_i + L tau_i) - lambda T, L = lambda
 plus the auxiliary power. Each of its cells lies in a box of its mode, whose planes lie below e_i and tau_i, so that
 the value of the best chain of boxes less lambda T lies below E, whatever the prices. A box whose best chain is not
-below a target is dropped for good: each run through it needs at least the target. What is left is halved. So every run
+below a target is dropped for good: each run through it needs at least the target. The others are halved. So every run
 needs at least the lesser of target and value, and the target itself once no box is left.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
-from railjoule.core.chain_proof.boxes import fill_boxes
+from railjoule.core.arrays import FloatArray, midpoints
+from railjoule.core.chain_proof.boxes import Pairs, fill_boxes
 from railjoule.core.chain_proof.chain import chain
 from railjoule.core.chain_proof.grid import all_pairs, first_grid, halved
 from railjoule.core.chain_proof.prices import interval_prices, worth_of_speed
 from railjoule.core.chain_proof.table import DriveTable, tabulate
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
-MOST_LEVELS = 12
+MAX_LEVELS = 12
 SEARCHED_LEVEL = 2
 """From this level on other prices are tried: before, planes are too coarse to tell."""
-MOST_TRIALS = 3
+MAX_TRIALS = 3
 FIRST_STEP = 0.03
 """By which share the price of time changes at first."""
-
-
-@dataclass(frozen=True)
-class Level:
-    """What one level of a proof found: boxes looked at, boxes left, the value of the best chain and the bound [J]."""
-
-    boxes: int
-    left: int
-    value_j: float
-    bound_j: float
 
 
 class ChainProof:
@@ -44,7 +32,7 @@ class ChainProof:
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Its machines are on or off for whole cells.
     running_time_s : float
         Time allowed, dwells not included [s].
@@ -57,12 +45,12 @@ class ChainProof:
     price_of_time_w : float
         Price of a second, without auxiliaries [J/s].
     target_j : float
-        What is to be proven: the bound never exceeds it [J].
+        The bound to be proven, which is never exceeded [J].
     """
 
     def __init__(
         self,
-        course: CourseData,
+        mesh: MeshData,
         running_time_s: float,
         fastest2: FloatArray,
         slowest2: FloatArray,
@@ -71,16 +59,15 @@ class ChainProof:
         price_of_time_w: float,
         target_j: float,
     ) -> None:
-        self._course, self._running_time_s = course, running_time_s
+        self._mesh, self._running_time_s = mesh, running_time_s
         self._node_price, self._price = np.array(node_price), max(price_of_time_w, 0.0)
         self.target_j, self.bound_j, self.boxes = target_j, -math.inf, 0
-        self.levels: list[Level] = []
+        self.levels = 0
         self._step = FIRST_STEP
-        grid = first_grid(course, fastest2, slowest2, around2)
-        self._table = table_of(course, fastest2, slowest2)
-        self._around_ms, self._window = np.sqrt(around2), worth_of_speed(course, self._table)
-        self._low, self._high, self._count = grid
-        self._pairs = all_pairs(course, grid)
+        self._table = drive_table(mesh, fastest2, slowest2)
+        self._around_ms, self._window = np.sqrt(around2), worth_of_speed(mesh, self._table)
+        self._grid = first_grid(mesh, fastest2, slowest2, around2)
+        self._pairs = all_pairs(mesh, self._grid)
 
     @property
     def proven(self) -> bool:
@@ -89,55 +76,42 @@ class ChainProof:
 
     @property
     def next_boxes(self) -> int:
-        """How many boxes the next level looks at."""
-        return len(self._pairs[1])
-
-    def run(self, budget: int, stop: Callable[[], bool] | None = None) -> float:
-        """Go on until the target is proven, the budget of boxes is used in all, or `stop` says so; return the bound."""
-        while self.may_advance(budget):
-            if stop is not None and stop():
-                break
-            self.advance()
-        return self.bound_j
+        """Number of boxes in the next level."""
+        return len(self._pairs.start)
 
     def may_advance(self, budget: int) -> bool:
         """Return whether there is something left to prove, and a budget of boxes in all is enough for a level more."""
-        return not self.proven and 0 < self.next_boxes <= budget - self.boxes and len(self.levels) < MOST_LEVELS
+        return not self.proven and 0 < self.next_boxes <= budget - self.boxes and self.levels < MAX_LEVELS
 
-    def advance(self) -> Level:
-        """Do one level more: boxes of the present intervals, chains, then halves of what is left."""
-        given = self._low, self._high
-        second = self._price + self._course.auxiliary_power_w
-        prices = interval_prices(self._node_price, self._around_ms, self._window, *given)
-        kept, start, end, mode, rows = fill_boxes(self._course, self._table, *given, *self._pairs, prices, second)
-        value, through = self._search((kept, start, end), rows, prices)
+    def advance(self) -> float:
+        """Do one level more: boxes of the present intervals, chains, then halves of what is left; return the bound."""
+        grid = self._grid
+        second = self._price + self._mesh.auxiliary_power_w
+        prices = interval_prices(self._node_price, self._around_ms, self._window, grid.low, grid.high)
+        boxes, rows = fill_boxes(self._mesh, self._table, grid, self._pairs, prices, second)
+        value, through = self._search(boxes, rows, prices)
         alive = through < self.target_j
-        left = int(alive.sum())
-        self.boxes += len(self._pairs[1])
-        self._low, self._high, self._count, self._pairs = halved(*given, self._count, (kept, start, end, mode), alive)
-        if not self.levels and not math.isfinite(value):
+        self.boxes += self.next_boxes
+        self._grid, self._pairs = halved(grid, boxes, alive)
+        if self.levels == 0 and not math.isfinite(value):
             # nothing is dropped yet, so that there is no run to prove anything of
             value = -math.inf
-        elif left == 0 or (self._count == 0).any():
+        elif not alive.any() or (self._grid.counts == 0).any():
             # no run is left below the target
             value = math.inf
         self.bound_j = max(self.bound_j, min(value, self.target_j))
-        level = Level(len(start), left, value, self.bound_j)
-        self.levels.append(level)
-        return level
+        self.levels += 1
+        return self.bound_j
 
-    def _search(
-        self, boxes: tuple[np.ndarray, np.ndarray, np.ndarray], rows: FloatArray, prices: FloatArray
-    ) -> tuple[float, FloatArray]:
+    def _search(self, boxes: Pairs, rows: FloatArray, prices: FloatArray) -> tuple[float, FloatArray]:
         """Return the greatest value of some prices [J], and the best chains through each box less the time's price."""
         best, through, price = -math.inf, np.zeros(0), self._price
-        trials = MOST_TRIALS if len(self.levels) >= SEARCHED_LEVEL else 1
+        trials = MAX_TRIALS if self.levels >= SEARCHED_LEVEL else 1
         for _ in range(trials):
-            second = price + self._course.auxiliary_power_w
-            found = chain(self._low, self._high, self._count, boxes, rows, prices, second)
-            value = found[0] - price * self._running_time_s
-            if value > best:
-                best, through, late = value, found[1] - price * self._running_time_s, found[2] - self._running_time_s
+            second, paid_j = price + self._mesh.auxiliary_power_w, price * self._running_time_s
+            value, values, time_s = chain(self._grid, boxes, rows, prices, second)
+            if value - paid_j > best:
+                best, through, late = value - paid_j, values - paid_j, time_s - self._running_time_s
                 self._price = price
             else:
                 self._step *= 0.5
@@ -147,10 +121,10 @@ class ChainProof:
         return best, through
 
 
-def table_of(course: CourseData, fastest2: FloatArray, slowest2: FloatArray) -> DriveTable:
-    """Return the table of a course's drive for all mean speeds of cells between two runs' squares of speed."""
-    fixed = course.fixed_speed2 >= 0.0
-    slow = np.sqrt(np.where(fixed, course.fixed_speed2, slowest2))
-    fastest = math.sqrt(float(max(fastest2.max(), course.fixed_speed2.max())))
+def drive_table(mesh: MeshData, fastest2: FloatArray, slowest2: FloatArray) -> DriveTable:
+    """Return the table of a meshed line's drive for all mean speeds of cells between two runs' squares of speed."""
+    fixed = mesh.fixed_speed2 >= 0.0
+    slow = np.sqrt(np.where(fixed, mesh.fixed_speed2, slowest2))
+    fastest = math.sqrt(float(max(fastest2.max(), np.nanmax(mesh.fixed_speed2))))
     # a little beyond both, so that rounding leaves no speed outside
-    return tabulate(course, 0.999 * float(0.5 * (slow[:-1] + slow[1:]).min()), 1.001 * fastest)
+    return tabulate(mesh, 0.999 * float(midpoints(slow).min()), 1.001 * fastest)

@@ -1,4 +1,6 @@
-"""What a drive takes over a metre, tabulated over effort and speed so that no point lies below the table.
+"""Energy of a drive per metre, tabulated over effort and speed so that no point lies below the table.
+
+`lowered_energy` serves both bounds: that of chains, with the table below, and `railjoule.core.continuous_bound`.
 
 Between four corners of the table the bilinear interpolant of `DriveTable.low` lies below the energy per metre
 e(x, v) = P(x, v) / v, so that a plane below the corners of a region lies below the drive in all of it. The interpolant
@@ -7,17 +9,17 @@ of the true values exceeds a function by at most
     sag = dx^2 / 8 sup max(e_xx, 0) + dv^2 / 8 sup max(e_vv, 0),
 
 the errors of interpolating along x, then along v; `low` is the true value less the greatest sag of the rectangles
-around. Only curvature upwards counts: a map which is not convex needs nothing else. Where the suprema come from:
+around. Only curvature upwards counts: a map which is not convex needs nothing else. Sources of the suprema:
 
 - Losses of geared motors are bicubic patches L(M, y) = sum c_ab M^a y^b, M = m x, y = t v; the loss polynomial is one
   patch. e = share x + L / v. e_xx = m^2 L_MM / v is linear in M and cubic in y: its supremum is at most that of its
   Bezier points at both ends of M. Of L / v the terms y and y^2 have no curvature left, so that
   e_vv = 2 a0(M) / v^3 + 2 a3(M) t^3 with the cubics a0 = L(M, 0), continued to rest, and a3: Bezier points again, at
   both ends of v, between which it is monotone. That is rigorous up to rounding.
-- A constant efficiency has no curvature, e = x / eta. Windings alone lose c x^2: e = x + c x^2 / v, so that
+- A constant efficiency has no curvature, e = x / eta. Windings lose c x^2: e = x + c x^2 / v, so that
   e_xx = 2 c / v and e_vv = 2 c x^2 / v^3, both greatest where v is least.
 - Induction machines, and kinds that this file does not know, have no such closed form: their suprema are estimated from
-  values, slopes and curvatures at the corners, times `SAFETY`. That is a premise, which `premise` says.
+  values, slopes and curvatures at the corners, times `SAFETY`. `premise` words that premise.
 """
 
 import math
@@ -26,19 +28,15 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.chain_proof.limit_lines import upper_line
 from railjoule.core.compiled import Value, njit
-from railjoule.core.drive.copper_loss import LOSS_COEFFICIENT
-from railjoule.core.drive.geared_parameters import MOTORS, TURNS
+from railjoule.core.drive.formulas import LOSS_COEFFICIENT
+from railjoule.core.drive.geared import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, MOTORS, NO_LOAD, TURNS
 from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
-from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL
-from railjoule.core.drive.loss_map.loss import BRAKING_TABLE, DRIVING_TABLE
-from railjoule.core.drive.loss_map.table import HEAD, PATCH, piece_in
-from railjoule.core.drive.loss_polynomial import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, NO_LOAD
-from railjoule.core.drive.power_terms import PowerTerms
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
-from railjoule.core.physics.energy_per_metre import energy_per_metre
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL, PowerTerms
+from railjoule.core.drive.loss_map import BRAKING_TABLE, DRIVING_TABLE, HEAD, PATCH, piece_in
+from railjoule.core.physics.account import energy_per_metre
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
+from railjoule.core.physics.mesh_data import MeshData
 
 EFFORTS, SPEEDS = 128, 256
 """Steps of a table; its sag falls with their squares, the time to fill it grows with their product."""
@@ -47,9 +45,9 @@ SAFETY = 1.5
 # runs keep their limits to 1e-8, the boxes of the proof widen them by 2e-8
 ABOVE = 1e-6
 """A table goes beyond the largest effort by this share."""
-LEAST_EFFORT = 1e-9
+MIN_EFFORT = 1e-9
 """Stands for no effort, where a drive that is on would be off, as a share of the largest."""
-LEAST_LOSS = 1e-9
+MIN_LOSS = 1e-9
 """A loss no greater than this share of the energy counts as cut off: the difference is rounded."""
 DRIVING, BRAKING = 0, 1
 CLOSED_FORMS = (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP)
@@ -57,7 +55,7 @@ CLOSED_FORMS = (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP)
 
 
 class DriveTable(NamedTuple):
-    """The table of a drive under the limits of a course.
+    """The table of a drive under the limits of a meshed line.
 
     Parameters
     ----------
@@ -236,13 +234,13 @@ def estimated_sag(start: tuple[Value, Value, Value], end: tuple[Value, Value, Va
 
 
 @njit(cache=True, error_model="numpy")
-def energy_point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
+def energy_point(mesh: MeshData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
     """Return e, e_x, e_v, e_xx, e_xv, e_vv [J/m] of a drive that is on; machines go on straight beyond an effort."""
-    kind, parameters, braking = course.drive_kind, course.drive_parameters, mode == BRAKING
+    kind, parameters, braking = mesh.drive_kind, mesh.drive_parameters, mode == BRAKING
     if kind in CLOSED_FORMS:
         return energy_per_metre(power_when_on(kind, parameters, braking, effort, speed), speed)
     # beyond their pull-out machines have no power at all, and at it an infinite slope: the chord below it goes on
-    least = LEAST_EFFORT * most
+    least = MIN_EFFORT * most
     inside = min(max(effort, least), most)
     p, p_x, p_v, p_xx, p_xv, p_vv = power_when_on(kind, parameters, braking, inside, speed)
     if effort > inside:
@@ -253,9 +251,9 @@ def energy_point(course: CourseData, mode: int, effort: float, most: float, step
 
 
 @njit(cache=True, error_model="numpy")
-def _reach(limit: EffortLimit, table: DriveTable, mode: int, reach: IntArray) -> None:
-    """Fill how many columns the strips between rows need, and the last column of each row."""
-    slowest, fastest = table.slowest_ms, table.fastest_ms
+def _reach(limit: EffortLimit, table: DriveTable, mode: int) -> IntArray:
+    """Return how many columns the strips between rows need, and fill the last column of each row."""
+    slowest, fastest, reach = table.slowest_ms, table.fastest_ms, np.empty(SPEEDS, dtype=np.int64)
     for j in range(SPEEDS):
         v1, v2 = row_speed(slowest, fastest, j), row_speed(slowest, fastest, j + 1)
         constant, slope = upper_line(limit, v1, v2)
@@ -263,64 +261,141 @@ def _reach(limit: EffortLimit, table: DriveTable, mode: int, reach: IntArray) ->
         reach[j] = min(max(math.ceil(most / table.top_n[mode] * EFFORTS), 1), EFFORTS)
     for j in range(SPEEDS + 1):
         table.last[mode, j] = max(reach[max(j - 1, 0)], reach[min(j, SPEEDS - 1)])
+    return reach
 
 
-@njit(cache=True, error_model="numpy")
-def _cut_off(points: FloatArray, j: int, k: int, shaft: float) -> float:
-    """Return what a map's loss may sag where it is cut off at zero at a corner: no more than the highest corner's loss.
+@njit(cache=True, error_model="numpy", nogil=True)
+def lowered_energy(
+    mesh: MeshData,
+    mode: int,
+    speed: FloatArray,
+    top: FloatArray,
+    share: FloatArray,
+    last: IntArray,
+    reach: IntArray,
+) -> FloatArray:
+    """Return energy from the supply per metre [J/m], lowered so that bilinear interpolants lie below it.
 
-    Cut off it has a corner of its own, which the curvature of its patch does not tell; `shaft` is the work of the
-    shafts over a metre for each column [J/m].
+    Parameters
+    ----------
+    mesh : MeshData
+        Whose drive is asked.
+    mode : int
+        DRIVING or BRAKING.
+    speed, top : array of shape (m,)
+        Rows of speed [m/s], and the efforts of the share 1 there [N].
+    share : array of shape (k,)
+        Shares of these efforts, rising from 0 to 1.
+    last : array of shape (m,)
+        The last column of each row that is needed.
+    reach : array of shape (m - 1,)
+        How many rectangles between a row and the next are needed.
+
+    Returns
+    -------
+    array of shape (m, k)
+        Infinite beyond the last columns.
     """
-    lowest, highest = math.inf, 0.0
-    for q in range(2):
-        for r in range(2):
-            energy, work = points[j + q, k + r, 0], shaft * (k + r)
-            lowest = min(lowest, energy - work - LEAST_LOSS * abs(energy))
-            highest = max(highest, energy - work)
-    return highest if lowest <= 0.0 else 0.0
+    rows, points = speed.shape[0], np.zeros((speed.shape[0], share.shape[0], 7))
+    energy, is_braking = np.full((rows, share.shape[0]), np.inf), mode == BRAKING
+    limit = mesh.braking if is_braking else mesh.traction
+    for j in range(rows):
+        most, step = max_effort(limit, speed[j]), top[j] * (share[-1] - share[-2])
+        for k in range(last[j] + 1):
+            p, effort = points[j, k], top[j] * share[k]
+            p[0], p[1], p[2], p[3], p[4], p[5] = energy_point(mesh, mode, effort, most, step, speed[j])
+            p[6] = p[0] - shaft_force(mesh.drive_kind, mesh.drive_parameters, is_braking, effort)[0]
+    sags = _sags(mesh, mode, speed, top, share, points, reach)
+    for j in range(rows):
+        energy[j, : last[j] + 1] = points[j, : last[j] + 1, 0] - sags[j, : last[j] + 1]
+    if is_braking:
+        replaced = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
+        _take_from_supply(energy, last, reach, mesh.recuperation_factor, replaced)
+    return energy
 
 
 @njit(cache=True, error_model="numpy")
-def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, reach: IntArray) -> FloatArray:
-    """Return the greatest sag of the rectangles around each point; shape (SPEEDS + 1, EFFORTS + 1)."""
-    sags, patch = np.zeros((SPEEDS + 1, EFFORTS + 1)), np.empty(PATCH)
-    kind, parameters, step = course.drive_kind, course.drive_parameters, table.top_n[mode] / EFFORTS
-    shaft = shaft_force(kind, parameters, mode == BRAKING, step)[1]
-    for j in range(SPEEDS):
-        v1 = row_speed(table.slowest_ms, table.fastest_ms, j)
-        v2 = row_speed(table.slowest_ms, table.fastest_ms, j + 1)
-        for k in range(reach[j]):
-            if kind in CLOSED_FORMS:
-                effort = step * k, step * (k + 1)
-                e_xx, e_vv, _ = loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
-                sag = 0.125 * (step * step * max(e_xx, 0.0) + (v2 - v1) ** 2 * max(e_vv, 0.0))
+def _sags(
+    mesh: MeshData,
+    mode: int,
+    speed: FloatArray,
+    top: FloatArray,
+    share: FloatArray,
+    points: FloatArray,
+    reach: IntArray,
+) -> FloatArray:
+    """Return the greatest sag of the rectangles around each point [J/m]; shape (m, k).
+
+    Over speed the effort of a share changes with the effort of the share 1.
+    """
+    kind, sags, patch = mesh.drive_kind, np.zeros(points.shape[:2]), np.empty(PATCH)
+    for j in range(speed.shape[0] - 1):
+        width, high, count = speed[j + 1] - speed[j], max(top[j], top[j + 1]), reach[j]
+        slope, row = (top[j + 1] - top[j]) / width, np.empty(count)
+        if kind in CLOSED_FORMS:
+            for k in range(count):
+                u = share[k + 1]
+                effort = min(top[j], top[j + 1]) * share[k], high * u
+                e_xx, e_vv, e_xv = loss_curvatures(
+                    kind, mesh.drive_parameters, mode == BRAKING, effort, (speed[j], speed[j + 1]), patch
+                )
+                e_xx = max(e_xx, 0.0)
+                step, turn = high * (u - share[k]), u * abs(slope)
+                bend = max(turn * turn * e_xx + 2.0 * turn * e_xv + e_vv, 0.0)
+                row[k] = 0.125 * (step * step * e_xx + width * width * bend)
                 if GEARED[kind]:
-                    sag = max(sag, _cut_off(points, j, k, shaft * step))
-            else:
-                along = across = 0.0
-                for q in range(2):
-                    a, b = points[j + q, k], points[j + q, k + 1]
-                    along = max(along, estimated_sag((a[0], a[1], a[3]), (b[0], b[1], b[3]), step))
-                    a, b = points[j, k + q], points[j + 1, k + q]
-                    across = max(across, estimated_sag((a[0], a[2], a[4]), (b[0], b[2], b[4]), v2 - v1))
-                sag = along + across
-            for q in range(2):
-                for r in range(2):
-                    sags[j + q, k + r] = max(sags[j + q, k + r], sag)
+                    row[k] = max(row[k], _cut_off(points, j, k))
+        else:
+            end = count + 1
+            row[:] = _estimated_row(points[j, :end], points[j + 1, :end], top[j], top[j + 1], share[:end], width)
+        for q in range(2):
+            sags[j + q, :count] = np.maximum(sags[j + q, :count], row)
+            sags[j + q, 1 : count + 1] = np.maximum(sags[j + q, 1 : count + 1], row)
     return sags
 
 
 @njit(cache=True, error_model="numpy")
-def _take_from_line(low: FloatArray, last: IntArray, reach: IntArray, factor: float, replaced: bool) -> None:
-    """Turn the energy of the drive into that of the line, in place; `replaced` where a standstill brake never draws.
+def _estimated_row(
+    slow: FloatArray, fast: FloatArray, slow_top: float, fast_top: float, share: FloatArray, width: float
+) -> FloatArray:
+    """Return the estimated sags of the rectangles between two rows of points [J/m]; shape (k - 1,)."""
+    rises = share[1:] - share[:-1]
+    along = np.zeros(len(rises))
+    for p, top in ((slow, slow_top), (fast, fast_top)):
+        a, b = p[:-1], p[1:]
+        found = estimated_sag((a[:, 0], a[:, 1], a[:, 3]), (b[:, 0], b[:, 1], b[:, 3]), top * rises)
+        along = np.maximum(along, found)
+    turn = share * ((fast_top - slow_top) / width)
+    start = slow[:, 0], slow[:, 2] + turn * slow[:, 1], slow[:, 5] + turn * (2.0 * slow[:, 4] + turn * slow[:, 3])
+    end = fast[:, 0], fast[:, 2] + turn * fast[:, 1], fast[:, 5] + turn * (2.0 * fast[:, 4] + turn * fast[:, 3])
+    across = estimated_sag(start, end, width + 0.0 * turn)
+    return along + np.maximum(across[:-1], across[1:])
 
-    The line's part u(e) = max(e, r e) is convex and rises: u of what lies below lies below, but the interpolant of u at
-    the corners exceeds u of the interpolant, where these lie on both sides of zero, by up to
+
+@njit(cache=True, error_model="numpy")
+def _cut_off(points: FloatArray, j: int, k: int) -> float:
+    """Return the sag of a map's loss that is cut off at zero at a corner: no more than the highest corner's loss.
+
+    Cut off it has a corner of its own, which the curvature of its patch does not show.
+    """
+    lowest, highest = math.inf, 0.0
+    for q in range(2):
+        for r in range(2):
+            p = points[j + q, k + r]
+            lowest, highest = min(lowest, p[6] - MIN_LOSS * abs(p[0])), max(highest, p[6])
+    return highest if lowest <= 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _take_from_supply(low: FloatArray, last: IntArray, reach: IntArray, factor: float, replaced: bool) -> None:
+    """Turn the energy of the drive into that of the supply, in place; `replaced` where a standstill brake never draws.
+
+    The supply's part u(e) = max(e, r e) is convex and rises: u of what lies below lies below, but the interpolant of u
+    at the corners exceeds u of the interpolant, where these lie on both sides of zero, by up to
     (1 - r) a b / (a + b), a the highest of them and -b the lowest: the chord's distance from the kink.
     """
     if replaced:
-        # what it generates alone: what it would draw is the standstill brake's, and that is the mode without power
+        # only the energy that it generates: where it would draw a standstill brake stands in, in the mode without power
         low *= factor
         return
     kinks = np.zeros(low.shape)
@@ -354,32 +429,22 @@ def _spare_by_friction(low: FloatArray, last: IntArray, window: int) -> None:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def tabulate(course: CourseData, slowest: float, fastest: float) -> DriveTable:
-    """Return the table of a course's drive between two speeds [m/s], the first above zero."""
-    top = np.array([course.traction.constant_n, course.braking.constant_n]) * (1.0 + ABOVE)
+def tabulate(mesh: MeshData, slowest: float, fastest: float) -> DriveTable:
+    """Return the table of a meshed line's drive between two speeds [m/s], the first above zero."""
+    top = np.array([mesh.traction.constant_n, mesh.braking.constant_n]) * (1.0 + ABOVE)
     low = np.full((2, SPEEDS + 1, EFFORTS + 1), np.inf)
     table = DriveTable(low, np.full((2, SPEEDS + 1), -1), slowest, fastest, top)
+    speed, share = np.empty(SPEEDS + 1), np.arange(EFFORTS + 1) / EFFORTS
+    for j in range(SPEEDS + 1):
+        speed[j] = row_speed(slowest, fastest, j)
     for mode in (DRIVING, BRAKING):
-        limit = course.traction if mode == DRIVING else course.braking
+        limit = mesh.traction if mode == DRIVING else mesh.braking
         if limit.constant_n <= 0.0:
             continue
-        reach, points = np.zeros(SPEEDS, dtype=np.int64), np.zeros((SPEEDS + 1, EFFORTS + 1, 5))
-        _reach(limit, table, mode, reach)
-        step = top[mode] / EFFORTS
-        for j in range(SPEEDS + 1):
-            v = row_speed(slowest, fastest, j)
-            most = largest_effort(limit, v)
-            for k in range(table.last[mode, j] + 1):
-                e, e_x, e_v, e_xx, _, e_vv = energy_point(course, mode, step * k, most, step, v)
-                p = points[j, k]
-                p[0], p[1], p[2], p[3], p[4] = e, e_x, e_v, e_xx, e_vv
-        sags = _sags(course, table, mode, points, reach)
-        for j in range(SPEEDS + 1):
-            for k in range(table.last[mode, j] + 1):
-                low[mode, j, k] = points[j, k, 0] - sags[j, k]
-        if mode == BRAKING:
-            replaced = has_standstill_brake(course.drive_kind, course.drive_parameters)
-            _take_from_line(low[mode], table.last[mode], reach, course.recuperation_factor, replaced)
-            if course.friction_effort_n > 0.0:
-                _spare_by_friction(low[mode], table.last[mode], math.ceil(course.friction_effort_n / step))
+        reach = _reach(limit, table, mode)
+        tops = np.full(SPEEDS + 1, top[mode])
+        low[mode] = lowered_energy(mesh, mode, speed, tops, share, table.last[mode], reach)
+        if mode == BRAKING and mesh.friction_effort_n > 0.0:
+            window = math.ceil(mesh.friction_effort_n / (top[mode] / EFFORTS))
+            _spare_by_friction(low[mode], table.last[mode], window)
     return table

@@ -1,14 +1,14 @@
 """An independent check of a run: from the scenario's own keys and the equations, with none of the product's kernels.
 
-It asks whether motion, efforts, powers, times and sums of a run fit together, and keep every limit of scenario, vehicle
-and motors. Each rule has its largest deviation, as a share of a stated scale, and what of it is allowed. The equations
+It checks whether motion, efforts, powers, times and sums of a run are consistent, and keep every limit of scenario,
+vehicle and motors. Each rule has its largest deviation, as a share of a stated scale, and its tolerance. The equations
 and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `switching`,
 `powers`, `account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter
-holds that none of it imports a drive, a solver or the account that it checks.
+verifies that none of it imports a drive, a solver or the energy balance that it checks.
 
-What it cannot know: whether the vehicle's data are right, and whether a run could be cheaper; the bound is only held
-against the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree
-only within a share of the losses, `synchronous.TABLE_ACCURACY`.
+It cannot judge whether the vehicle's data are right, nor whether a run could be cheaper; the bound is only compared
+with the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree only
+within a share of the losses, `synchronous.TABLE_ACCURACY`.
 """
 
 from collections.abc import Iterator, Mapping
@@ -19,12 +19,12 @@ import numpy as np
 from railjoule.core.check.account import account_findings
 from railjoule.core.check.case import Case
 from railjoule.core.check.efforts import effort_findings
-from railjoule.core.check.motion import motion_findings, order_finding
+from railjoule.core.check.motion import find_disorder, motion_findings
 from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
-from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, largest_of, result_of
+from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, find_largest
 from railjoule.core.check.switching import switching_findings
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH
 
 __all__ = ["Check", "CheckResult", "Unchecked", "check_run", "check_table"]
@@ -38,7 +38,7 @@ def check_run(
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        Of the run.
     run : Trajectory
         Or anything with its fields.
     initial_speed_ms, final_speed_ms : float, optional
@@ -50,21 +50,21 @@ def check_run(
 def check_table(
     scenario: Scenario,
     table: Mapping[str, Any],
-    strategy: StrategyName | None = None,
+    strategy: str | None = None,
     *,
     initial_speed_ms: float | None = None,
     final_speed_ms: float | None = None,
 ) -> CheckResult:
-    """Return how well the nodes of a run keep the rules of its scenario, as far as a table tells.
+    """Return how well the nodes of a run keep the rules of its scenario, as far as a table has values.
 
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        Of the run.
     table : mapping of str to array of nodes
         Columns as `Trajectory.to_dataframe` has them, of which position_m, time_s and speed_kmh must be there.
     strategy : str, optional
-        Who made the run, the scenario's where absent: some may be late.
+        Of the run, the scenario's where absent: some may be late.
     initial_speed_ms, final_speed_ms : float, optional
         Speeds at the ends of the run [m/s]; those of the timetable where absent.
 
@@ -78,40 +78,35 @@ def check_table(
 
 
 def _check(scenario: Scenario, record: Record, initial_ms: float | None, final_ms: float | None) -> CheckResult:
-    ends = [
-        kmh * MS_PER_KMH if given is None else given
-        for given, kmh in (
-            (initial_ms, scenario.timetable.entry_speed_kmh),
-            (final_ms, scenario.timetable.exit_speed_kmh),
-        )
-    ]
-    # numbers of any size may stand in a table: what overflows breaks a rule, and needs no warning
+    timetable = scenario.timetable
+    entry = timetable.entry_speed_kmh * MS_PER_KMH if initial_ms is None else initial_ms
+    leaving = timetable.exit_speed_kmh * MS_PER_KMH if final_ms is None else final_ms
+    # a table may hold numbers of any size: an overflow breaks a rule, and needs no warning
     with np.errstate(all="ignore"):
-        return result_of(list(_findings(Case(scenario, record, *ends))))
+        findings = list(_findings(Case(scenario, record, entry, leaving)))
+    checks = tuple(finding for finding in findings if isinstance(finding, Check))
+    return CheckResult(checks, tuple(finding for finding in findings if isinstance(finding, Unchecked)))
 
 
 def _findings(case: Case) -> Iterator[Finding]:
-    finite = _finite(case.record)
     # Later rules compare and integrate: with a NaN every comparison is false and a broken rule would look kept, and
-    # with places that fall back the cells have no length to divide by. So each of the two ends the check.
-    yield finite
-    if not finite.ok:
-        yield Unchecked("all other rules", "the run has numbers that are not finite")
-        return
-    order = order_finding(case)
-    yield order
-    if not order.ok:
-        yield Unchecked("all other rules", "places, times or speeds fall where they must not")
-        return
-    yield from motion_findings(case)
-    yield from effort_findings(case)
-    yield from switching_findings(case)
-    yield from power_findings(case)
-    yield from account_findings(case)
+    # with places that fall back the cells have no length to divide by. So each of the first two ends the check.
+    for rule, reason in (
+        (_count_not_finite, "the run has numbers that are not finite"),
+        (find_disorder, "places, times or speeds fall where they must not"),
+    ):
+        found = rule(case)
+        yield found
+        if not found.ok:
+            yield Unchecked("all other rules", reason)
+            return
+    for findings in (motion_findings, effort_findings, switching_findings, power_findings, account_findings):
+        yield from findings(case)
 
 
-def _finite(record: Record) -> Check:
+def _count_not_finite(case: Case) -> Check:
     """Count the numbers that are not finite."""
+    record = case.record
     # one number a node: an array of cells counts at the node where its cell begins
     nodes = np.zeros(len(record.position_m))
     whole = 0
@@ -122,7 +117,7 @@ def _finite(record: Record) -> Check:
         else:
             nodes[: len(values)] += wrong
     if not nodes.any():
-        return largest_of("finite numbers", "one number", 0.0, float(whole))
+        return find_largest("finite numbers", "one number", 0.0, float(whole))
     # the place of the first, as the places themselves may be none
     first = int(np.argmax(nodes > 0))
     place = record.position_m[first]

@@ -20,13 +20,12 @@ Source: Rawicki, "New software for energy saving control of a tram vehicle", (1)
 """
 
 import math
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import EDGE, EXACT, Losses
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
 from railjoule.core.check.polynomials import product, real_roots, values
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.units import H_PER_MH
@@ -37,71 +36,60 @@ OVERLOAD = 2e-3
 """A torque so little beyond the greatest takes the power that it has at the ratio of the pull-out."""
 
 
-@dataclass(frozen=True)
-class InductionLosses:
+class InductionModel(GearedModel, model="induction"):
     """The machines of a train, each with the flux of least loss, and their gears."""
 
     parameters: Induction
-    accuracy = EXACT
-
-    @cached_property
-    def turns_per_metre(self) -> float:
-        """Angle of a motor over the distance of the train [1/m]."""
-        return self.parameters.gear_ratio / (0.5 * self.parameters.wheel_diameter_m)
 
     @cached_property
     def machine(self) -> "Machine":
         """One of the machines."""
         return Machine(self.parameters)
 
+    def shaft_over_wheel(self) -> tuple[float, float]:
+        """Return 1 / eta for driving, in which the motor also gives the gear's loss, and eta for braking."""
+        return 1 / self.parameters.gear_efficiency, self.parameters.gear_efficiency
+
     def torque_nm(self, effort_n: FloatArray) -> FloatArray:
-        """Return the electromagnetic torque of each machine that an effort asks for [N m]."""
-        drive = self.parameters
-        # driving, the motor must also bring what the gear loses; in braking the gear has taken its part before
-        by_gear = np.where(effort_n > 0, 1 / drive.gear_efficiency, drive.gear_efficiency)
-        torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (
-            drive.motors * self.turns_per_metre
-        )
-        return torque
+        """Return the electromagnetic torque of each machine for an effort [N m]."""
+        return self.parameters.mechanical_loss_torque_nm + self.shaft_torque_nm(effort_n)
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
         """Return the losses by kind [W]; NaN where no flux carries the torque within the voltage.
 
-        Where a train has a standstill brake, this does what the machines could only do with power of the line.
+        A standstill brake brakes wherever the machines would need supply power for it.
         """
         drive, work = self.parameters, effort_n * speed_ms
         torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
-        copper, iron, _ = self.machine.least_losses(torque, speed)
+        copper, iron, _ = self.machine.min_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
             "iron": drive.motors * iron,
             "mechanical": drive.motors * drive.mechanical_loss_torque_nm * speed,
-            "gear": np.where(work > 0, work * (1 / drive.gear_efficiency - 1), -work * (1 - drive.gear_efficiency)),
+            "gear": self.gear_loss_w(effort_n, speed_ms),
             "standstill_brake": np.zeros(len(work)),
         }
         if not drive.standstill_brake:
             return losses
-        # the brake is decided for the train as a whole, by the power at the terminals: above 0, braking would cost
-        # power
+        # decided for the whole train, by the power at the terminals: above 0, braking would cost power
         draws = (effort_n < 0) & (work + sum(losses.values()) > 0)
         losses = {kind: np.where(draws, 0.0, watts) for kind, watts in losses.items()}
         return losses | {"standstill_brake": np.where(draws, -work, 0.0)}
 
-    def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
-        """Return the largest effort within current, voltage and rated flux [N]."""
-        drive, lever = self.parameters, self.parameters.motors * self.turns_per_metre
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+        """Return the greatest torque of a shaft within current, voltage and rated flux [N m]."""
+        drive = self.parameters
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.greatest_torque(self.turns_per_metre * speed_ms, current, braking)
-        if braking:
-            return lever * (torque + drive.mechanical_loss_torque_nm) / drive.gear_efficiency
+        torque = self.machine.max_torque(speed_rads, current, braking)
         # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
-        return lever * np.maximum(torque - drive.mechanical_loss_torque_nm, 0.0) * drive.gear_efficiency
+        sign = -1.0 if braking else 1.0
+        return np.maximum(torque - sign * drive.mechanical_loss_torque_nm, 0.0)
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.least_losses(torque, self.turns_per_metre * speed_ms)[2]
+        current = self.machine.min_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
 
@@ -122,7 +110,7 @@ class Machine:
         self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
         self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
 
-    def least_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return copper and iron loss [W] and the current [A] with the flux of least loss; NaN where there is none."""
         sign, strength = np.where(torque < 0, -1.0, 1.0), np.abs(torque) / self.torque_constant
         rotor = self.pole_pairs * speed
@@ -137,7 +125,7 @@ class Machine:
         copper_w, iron_w, current = (np.where(none, np.nan, these[rows, least]) for these in found)
         return copper_w, iron_w, current
 
-    def greatest_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
+    def max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
         """Return the greatest torque without sign [N m] that a current, the voltage and the rated flux allow."""
         quartic = self._quartic(np.full(len(speed), -1.0 if braking else 1.0), self.pole_pairs * speed)
         flux_meets_voltage = self.flux2 * quartic - self.voltage2 * np.eye(5)[0]

@@ -1,64 +1,96 @@
-"""What the check asks of a loss model, whatever the drive, and the gear of motors with inverters of their own."""
+"""The losses and limits of one kind of drive in the check, and the gear between motors and wheels."""
 
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.scenario.drive import GearedMotors
 
 EXACT = 0.0
-# far above the rounding of a torque from an effort, far below what any limit is known to
+# far above the rounding of a torque from an effort, far below the accuracy of any limit
 EDGE = 1e-9
-"""What rounding may put beyond the end of a map, or of what a current or a voltage allows, as a share."""
+"""How far rounding may exceed the end of a map, or a limit of current or voltage, as a share."""
 
 Losses = dict[str, FloatArray]
 
+LOSS_MODELS: dict[str, type["LossModel"]] = {}
+"""The loss model of each drive, by `drive.model`."""
 
-class LossModel(Protocol):
-    """One kind of drive, for arrays of effort [N] and speed [m/s] of shape (k,)."""
 
-    @property
-    def accuracy(self) -> float:
-        """How far the product's losses may be from these, as a share of them and a tenth of the run's largest.
+# Written from the formulas with NumPy. The kernels of `core/drive` would be quicker and would repeat their own
+# errors: a wrong sign there could never be found here.
+class LossModel:
+    """One kind of drive, for arrays of effort [N], braking negative, and speed [m/s] of shape (k,).
 
-        `EXACT` where the product evaluates the same formula, more where it tabulates one.
-        """
+    A subclass is declared with the name of its drive, `class Name(LossModel, model="...")`.
+
+    Parameters
+    ----------
+    parameters : DriveParameters
+        Of the scenario.
+    """
+
+    accuracy = EXACT
+    """The allowed difference of the product's losses, as a share of them and of a tenth of the run's largest: `EXACT`
+    where the product evaluates the same formula, more where it tabulates one."""
+
+    def __init__(self, parameters: Any) -> None:
+        self.parameters = parameters
+
+    def __init_subclass__(cls, model: str = "") -> None:
+        if model:
+            LOSS_MODELS[model] = cls
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
-        """Return the losses of a drive that is on by kind [W]; NaN where its motors cannot do that."""
+        """Return the losses of a drive that is on by kind [W]; NaN beyond the limits of its motors."""
+        raise NotImplementedError
 
-    def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
-        """Return the largest effort that the motors have [N]; infinite where the model sets no limit."""
+    def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
+        """Return the largest effort of the motors [N]; infinite where the model sets no limit."""
+        return np.full(len(speed_ms), np.inf)
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray | None:
-        """Return the current of a motor [A], or None where the model has none."""
+        """Return the current of a motor [A], negative in braking, or None where the model has none."""
+        return None
 
 
-def turns_per_metre(parameters: GearedMotors) -> float:
-    """Return the angle of a motor over the distance of the train [1/m]."""
-    return parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
+class GearedModel(LossModel):
+    """Motors behind gears.
 
+    A gear loses g |F v|: a shaft has F (1 + g) / (n x) in driving and F (1 - g) / (n x) in braking, x = gear ratio over
+    wheel radius.
+    """
 
-def shaft_torque_nm(parameters: GearedMotors, effort_n: FloatArray) -> FloatArray:
-    """Return the torque of each shaft, braking negative [N m]: the gear loses its share in both directions."""
-    # the gear loses g |F v|: on top of the power at the wheels when driving, out of it when braking
-    shaft_over_wheel = np.where(effort_n > 0, 1 + parameters.gear_loss_share, 1 - parameters.gear_loss_share)
-    torque: FloatArray = effort_n * shaft_over_wheel / (parameters.motors * turns_per_metre(parameters))
-    return torque
+    def __init__(self, parameters: Any) -> None:
+        super().__init__(parameters)
+        self.turns_per_metre = parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
+        self.driving_share, self.braking_share = self.shaft_over_wheel()
 
+    def shaft_over_wheel(self) -> tuple[float, float]:
+        """Return the power of the shafts over power at the wheels in driving and in braking."""
+        return 1 + self.parameters.gear_loss_share, 1 - self.parameters.gear_loss_share
 
-def effort_of_torque_n(parameters: GearedMotors, torque_nm: FloatArray, braking: bool) -> FloatArray:
-    """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
-    shaft_over_wheel = 1 - parameters.gear_loss_share if braking else 1 + parameters.gear_loss_share
-    return parameters.motors * turns_per_metre(parameters) * torque_nm / shaft_over_wheel
+    def shaft_torque_nm(self, effort_n: FloatArray) -> FloatArray:
+        """Return the torque of each shaft, braking negative [N m]."""
+        share = np.where(effort_n > 0, self.driving_share, self.braking_share)
+        torque: FloatArray = effort_n * share / (self.parameters.motors * self.turns_per_metre)
+        return torque
 
+    def effort_of_torque_n(self, torque_nm: FloatArray, braking: bool) -> FloatArray:
+        """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
+        share = self.braking_share if braking else self.driving_share
+        effort: FloatArray = self.parameters.motors * self.turns_per_metre * torque_nm / share
+        return effort
 
-def geared_losses_w(
-    parameters: GearedMotors, effort_n: FloatArray, speed_ms: FloatArray, motor_loss_w: FloatArray
-) -> Losses:
-    """Return the losses of all motors with their inverters and of the gears [W]."""
-    return {
-        "motors_and_inverters": parameters.motors * motor_loss_w,
-        "gear": parameters.gear_loss_share * np.abs(effort_n * speed_ms),
-    }
+    def gear_loss_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the loss of the gears [W]."""
+        work: FloatArray = effort_n * speed_ms
+        return np.where(work > 0, work * (self.driving_share - 1), work * (self.braking_share - 1))
+
+    def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
+        """Return the effort of the greatest torque [N]."""
+        return self.effort_of_torque_n(self.max_torque_nm(self.turns_per_metre * speed_ms, braking), braking)
+
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+        """Return the greatest torque of a shaft, without sign [N m]."""
+        return np.full(len(speed_rads), np.inf)

@@ -1,16 +1,17 @@
-"""Whether a run moves as it must: places, times, stops, speeds, accelerations, arrival, and the forces that it needs.
+"""Rules of motion: places, times, stops, speeds, accelerations, arrival, and the balance of forces.
 
 In a cell the net force is constant, so v^2 is linear over distance: a cell of the length h takes 2 h / (v0 + v1) and
 its acceleration is (v1^2 - v0^2) / (2 h).
 """
 
 from collections.abc import Iterator
+from itertools import starmap
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
-from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
+from railjoule.core.check.result import Check, Finding, Unchecked, find_largest
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # places of a table are read from text: stations are found again within a hundredth of a millimetre
@@ -27,30 +28,31 @@ LATE_S, LATE_SHARE = 1e-6, 2e-9
 MISSED_S = 1e-4
 """A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
 # With a price of time every second before the arrival costs energy, so an optimum is never early, but for its own
-# tolerance. An early arrival is judged by that cost, as seconds alone mean little on a flat optimum.
+# tolerance. An early arrival is judged by that cost, as seconds mean little on a flat optimum.
 EARLY_ARRIVAL_COST = 1e-5
 """An early arrival may cost what five digits of the energy do not tell."""
-# of the weight: where a train coasts at its steady speed both forces are nearly 0, and their ratio says nothing
+# of the weight: where a train coasts at its steady speed both forces are nearly 0, and their ratio means nothing
 FORCE_SCALE_SHARE = 1e-6
+TOP_SPEED = "the vehicle's top speed"
+Rule = tuple[str, str, float, FloatArray, FloatArray]
+"""Name, scale, tolerance, deviations as shares of the scale, and their places [m]."""
 
 
 def motion_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's motion."""
-    yield _whole_line(case)
-    yield _end_speeds(case)
-    yield _cell_lengths(case)
-    yield _cell_times(case)
+    yield from starmap(find_largest, _cell_rules(case))
     yield from _stops(case)
     yield from _windows(case)
     yield from _arrival(case)
     yield _speed_limit(case)
     yield from _braking_curve(case)
-    yield from _accelerations(case)
-    yield _gradient(case)
-    yield _forces(case)
+    if case.record.gradient_permille is None:
+        yield Unchecked("gradient", "the table has no column gradient_permille")
+    if case.record.effort_n is None:
+        yield Unchecked("balance of forces", "the table has no column effort_kn")
 
 
-def order_finding(case: Case) -> Check:
+def find_disorder(case: Case) -> Check:
     """Return whether places and times rise, and no speed is negative."""
     record, most = case.record, float(np.max(np.abs(case.record.speed_ms)))
     # with an allowance of 0: rounding does not turn the order of places, and all later rules divide by their
@@ -62,7 +64,7 @@ def order_finding(case: Case) -> Check:
             -np.minimum(record.speed_ms[:-1], record.speed_ms[1:]) / max(most, 1.0),
         ]
     )
-    return largest_of(
+    return find_largest(
         "places, times and speeds rise from zero",
         "the line, the time or the greatest speed",
         0.0,
@@ -71,38 +73,41 @@ def order_finding(case: Case) -> Check:
     )
 
 
-def _whole_line(case: Case) -> Check:
-    ends, length = case.record.position_m[[0, -1]], case.route.length_m
-    misses = np.abs(ends - [0.0, length]) / length
-    return largest_of("whole line driven", "the line", ROUNDING, misses, ends)
-
-
-def _end_speeds(case: Case) -> Check:
-    record = case.record
-    misses = np.abs(record.speed_ms[[0, -1]] - [case.initial_speed_ms, case.final_speed_ms])
-    most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
-    return largest_of(
-        "speeds at the ends", "the vehicle's top speed", ROUNDING, misses / most, record.position_m[[0, -1]]
-    )
-
-
-def _cell_lengths(case: Case) -> Check:
-    """Compare cells with the last digit of their places: in a shorter one forces are nothing but rounding."""
-    return largest_of(
-        "cells long enough for their places",
-        "the cell, its ends' last digit",
-        ROUNDED_FORCE,
-        case.rounding_share,
-        case.record.middle_m,
-    )
-
-
-def _cell_times(case: Case) -> Check:
-    record = case.record
+def _cell_rules(case: Case) -> Iterator[Rule]:
+    """Yield the rules of places, speeds, times and forces of cells and ends."""
+    record, vehicle, length, middle = case.record, case.scenario.vehicle, case.route.length_m, case.record.middle_m
+    ends = record.position_m[[0, -1]]
+    yield "whole line driven", "the line", ROUNDING, np.abs(ends - [0.0, length]) / length, ends
+    misses = np.abs(record.speed_ms[[0, -1]] - [case.initial_speed_ms, case.final_speed_ms]) / case.top_speed_ms
+    yield "speeds at the ends", TOP_SPEED, ROUNDING, misses, ends
+    # in a shorter cell forces are nothing but rounding
+    share = case.rounding_share
+    yield "cells long enough for their places", "the cell, its ends' last digit", ROUNDED_FORCE, share, middle
     with np.errstate(divide="ignore"):
         times = record.length_m / record.mean_speed_ms
     misses = np.abs(record.duration_s - times) / np.maximum(record.duration_s, 1.0)
-    return largest_of("time of each cell", "the cell's time, at least 1 s", ROUNDING, misses, record.middle_m)
+    yield "time of each cell", "the cell's time, at least 1 s", ROUNDING, misses, middle
+    for name, change, limit in (
+        ("acceleration", case.acceleration_ms2, vehicle.traction.max_acceleration_ms2),
+        ("deceleration", -case.acceleration_ms2, vehicle.braking.max_deceleration_ms2),
+    ):
+        if limit is not None:
+            # the rounding is subtracted as an acceleration of its own, as it grows without bound in short cells
+            yield name, "the limit", ROUNDED_ACCELERATION, (change - case.rounding_ms2) / limit - 1, middle
+    if record.gradient_permille is not None:
+        difference = np.abs(record.moving(record.gradient_permille) - case.gradient_permille)
+        misses = np.maximum(difference - case.rounding_permille, 0.0)
+        yield "gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, middle
+    if record.effort_n is not None:
+        # inertia, running resistance, gradient and curve against the efforts
+        reported, required = record.moving(record.effort_n), case.required_effort_n
+        least = FORCE_SCALE_SHARE * N_PER_KN * case.train.weight_kn
+        # Of the rounding of the speeds only a thousandth: the whole would excuse any force in cells of a millimetre.
+        # The efforts of a run are computed from its speeds, so both agree better than either is exact.
+        rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
+        misses = np.maximum(np.abs(reported - required) - rounding, 0.0)
+        scale = np.maximum(np.abs(reported), np.abs(required)) + least
+        yield "balance of forces", "the force", ROUNDED_FORCE, misses / scale, middle
 
 
 def _stops(case: Case) -> Iterator[Check]:
@@ -112,7 +117,7 @@ def _stops(case: Case) -> Iterator[Check]:
     places = record.position_m[:-1]
     # standing before the start is a late departure and no stop
     waits[places <= places[0]] = 0.0
-    most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    most = case.top_speed_ms
     # before a window the best run may have to wait
     may_wait = record.strategy == "optimal" and bool(_arrival_windows(case))
     passing, misses = [], []
@@ -127,15 +132,15 @@ def _stops(case: Case) -> Iterator[Check]:
     if case.route.passes:
         places_m = np.array([place for place, _ in case.route.passes])
         off = [abs(_speed_at(case, place) - speed) / most for place, speed in case.route.passes]
-        yield largest_of("passing speeds", "the vehicle's top speed", ROUNDING, np.array(off), places_m)
+        yield find_largest("passing speeds", TOP_SPEED, ROUNDING, np.array(off), places_m)
     still = ~record.moves
     before, after = record.speed_ms[:-1][still], record.speed_ms[1:][still]
     # A cell without length is a dwell, at speed 0, or with no time either a node that is written twice, at one speed.
     rolling = np.where(np.diff(record.time_s)[still] > 0, np.maximum(before, after), np.abs(after - before)) / most
-    yield largest_of("stands still where it stands", "the vehicle's top speed", ROUNDING, rolling, places[still])
+    yield find_largest("stands still where it stands", TOP_SPEED, ROUNDING, rolling, places[still])
     if stops:
-        yield largest_of("stops", "the vehicle's top speed", ROUNDING, np.array(passing), at)
-    yield largest_of(
+        yield find_largest("stops", TOP_SPEED, ROUNDING, np.array(passing), at)
+    yield find_largest(
         "standing times",
         "the dwell, at least 1 s",
         ROUNDING,
@@ -146,28 +151,24 @@ def _stops(case: Case) -> Iterator[Check]:
 
 def _windows(case: Case) -> Iterator[Finding]:
     """Compare arrivals at stations with their windows."""
-    windows = _arrival_windows(case)
-    if not windows:
-        return
-    if case.record.strategy != "optimal":
-        # it says so in its notes
+    windows, record = _arrival_windows(case), case.record
+    if windows and record.strategy != "optimal":
+        # the notes of such a run contain this
         yield Unchecked("windows of arrival", "only the strategy 'optimal' keeps them")
-        return
-    record, misses = case.record, []
-    for place, (low, high) in windows:
-        # the first of the nodes at the station, at which the train arrives
-        arrival = record.time_s[int(np.argmax(record.position_m > place - SAME_PLACE_M))] - record.time_s[0]
-        misses.append(max(low - arrival, arrival - high, 0.0))
-    at = np.array([place for place, _ in windows])
-    yield largest_of("windows of arrival", "one second", MISSED_S, np.array(misses), at)
+    elif windows:
+        places, bounds = np.array(list(windows)), np.array(list(windows.values()))
+        # the first of the nodes at a station, at which the train arrives
+        first = np.searchsorted(record.position_m, places - SAME_PLACE_M, side="right")
+        arrival = record.time_s[np.minimum(first, len(record.time_s) - 1)] - record.time_s[0]
+        misses = np.maximum(np.maximum(bounds[:, 0] - arrival, arrival - bounds[:, 1]), 0.0)
+        yield find_largest("windows of arrival", "one second", MISSED_S, misses, places)
 
 
-def _arrival_windows(case: Case) -> list[tuple[float, tuple[float, float]]]:
-    """Return the places of stations with windows of arrival [m], the end of the line among them, and the windows."""
-    route = case.route
-    windows = [(stop.position_m, stop.window_s) for stop in route.stops]
-    windows.append((float(case.record.position_m[-1]), route.end_window_s))
-    return [(place, window) for place, window in windows if window != (0.0, np.inf)]
+def _arrival_windows(case: Case) -> dict[float, tuple[float, float]]:
+    """Return the windows of arrival by place [m], that of the end of the line among them."""
+    windows = {stop.position_m: stop.window_s for stop in case.route.stops}
+    windows[float(case.record.position_m[-1])] = case.route.end_window_s
+    return {place: window for place, window in windows.items() if window != (0.0, np.inf)}
 
 
 def _speed_at(case: Case, position_m: float) -> float:
@@ -191,15 +192,13 @@ def _arrival(case: Case) -> Iterator[Finding]:
         # only this strategy may be late, by a share of the running time: dwells are not driven
         window = scenario.search.time_window if record.strategy == "speed_limits" else 0.0
         latest = due + window * (due - sum(stop.dwell_s for stop in case.route.stops))
-        yield largest_of("late arrival", "the timetable's time", allowed, (taken - latest) / due)
-    early = due - taken - allowed * due
+        yield find_largest("late arrival", "the timetable's time", allowed, (taken - latest) / due)
     if record.price_of_time_w is None:
         yield Unchecked("early arrival", "no price of time is known, so it may cost nothing")
-    else:
-        lost = max(early, 0.0) * record.price_of_time_w
-        yield largest_of(
-            "early arrival", "the energy moved, by the price of time", EARLY_ARRIVAL_COST, lost / case.energy_scale_j
-        )
+        return
+    lost_j = max(due - taken - allowed * due, 0.0) * record.price_of_time_w
+    scale = "the energy moved, by the price of time"
+    yield find_largest("early arrival", scale, EARLY_ARRIVAL_COST, lost_j / case.energy_scale_j)
 
 
 def _untimed(case: Case) -> str:
@@ -217,7 +216,7 @@ def _untimed(case: Case) -> str:
 def _speed_limit(case: Case) -> Check:
     """Compare speeds within cells: between two nodes v^2 is linear, so the greatest is at a border of a limit."""
     record, route = case.record, case.route
-    # At the nodes alone a limit that begins inside of a cell would be missed: a run with nodes of its own need not
+    # A comparison at the nodes would miss a limit that begins inside of a cell: a run with nodes of its own need not
     # have one at every border.
     places = np.unique(np.concatenate([record.position_m, route.limit_borders_m]))
     places = places[(places >= record.position_m[0]) & (places <= record.position_m[-1])]
@@ -226,8 +225,8 @@ def _speed_limit(case: Case) -> Check:
     whole = np.diff(places) > SAME_PLACE_M
     middle = (0.5 * (places[1:] + places[:-1]))[whole]
     fastest = np.sqrt(np.maximum(speed2[1:], speed2[:-1])[whole])
-    limit = np.minimum(route.speed_limit_ms(middle), case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
-    return largest_of("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
+    limit = np.minimum(route.speed_limit_ms(middle), case.top_speed_ms)
+    return find_largest("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
 
 
 def _braking_curve(case: Case) -> Iterator[Check]:
@@ -261,14 +260,14 @@ def _braking_curve(case: Case) -> Iterator[Check]:
     # rounding of a place must not put a train that stands at its stop before or behind it
     excess = distance + places - least[np.searchsorted(targets, places - SAME_PLACE_M)]
     share = excess / np.maximum(distance, 1.0)
-    yield largest_of("braking curve", "the braking distance, at least 1 m", ROUNDED_CURVE, share, places)
+    yield find_largest("braking curve", "the braking distance, at least 1 m", ROUNDED_CURVE, share, places)
 
 
 def _curve_ends(case: Case) -> tuple[FloatArray, FloatArray]:
     """Return the places [m], rising, at which braking curves end, and the speeds there [m/s]."""
-    route, most = case.route, case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    route = case.route
     borders = route.limit_borders_m[route.limit_borders_m <= route.length_m]
-    limits = np.minimum(route.speed_limit_ms(0.5 * (borders[1:] + borders[:-1])), most)
+    limits = np.minimum(route.speed_limit_ms(0.5 * (borders[1:] + borders[:-1])), case.top_speed_ms)
     ends = [
         # at a border the lower of its two limits holds; where a limit rises, the lower one holds before it anyway
         *zip(borders, np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1])), strict=True),
@@ -292,39 +291,3 @@ def _corners_of_distance(case: Case, step_speed2: FloatArray) -> tuple[FloatArra
         places.append(start[passes] + share * record.length_m[passes])
         squares.append(np.full(int(passes.sum()), step2))
     return np.concatenate(places), np.concatenate(squares)
-
-
-def _accelerations(case: Case) -> Iterator[Check]:
-    vehicle, middle = case.scenario.vehicle, case.record.middle_m
-    for name, change, limit in (
-        ("acceleration", case.acceleration_ms2, vehicle.traction.max_acceleration_ms2),
-        ("deceleration", -case.acceleration_ms2, vehicle.braking.max_deceleration_ms2),
-    ):
-        if limit is not None:
-            # the rounding is taken off as an acceleration of its own, as it grows without bound in short cells
-            excess = (change - case.rounding_ms2) / limit - 1
-            yield largest_of(name, "the limit", ROUNDED_ACCELERATION, excess, middle)
-
-
-def _gradient(case: Case) -> Finding:
-    reported = case.record.gradient_permille
-    if reported is None:
-        return Unchecked("gradient", "the table has no column gradient_permille")
-    misses = np.maximum(np.abs(case.record.moving(reported) - case.gradient_permille) - case.rounding_permille, 0.0)
-    return largest_of("gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, case.record.middle_m)
-
-
-def _forces(case: Case) -> Finding:
-    """Inertia, running resistance, gradient and curve against the efforts."""
-    if case.record.effort_n is None:
-        return Unchecked("balance of forces", "the table has no column effort_kn")
-    reported = case.record.moving(case.record.effort_n)
-    scale = (
-        np.maximum(np.abs(reported), np.abs(case.required_effort_n))
-        + FORCE_SCALE_SHARE * N_PER_KN * case.train.weight_kn
-    )
-    # Of the rounding of the speeds only a thousandth: the whole would excuse any force in cells of a millimetre. The
-    # efforts of a run are computed from its speeds, so both agree better than either is exact.
-    rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
-    misses = np.maximum(np.abs(reported - case.required_effort_n) - rounding, 0.0) / scale
-    return largest_of("balance of forces", "the force", ROUNDED_FORCE, misses, case.record.middle_m)

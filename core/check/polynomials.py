@@ -1,10 +1,10 @@
-"""Many polynomials at once: coefficients of shape (k, m), constant first."""
+"""Arrays of polynomials: coefficients of shape (k, m), constant first."""
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 
-# two equal roots move apart by the square root of the rounding, 1e-8, into the complex plane; 1e-6 keeps them
+# two equal roots separate by the square root of the rounding, 1e-8, into the complex plane; 1e-6 keeps them
 SPLIT_ROOT = 1e-6
 """Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
 

@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import OFF_SHARE, Case
 from railjoule.core.check.efforts import ROUNDED_CORNERS
-from railjoule.core.check.result import Finding, Unchecked, largest_of
+from railjoule.core.check.result import Finding, Unchecked, find_largest
 from railjoule.core.units import N_PER_KN
 
 ROUNDED_POWER, ROUNDED_CURRENT = 1e-7, 1e-6
@@ -26,62 +26,54 @@ SHARES, SEARCHES = 25, 3
 def power_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's powers."""
     record = case.record
-    if record.line_power_w is None or record.effort_n is None:
+    if record.supply_power_w is None or record.effort_n is None:
         missing = "effort_kn" if record.effort_n is None else "line_power_kw"
         yield Unchecked("line power", f"the table has no column {missing}")
         return
     effort, reported = record.moving(record.effort_n), case.drive_power_w
     work = np.where(case.off, 0.0, effort * record.mean_speed_ms)
-    large = float(np.max(np.abs(record.line_power_w))) + float(np.max(np.abs(work), initial=0.0)) + 1.0
+    large = float(np.max(np.abs(record.supply_power_w))) + float(np.max(np.abs(work), initial=0.0)) + 1.0
     scale = np.maximum(np.abs(reported), np.abs(work)) + OFF_SHARE * large
     if record.electric_braking_n is not None:
-        allowed, misses = ROUNDED_POWER, np.abs(reported - case.line_power_of_terminal_w(case.terminal_power_w))
+        allowed, misses = ROUNDED_POWER, np.abs(reported - case.supply_power_of_terminal_w(case.terminal_power_w))
     else:
-        # A table of nodes tells one effort for both brakes. Any way to share them is then allowed, and only a power
+        # A table of nodes has one effort for both brakes. Any way to share them is then allowed, and only a power
         # that none of them has is an error.
         allowed, misses = SEARCH_TOLERANCE, _outside_sharing(case)
         yield Unchecked("line power of each brake", "the table tells one effort for both, so only what is possible")
     # where motors cannot give an effort there is no power to compare with: the limits of efforts judge it
     misses = np.nan_to_num(np.maximum(misses - case.loss_uncertainty_w, 0.0)) / scale
-    standing = np.abs(record.line_power_w[~record.moves] - case.auxiliary_power_w) / large
+    standing = np.abs(record.supply_power_w[~record.moves] - case.auxiliary_power_w) / large
     places = np.append(record.middle_m, record.position_m[:-1][~record.moves])
-    yield largest_of("line power", "the power", allowed, np.append(misses, standing), places)
+    yield find_largest("line power", "the power", allowed, np.append(misses, standing), places)
     # no drive gives more than it gets, whatever its losses
     # The one rule that needs no loss model: a train that drives takes at least F v, and of what it brakes the line
     # gets at most its share. It holds for runs whose losses cannot be checked.
     least = np.where(work > 0, work, case.recuperation_factor * work)
-    yield largest_of("no power from nothing", "the power", ROUNDED_POWER, (least - reported) / scale, record.middle_m)
+    yield find_largest("no power from nothing", "the power", ROUNDED_POWER, (least - reported) / scale, record.middle_m)
     yield from _current(case)
 
 
 def _outside_sharing(case: Case) -> FloatArray:
-    """Return how far powers lie beside those of all ways to share the brakes [W]."""
+    """Return the distance of powers from those of all ways to share the brakes [W]."""
     reported, brakes = case.drive_power_w, ~case.off & (case.electric_n < 0)
-    misses = np.abs(reported - case.line_power_of_terminal_w(case.terminal_power_w))
-    braking, limit = -case.electric_n[brakes], case.electric_limit_n[brakes]
-    low, high = _powers_of_sharing(case, braking, limit, case.record.mean_speed_ms[brakes])
-    beside = np.maximum(np.maximum(low - reported[brakes], reported[brakes] - high), 0.0)
-    misses[brakes] = np.where(np.isfinite(beside), beside, np.nan)
-    return misses
-
-
-def _powers_of_sharing(
-    case: Case, braking_n: FloatArray, limit_n: FloatArray, speed_ms: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return the least and the greatest line power that a sharing of the brakes can have [W]."""
+    misses = np.abs(reported - case.supply_power_of_terminal_w(case.terminal_power_w))
+    braking, limit, speed = -case.electric_n[brakes], case.electric_limit_n[brakes], case.record.mean_speed_ms[brakes]
     friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
-    most = np.minimum(braking_n, limit_n * (1 + ROUNDED_CORNERS))
-    least = np.minimum(np.maximum(braking_n - friction, 0.0), most)
+    most = np.minimum(braking, limit * (1 + ROUNDED_CORNERS))
+    least = np.minimum(np.maximum(braking - friction, 0.0), most)
     # right at its limit a motor has losses, and beyond it perhaps none are known
-    low = high = case.line_power_of_effort_w(-np.clip(limit_n, least, most), speed_ms)
+    low = high = case.supply_power_of_effort_w(-np.clip(limit, least, most), speed)
     for _ in range(SEARCHES):
         shared = [least + share * (most - least) for share in np.linspace(0, 1, SHARES)]
-        powers = np.array([case.line_power_of_effort_w(-electric, speed_ms) for electric in shared])
+        powers = np.array([case.supply_power_of_effort_w(-electric, speed) for electric in shared])
         low, high = np.fmin(low, np.fmin.reduce(powers)), np.fmax(high, np.fmax.reduce(powers))
         # the least power lies between the neighbours of the least found, the greatest at an end or a jump
         best = np.argmin(np.nan_to_num(powers, nan=np.inf), axis=0)
         least, most = (np.choose(np.clip(best + side, 0, SHARES - 1), shared) for side in (-1, 1))
-    return low, high
+    beside = np.maximum(np.maximum(low - reported[brakes], reported[brakes] - high), 0.0)
+    misses[brakes] = np.where(np.isfinite(beside), beside, np.nan)
+    return misses
 
 
 def _current(case: Case) -> Iterator[Finding]:
@@ -100,4 +92,4 @@ def _current(case: Case) -> Iterator[Finding]:
     current = np.where(case.off, 0.0, current)
     large = float(np.nanmax(np.abs(np.append(current, scale)), initial=1e-9))
     misses = np.nan_to_num(np.abs(record.moving(record.current_a) - current)) / large
-    yield largest_of("motor current", "the largest current", ROUNDED_CURRENT, misses, record.middle_m)
+    yield find_largest("motor current", "the largest current", ROUNDED_CURRENT, misses, record.middle_m)

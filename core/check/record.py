@@ -29,16 +29,16 @@ class Record:
     Parameters
     ----------
     strategy : str
-        Who made the run.
+        Strategy of the run.
     position_m, speed_ms, time_s : array of nodes
         Places [m], speeds [m/s] and times [s].
     effort_n : array of cells or None
         Effort at the wheels, braking negative [N].
     tractive_effort_n, electric_braking_n, friction_braking_n : array of cells or None
         Its parts, all positive [N].
-    line_power_w : array of cells or None
+    supply_power_w : array of cells or None
         Power taken from the line, auxiliaries included [W].
-    line_energy_j : array of nodes or None
+    supply_energy_j : array of nodes or None
         Energy taken from it so far [J].
     gradient_permille : array of cells or None
         Mean gradient under the train.
@@ -58,8 +58,8 @@ class Record:
     tractive_effort_n: FloatArray | None = None
     electric_braking_n: FloatArray | None = None
     friction_braking_n: FloatArray | None = None
-    line_power_w: FloatArray | None = None
-    line_energy_j: FloatArray | None = None
+    supply_power_w: FloatArray | None = None
+    supply_energy_j: FloatArray | None = None
     gradient_permille: FloatArray | None = None
     current_a: FloatArray | None = None
     energies_j: Mapping[str, float] | None = None
@@ -70,33 +70,33 @@ class Record:
 
     @cached_property
     def moves(self) -> BoolArray:
-        """Whether the train moves on in each cell; shape (n,). What follows is of these k cells."""
+        """Whether the train moves on in each cell; shape (n,). The properties below are of these k cells."""
         moves: BoolArray = np.diff(self.position_m) > 0
         return moves
 
     @cached_property
     def middle_m(self) -> FloatArray:
-        """Where the middles of the cells are [m]; shape (k,)."""
+        """Places of the middles of the cells [m]; shape (k,)."""
         return self.moving(0.5 * (self.position_m[1:] + self.position_m[:-1]))
 
     @cached_property
     def length_m(self) -> FloatArray:
-        """How long they are [m]; shape (k,)."""
+        """Lengths of the cells [m]; shape (k,)."""
         return self.moving(np.diff(self.position_m))
 
     @cached_property
     def duration_s(self) -> FloatArray:
-        """How long they take [s]; shape (k,)."""
+        """Times of the cells [s]; shape (k,)."""
         return self.moving(np.diff(self.time_s))
 
     @cached_property
     def entering_speed2(self) -> FloatArray:
-        """Squares of speed where they begin [m2/s2]; shape (k,)."""
+        """Squares of speed at their starts [m2/s2]; shape (k,)."""
         return self.moving(self.speed_ms[:-1] ** 2)
 
     @cached_property
     def leaving_speed2(self) -> FloatArray:
-        """Squares of speed where they end [m2/s2]; shape (k,)."""
+        """Squares of speed at their ends [m2/s2]; shape (k,)."""
         return self.moving(self.speed_ms[1:] ** 2)
 
     @cached_property
@@ -129,8 +129,8 @@ def record_of_run(run: Any) -> Record:
         tractive_effort_n=run.tractive_effort_n,
         electric_braking_n=run.electric_braking_n,
         friction_braking_n=run.friction_braking_n,
-        line_power_w=run.line_power_w,
-        line_energy_j=run.line_energy_j,
+        supply_power_w=run.supply_power_w,
+        supply_energy_j=run.supply_energy_j,
         gradient_permille=run.gradient_permille,
         current_a=run.current_a,
         energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
@@ -152,7 +152,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     vehicle : Vehicle
         Without friction brakes, all of its braking is electric.
     strategy : str
-        Who made the run.
+        Strategy of the run.
 
     Raises
     ------
@@ -180,8 +180,8 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
         tractive_effort_n=None if effort is None else np.maximum(effort, 0.0),
         electric_braking_n=electric,
         friction_braking_n=friction,
-        line_power_w=_cells(table, "line_power_kw", W_PER_KW),
-        line_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
+        supply_power_w=_cells(table, "line_power_kw", W_PER_KW),
+        supply_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
         gradient_permille=_cells(table, "gradient_permille", 1.0),
         current_a=_cells(table, "current_a", 1.0),
     )

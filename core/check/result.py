@@ -1,6 +1,5 @@
-"""What a check of a run says: how far each rule is broken at most, where, and what is allowed."""
+"""The result of a check of a run: largest deviation from each rule, its place, and its tolerance."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +14,16 @@ class Check:
     Parameters
     ----------
     name : str
-        Which rule.
+        Of the rule.
     largest : float
-        Largest deviation, as a share of `share_of`; 0 where the rule is kept everywhere, infinite where no number
-        tells it.
+        Largest deviation, as a share of `share_of`; 0 where the rule is kept everywhere, infinite where it
+        cannot be computed.
     allowed : float
-        What rounding and the stated accuracy of the product explain.
+        Deviation that rounding and the stated accuracy of the product explain.
     at_m : float or None
-        Where the largest deviation is [m]; None for the run as a whole.
+        Place of the largest deviation [m]; None for the run as a whole.
     share_of : str
-        What the deviation is a share of.
+        Scale of the deviation, in words.
     """
 
     name: str
@@ -46,9 +45,9 @@ class Unchecked:
     Parameters
     ----------
     name : str
-        Which rule.
+        Of the rule.
     reason : str
-        Why not, in words that follow on 'not checked:'.
+        Reason, in words that follow 'not checked:'.
     """
 
     name: str
@@ -65,9 +64,9 @@ class CheckResult:
     Parameters
     ----------
     checks : tuple of Check
-        What was checked.
+        Checked rules.
     not_checked : tuple of Unchecked
-        What could not be.
+        Rules that could not be checked.
     """
 
     checks: tuple[Check, ...]
@@ -99,15 +98,7 @@ class CheckResult:
         )
 
 
-def result_of(findings: Sequence[Finding]) -> CheckResult:
-    """Return the result that findings make."""
-    return CheckResult(
-        tuple(finding for finding in findings if isinstance(finding, Check)),
-        tuple(finding for finding in findings if isinstance(finding, Unchecked)),
-    )
-
-
-def largest_of(
+def find_largest(
     name: str, share_of: str, allowed: float, deviation: FloatArray | float, position_m: FloatArray | None = None
 ) -> Check:
     """Return the check of a rule from its deviations.
@@ -119,9 +110,9 @@ def largest_of(
     deviation : array of shape (n,) or float
         Shares; below 0 where the rule is kept with room to spare.
     position_m : array of shape (n,), optional
-        Where they are [m].
+        Their places [m].
     """
-    # a NaN counts as the worst deviation: what cannot be computed is not kept
+    # a NaN counts as the worst deviation: a rule that cannot be computed is not kept
     shares = np.nan_to_num(np.atleast_1d(np.asarray(deviation, dtype=float)), nan=np.inf)
     if not len(shares):
         return Check(name, 0.0, allowed, None, share_of)

@@ -1,8 +1,8 @@
 """Whether the drive of a run stays on or off for as long as the scenario asks, to the nearest cell.
 
 A run is switched where its cells meet, so that no stretch can be held to a time more closely than by half of a cell.
-From driving to braking a drive passes through no effort, for however short a time. What a neutral section cuts is
-held to nothing, as the section switches there.
+From driving to braking a drive passes through no effort, for however short a time. A stretch that a neutral section
+cuts has no rule, as the section switches there.
 """
 
 from collections.abc import Iterator
@@ -10,20 +10,20 @@ from collections.abc import Iterator
 import numpy as np
 
 from railjoule.core.check.case import Case
-from railjoule.core.check.result import Finding, Unchecked, largest_of
+from railjoule.core.check.result import Finding, Unchecked, find_largest
 
 NAME = "stretches of the drive"
-# the others are told by their rules when to switch, and may hold a speed by turns within a cell
+# the rules of the others decide when to switch, and may hold a speed by turns within a cell
 JUDGED = ("optimal", "bellman")
 """The strategies that choose when to switch."""
 NO_EFFORT = 1e-5
 """Efforts below this share of the largest that a run has are none."""
 ROUNDED = 1e-6
-"""What rounding of a time allows."""
+"""Tolerance for the rounding of a time."""
 
 
 def switching_findings(case: Case) -> Iterator[Finding]:
-    """Yield the finding about how often a run's drive is switched; none where no rule says how often it may."""
+    """Yield the finding about the minimum on/off time of a run's drive; none without such a rule."""
     least = getattr(case.scenario.vehicle.drive, "least_switching_s", 0.0)
     record = case.record
     if not least or record.strategy not in JUDGED:
@@ -46,4 +46,4 @@ def switching_findings(case: Case) -> Iterator[Finding]:
     whole &= (actions != 0) | (before == after)
     lasts = np.add.reduceat(record.duration_s, borders) + 0.5 * np.maximum.reduceat(record.duration_s, borders)
     missing = np.where(whole, (least - lasts) / least, 0.0)
-    yield largest_of(NAME, "drive.least_switching_s", ROUNDED, missing, record.middle_m[borders])
+    yield find_largest(NAME, "drive.least_switching_s", ROUNDED, missing, record.middle_m[borders])

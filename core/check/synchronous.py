@@ -24,19 +24,12 @@ Sources: Morimoto, Sanada, Takeda, IEEE Transactions on Industry Applications 30
 """
 
 import math
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import (
-    EDGE,
-    Losses,
-    effort_of_torque_n,
-    shaft_torque_nm,
-    turns_per_metre,
-)
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
 from railjoule.core.check.polynomials import product, real_roots
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
@@ -58,8 +51,7 @@ DEPTHS, ANGLES = 193, 240
 ZOOMS, POINTS = 6, 49
 
 
-@dataclass(frozen=True)
-class SynchronousLosses:
+class SynchronousModel(GearedModel, model="synchronous"):
     """The motors of a train with their inverters and gears."""
 
     parameters: Synchronous
@@ -72,19 +64,13 @@ class SynchronousLosses:
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
         """Return the losses by kind [W]; NaN beyond current or voltage."""
-        torque, speed = shaft_torque_nm(self.parameters, effort_n), turns_per_metre(self.parameters) * speed_ms
-        motors, of_one = self.parameters.motors, self.machine.losses_w(torque, speed)
-        gear = self.parameters.gear_loss_share * np.abs(effort_n * speed_ms)
-        return {**{kind: motors * loss_w for kind, loss_w in of_one.items()}, "gear": gear}
+        of_one = self.machine.losses_w(self.shaft_torque_nm(effort_n), self.turns_per_metre * speed_ms)
+        of_all = {kind: self.parameters.motors * loss_w for kind, loss_w in of_one.items()}
+        return {**of_all, "gear": self.gear_loss_w(effort_n, speed_ms)}
 
-    def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
-        """Return the largest effort within current and voltage [N]."""
-        speed = turns_per_metre(self.parameters) * speed_ms
-        return effort_of_torque_n(self.parameters, self.machine.greatest_torque(speed, braking), braking)
-
-    def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray | None:
-        """Return None: the product tells no current of these motors."""
-        return None
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
+        """Return the greatest torque of a shaft within current and voltage [N m]."""
+        return self.machine.max_torque(speed_rads, braking)
 
 
 class Machine:
@@ -98,7 +84,7 @@ class Machine:
         self.harmonic_h = math.sqrt(2 / (self.direct_h**-2 + self.quadrature_h**-2))
         self.space_vector_voltage_v = parameters.link_voltage_v / math.sqrt(3)
         six_steps = parameters.modulation == "six_step"
-        self.largest_voltage_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.space_vector_voltage_v
+        self.max_voltage_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.space_vector_voltage_v
 
     def losses_w(self, torque: FloatArray, speed: FloatArray) -> Losses:
         """Return the losses by kind at torques of the shaft, negative in braking [W]; NaN beyond current or voltage."""
@@ -130,7 +116,7 @@ class Machine:
         kinds = {"copper": copper, "iron": iron, "mechanical": drag * speed, "harmonics": harmonics}
         return {**kinds, "inverter": inverter}
 
-    def greatest_torque(self, speed: FloatArray, braking: bool) -> FloatArray:
+    def max_torque(self, speed: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of the shaft within current and voltage, without sign [N m]."""
         p, rads, sign = self.parameters, self.parameters.pole_pairs * speed[:, None], -1.0 if braking else 1.0
 
@@ -140,7 +126,7 @@ class Machine:
             flux = p.magnet_flux_vs + self.direct_h * along
             a = p.stator_resistance_ohm**2 + (rads * self.quadrature_h) ** 2
             b = sign * p.stator_resistance_ohm * rads * (flux - self.quadrature_h * along)
-            c = (p.stator_resistance_ohm * along) ** 2 + (rads * flux) ** 2 - self.largest_voltage_v**2
+            c = (p.stator_resistance_ohm * along) ** 2 + (rads * flux) ** 2 - self.max_voltage_v**2
             with np.errstate(invalid="ignore"):
                 by_voltage = (-b + np.sqrt(b * b - a * c)) / a
             across = np.where(np.isnan(by_voltage), -np.inf, np.minimum(by_current, by_voltage))
@@ -174,7 +160,7 @@ class Machine:
         direct = resistance * product(along, y) - (rads * self.quadrature_h * c)[:, None] * constant
         quadrature = rads[:, None] * product(flux, y) + (resistance * c)[:, None] * constant
         square = product(direct, direct) + product(quadrature, quadrature)
-        square[:, :3] -= self.largest_voltage_v**2 * product(y, y)
+        square[:, :3] -= self.max_voltage_v**2 * product(y, y)
         at_first = sum(square[:, power] * first**power for power in range(5))
         with np.errstate(all="ignore"):
             ends = real_roots(square)

@@ -1,4 +1,4 @@
-"""The train and its line: masses, running resistance, what gradients, curves and tunnels do, speed limits, stops.
+"""The train and its line: masses, resistances of running, gradients, curves and tunnels, speed limits, stops.
 
 All from a scenario's own keys, in the conventions that its file format states:
 
@@ -36,9 +36,9 @@ class Stop:
     Parameters
     ----------
     position_m : float
-        Where the front of the train stops, in running order [m].
+        Place at which the front of the train stops, in running order [m].
     dwell_s : float
-        How long it stands [s].
+        Standing time [s].
     window_s : tuple of float
         Earliest and latest arrival [s].
     """
@@ -50,7 +50,7 @@ class Stop:
 
 @dataclass(frozen=True, eq=False)
 class Route:
-    """A line as a train meets it.
+    """A line in running order.
 
     Parameters
     ----------
@@ -63,7 +63,6 @@ class Route:
     stops : tuple of Stop
     end_window_s : tuple of float
         Earliest and latest arrival at the end of the line [s]; 0 and infinite where they are free.
-        Between the ends.
     passes : tuple of (float, float)
         Places [m] that are passed at a given speed [m/s].
     neutral : tuple of (float, float)
@@ -71,9 +70,9 @@ class Route:
     train_m, cars
         Length of the train [m] and number of its cars, or None.
     at_point_m : float or None
-        How far behind the front the point lies that feels gradient, curve and tunnel [m]; None for all of the train.
+        Distance behind the front of the point for gradient, curve and tunnel [m]; None for all of the train.
     limits_last_m : float
-        How far beyond its end a limit still holds for the front [m].
+        Distance beyond its end at which a limit still holds for the front [m].
     """
 
     sections: tuple[Section, ...]
@@ -90,7 +89,7 @@ class Route:
 
     @cached_property
     def borders_m(self) -> FloatArray:
-        """Where the sections begin and end [m]; shape (sections + 1,)."""
+        """Borders of the sections [m]; shape (sections + 1,)."""
         return np.cumsum([0.0, *(section.length_m for section in self.sections)])
 
     @property
@@ -172,12 +171,12 @@ class Route:
 
     @property
     def limit_borders_m(self) -> FloatArray:
-        """Where the limit may change [m], rising."""
+        """Places at which the limit may change [m], rising."""
         ends = [place for start, end, _ in self.limits for place in (start, end + self.limits_last_m)]
         return np.unique(np.concatenate([self.borders_m, self.borders_m + self.limits_last_m, ends]))
 
 
-def route_of(scenario: Scenario) -> Route:
+def build_route(scenario: Scenario) -> Route:
     """Return the line of a scenario in running order."""
     line, vehicle = scenario.line, scenario.vehicle
     length = sum(section.length_m for section in line.sections)
@@ -217,7 +216,7 @@ def route_of(scenario: Scenario) -> Route:
 
 @dataclass(frozen=True)
 class Train:
-    """What of a vehicle its motion asks for.
+    """The properties of a vehicle that determine its motion.
 
     Parameters
     ----------
@@ -239,7 +238,7 @@ class Train:
     curve_constant_m_n_per_kn: float
 
 
-def train_of(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
+def build_train(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
     """Return the train of a vehicle with its load, in a wind against it [m/s]."""
     load = vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
     mass = vehicle.tare_kg + load

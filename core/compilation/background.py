@@ -1,4 +1,4 @@
-"""The compilation of all kernels: once a machine and version, in processes of its own."""
+"""Compile all kernels once per machine and version, in helper processes."""
 
 import logging
 import os
@@ -11,15 +11,37 @@ from contextlib import contextmanager, suppress
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args
 
 from tqdm import tqdm
 
 from railjoule.core import kernel_cache
-from railjoule.core.compilation.order import HELPER, PART_LINE, PARTS_IN_ORDER, Part
 from railjoule.core.compiled import MODE
 
 LOG = logging.getLogger(__name__)
+Part = Literal[
+    "solver",
+    "fastest",
+    "proof",
+    "limits",
+    "bellman",
+    "optimum",
+    "switching",
+    "metro",
+    "regulators",
+    "closed_loop",
+    "simple_advice",
+    "following",
+    "maps",
+    "phases",
+    "enoc",
+]
+"""A part of the kernels. The first ones take longest, and two that share kernels do not follow each other."""
+PARTS_IN_ORDER: tuple[Part, ...] = get_args(Part)
+KERNEL_LINE, PART_LINE = "kernel", "part"
+"""Lines that a helper prints for each kernel and each part that it has compiled."""
+HELPER = "railjoule.core.compilation.parts"
+"""The module that a helper process runs."""
 COMPILING = "railjoule compiles its solver, only this once"
 KERNELS = 900
 """About how many kernels there are: the end of the progress bar."""
@@ -83,7 +105,7 @@ class Compilation:
 
     def _run(self) -> None:
         try:
-            with _alone() as folder:
+            with _exclusive_access() as folder:
                 # another process may have compiled them while this one waited
                 if not kernel_cache.has_all_kernels() and self._compile_parts():
                     kernel_cache.mark_complete()
@@ -166,7 +188,7 @@ def _close(process: "subprocess.Popen[str]") -> None:
 
 
 @contextmanager
-def _alone() -> Iterator[Path]:
+def _exclusive_access() -> Iterator[Path]:
     """Wait while another process of this machine compiles the same kernels."""
     folder = kernel_cache.cache_folder()
     try:

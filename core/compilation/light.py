@@ -1,9 +1,9 @@
 """Which runs Python computes within a second or two, before the solver is compiled."""
 
-from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
+from railjoule.core.strategy import STRATEGIES
 
-LIGHT_STRATEGIES: tuple[StrategyName, ...] = ("optimal", "fastest", "eoc")
 NO_IDLE_LOSSES = (ConstantEfficiency, CopperLoss)
 LIGHT_CELLS = 1500
 """An interpreted optimum takes 1.1 ms a cell with its bound, whichever strategy is measured against it."""
@@ -15,7 +15,7 @@ def estimated_cells(scenario: Scenario) -> float:
     return scenario.line.length_m / scenario.solver.mesh_m + len(scenario.line.sections)
 
 
-def needs_compiler(scenario: Scenario, *strategies: StrategyName) -> bool:
+def needs_compiler(scenario: Scenario, *strategies: str) -> bool:
     """Return whether any of some strategies would take more than about two seconds without compiled code.
 
     Drives with idle losses decide where they are on, which takes a few hundred times the work of an optimum.
@@ -23,5 +23,5 @@ def needs_compiler(scenario: Scenario, *strategies: StrategyName) -> bool:
     return (
         not isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES)
         or estimated_cells(scenario) > LIGHT_CELLS
-        or not set(strategies) <= set(LIGHT_STRATEGIES)
+        or not all(STRATEGIES[name].is_light for name in strategies)
     )

@@ -18,11 +18,11 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.continuous_bound.drive_rows import DriveRows, drive_rows
-from railjoule.core.continuous_bound.hamiltonian import fill_pieces, strip_bends
+from railjoule.core.continuous_bound.hamiltonian import piece_values
 from railjoule.core.continuous_bound.prices import SAME_PLACE_M, Pieces, price_pieces
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.course import Course
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.motion.meshed_line import MeshedLine
+from railjoule.core.physics.mesh_data import MeshData
 
 
 class ContinuousBound(NamedTuple):
@@ -46,58 +46,42 @@ class ContinuousBound(NamedTuple):
     price_of_time_w: float
 
 
-def continuous_bound(course: Course, optimum: Optimum, running_time_s: float) -> ContinuousBound:
+def continuous_bound(mesh: MeshedLine, optimum: Optimum, running_time_s: float) -> ContinuousBound:
     """Return the bound that the multipliers of an optimum prove for every driving within a time."""
-    data = course.data
-    rows = tabulate_drive(course)
+    data = mesh.data
+    rows = tabulate_drive(mesh)
     price_of_time = max(optimum.price_of_time_w, 0.0)
-    pieces = price_pieces(course, optimum, rows, price_of_time + data.auxiliary_power_w)
-    shares = piece_shares(course, rows, pieces, price_of_time + data.auxiliary_power_w)
-    energy = float(shares.sum() + sum_of_ends(course, pieces) - price_of_time * running_time_s)
+    pieces = price_pieces(mesh, optimum, rows, price_of_time + data.auxiliary_power_w)
+    shares = piece_shares(mesh, rows, pieces, price_of_time + data.auxiliary_power_w)
+    energy = float(shares.sum() + sum_of_ends(mesh, pieces) - price_of_time * running_time_s)
     return ContinuousBound(energy, pieces, shares, float(price_of_time))
 
 
-def tabulate_drive(course: Course) -> DriveRows:
-    """Return the table of a course's drive up to the greatest speed of the course."""
-    return drive_rows(course.data, float(course.cell_limit_ms.max()))
+def tabulate_drive(mesh: MeshedLine) -> DriveRows:
+    """Return the table of a meshed line's drive up to the greatest speed of the meshed line."""
+    return drive_rows(mesh.data, float(mesh.cell_limit_ms.max()))
 
 
-def piece_shares(course: Course, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
+def piece_shares(mesh: MeshedLine, rows: DriveRows, pieces: Pieces, price_of_time: float) -> FloatArray:
     """Return at most what each piece adds to energy and priced time [J]; shape (k,)."""
-    data, cell = course.data, pieces.cell
-    length = np.diff(pieces.position_m)
-    ceiling2 = pieces.ceiling2
+    length, ceiling2 = np.diff(pieces.position_m), pieces.ceiling2
     # where the price of a curve cuts speeds off, none is left out beside
     has_price = pieces.curve.max(axis=0) > 0.0
-    limit = np.where(has_price, course.cell_limit_ms[cell], np.sqrt(ceiling2.max(axis=0)))
-    line = np.array([data.line_force_n[cell], data.resistance_quadratic[cell], limit, data.powered[cell]])
-    train = np.array(
-        [
-            data.half_inertia_kg,
-            data.resistance_constant_n,
-            data.resistance_linear,
-            price_of_time,
-            data.max_acceleration_ms2,
-            data.max_deceleration_ms2,
-        ]
-    )
-    values = np.empty((2, len(cell)))
-    prices = np.concatenate([pieces.motion, pieces.force])
-    bend = strip_bends(rows.speed_ms)
-    fill_pieces(rows, bend, length, prices, line, pieces.curve, train, values)
+    limit = np.where(has_price, mesh.cell_limit_ms[pieces.cell], np.sqrt(ceiling2.max(axis=0)))
+    values = piece_values(mesh.data, rows, pieces, limit, price_of_time)
     shares: FloatArray = 0.5 * length * (values[0] + values[1])
     # the integral of price times ceiling, both linear
     (c0, c1), (w0, w1) = pieces.curve, ceiling2
     shares -= length / 6.0 * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1))
-    _replace_at_rest(data, rows, pieces, line, price_of_time, shares)
+    _replace_at_rest(mesh.data, rows, pieces, limit, price_of_time, shares)
     return shares
 
 
 def _replace_at_rest(
-    data: CourseData,
+    data: MeshData,
     rows: DriveRows,
     pieces: Pieces,
-    line: FloatArray,
+    limit_ms: FloatArray,
     price_of_time: float,
     shares: FloatArray,
 ) -> None:
@@ -118,12 +102,13 @@ def _replace_at_rest(
             if not 0 <= piece < len(shares):
                 continue
             length = pieces.position_m[piece + 1] - pieces.position_m[piece]
-            resisted = data.resistance_constant_n + line[0, piece]
-            powered = 1.0 if line[3, piece] >= 1.0 else 0.0
+            cell = pieces.cell[piece]
+            resisted = data.resistance_constant_n + data.line_force_n[cell]
+            powered = 1.0 if data.supply_share[cell] >= 1.0 else 0.0
             effort = powered * driving - resisted if side > 0.0 else powered * braking + rows.friction_n + resisted
             if side < 0.0:
                 # resistance helps, too: that at the limit of speed bounds the speed at the start, and so itself
-                linear, quadratic, limit = data.resistance_linear, line[1, piece], line[2, piece]
+                linear, quadratic, limit = data.resistance_linear, data.resistance_quadratic[cell], limit_ms[piece]
                 fastest2 = length * (effort + linear * limit + quadratic * limit**2) / inertia
                 effort += linear * fastest2**0.5 + quadratic * fastest2
             acceleration = min(effort / (2.0 * inertia), most)
@@ -144,12 +129,12 @@ def _replace_at_rest(
             shares[piece] = price_of_time * (2.0 * length / acceleration) ** 0.5 + cost.min()
 
 
-def sum_of_ends(course: Course, pieces: Pieces) -> float:
+def sum_of_ends(mesh: MeshedLine, pieces: Pieces) -> float:
     """Return at most what the prices at the ends of the line and their jumps add [J]."""
-    data = course.data
+    data = mesh.data
     price = -data.half_inertia_kg * pieces.motion
     # the first piece that begins at each node, and the one before
-    after = np.searchsorted(pieces.cell, np.arange(1, course.cell_count))
+    after = np.searchsorted(pieces.cell, np.arange(1, mesh.cell_count))
     # what depends on w at a node is affine in it: its least is that of a prescribed speed, or at an end of the range
     slope = np.concatenate([[price[0, 0]], price[0, after] - price[1, after - 1], [-price[1, -1]]])
     fixed = data.fixed_speed2

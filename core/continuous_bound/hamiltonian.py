@@ -14,13 +14,15 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
+from railjoule.core.continuous_bound.prices import Pieces
+from railjoule.core.physics.mesh_data import MeshData
 
 NEWTON_STEPS = 3
 """Steps towards the least of a convex strip: what they leave is subtracted."""
 
 
 @njit(cache=True, error_model="numpy")
-def least_hamiltonian(
+def min_hamiltonian(
     rows: DriveRows,
     bend: FloatArray,
     price: float,
@@ -79,11 +81,11 @@ def least_hamiltonian(
     for j in np.flatnonzero(np.minimum(total[:-1], total[1:]) - sag < least):
         slope = (h[j + 1] - h[j]) / (v[j + 1] - v[j]) + price * linear
         ends = v[j], v[j + 1], total[j], total[j + 1]
-        least = min(least, _least_of_strip(ends, slope, by_speed2, price_of_time))
+        least = min(least, _min_of_strip(ends, slope, by_speed2, price_of_time))
     if limit > before:
         slope = (last_h - h[-2]) / (limit - before) + price * linear
         ends = before, limit, total[-1], last
-        least = min(least, _least_of_strip(ends, slope, by_speed2, price_of_time))
+        least = min(least, _min_of_strip(ends, slope, by_speed2, price_of_time))
     return least
 
 
@@ -126,7 +128,7 @@ def _slowest_row(
 
 
 @njit(cache=True, error_model="numpy")
-def _least_of_strip(
+def _min_of_strip(
     ends: tuple[float, float, float, float], slope: float, by_speed2: float, price_of_time: float
 ) -> float:
     """Return at most the least of slope v + lambda / v + q v^2 + constant between two speeds with known values."""
@@ -165,54 +167,44 @@ def strip_bends(speed: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def fill_pieces(
-    rows: DriveRows,
-    bend: FloatArray,
-    length: FloatArray,
-    prices: FloatArray,
-    line: FloatArray,
-    curve: FloatArray,
-    train: FloatArray,
-    values: FloatArray,
-) -> None:
-    """Fill the least Hamiltonians at both ends of pieces.
+def piece_values(
+    mesh: MeshData, rows: DriveRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
+) -> FloatArray:
+    """Return at most the least Hamiltonians at both ends of pieces [J/m]; shape (2, k).
 
     Parameters
     ----------
-    rows, bend
-        As for `least_hamiltonian`.
-    length : array of shape (k,)
-        Lengths of the pieces [m].
-    prices : array of shape (4, k)
-        Price of K w' at the start and at the end, and price of force at the start and at the end.
-    line : array of shape (4, k)
-        Line force [N], quadratic resistance [N s2/m2], limit of speed [m/s] and share of the supply.
-    curve : array of shape (2, k)
-        As in `prices.Pieces`.
-    train : array of shape (6,)
-        Half the inertia [kg], constant [N] and linear [N s/m] resistance, price of time [W], limits of acceleration and
-        deceleration [m/s2].
-    values : array of shape (2, k)
-        To be filled [J/m].
+    mesh : MeshData
+    rows : DriveRows
+        The table of the drive.
+    pieces : Pieces
+        The prices.
+    limit_ms : array of shape (k,)
+        Greatest speed in each piece [m/s].
+    price_of_time : float
+        Price of a second, auxiliary power included [W].
     """
-    half_inertia, constant, linear, price_of_time, acceleration, deceleration = train
-    for i in range(length.shape[0]):
-        slope = -half_inertia * (prices[1, i] - prices[0, i]) / length[i]
+    bend, half_inertia, values = strip_bends(rows.speed_ms), mesh.half_inertia_kg, np.empty_like(pieces.motion)
+    for i in range(values.shape[1]):
+        cell, length = pieces.cell[i], pieces.position_m[i + 1] - pieces.position_m[i]
+        slope = -half_inertia * (pieces.motion[1, i] - pieces.motion[0, i]) / length
         for side in range(2):
-            motion, force = prices[side, i], prices[2 + side, i]
-            value = least_hamiltonian(
+            motion, force = pieces.motion[side, i], pieces.force[side, i]
+            value = min_hamiltonian(
                 rows,
                 bend,
                 force,
-                force * line[1, i] + slope + curve[side, i],
-                constant + line[0, i],
-                linear,
-                line[2, i],
+                force * mesh.resistance_quadratic[cell] + slope + pieces.curve[side, i],
+                mesh.resistance_constant_n + mesh.line_force_n[cell],
+                mesh.resistance_linear,
+                limit_ms[i],
                 price_of_time,
-                line[3, i] >= 1.0,
+                mesh.supply_share[cell] >= 1.0,
             )
             # beyond the price of force, K w' is held only by its limits
             more = motion - force
             if more != 0.0:
-                value -= 2.0 * half_inertia * abs(more) * (acceleration if more > 0.0 else deceleration)
+                limit = mesh.max_acceleration_ms2 if more > 0.0 else mesh.max_deceleration_ms2
+                value -= 2.0 * half_inertia * abs(more) * limit
             values[side, i] = value
+    return values

@@ -18,19 +18,19 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray, midpoints
 from railjoule.core.compiled import njit
 from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.layout import ACCELERATION, DECELERATION
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.course import Course
-from railjoule.core.motion.permitted_speed import fill_curve
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.motion.meshed_line import MeshedLine
+from railjoule.core.motion.permitted_speed import curve_at
+from railjoule.core.physics.mesh_data import MeshData
 
 NEAR_M, NEAREST_M = 25.0, 1e-6
 """Within the first of these of a place of rest y is traced, down to the second [m]."""
-GROWTH, MOST_GROWTH = 0.05, 0.15
+GROWTH, MAX_GROWTH = 0.05, 0.15
 """A piece at the distance d of rest is longer than the next nearer one by GROWTH (NEAR_M / d)^(1/4), up to the most."""
 SAME_PLACE_M = 1e-9
 """Rounding of places [m]."""
@@ -38,7 +38,7 @@ AT_LIMIT = 1e-5
 """Within this share of a limit a train keeps it."""
 MARGINAL = 2e-2
 """A price this close to what a partial effort costs is that cost."""
-LEAST_HELD = 1e-6
+MIN_HELD = 1e-6
 """Multipliers of limits of acceleration below this count as none."""
 PARTIAL = 1e-4
 """An effort is partial where it is this share away from none and from the largest."""
@@ -76,7 +76,7 @@ class Trace(NamedTuple):
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         Of n cells.
     rows : DriveRows
         The table of the drive.
@@ -94,7 +94,7 @@ class Trace(NamedTuple):
         Price of a second, auxiliary power included [W].
     """
 
-    course: CourseData
+    mesh: MeshData
     rows: DriveRows
     speed2: FloatArray
     node_m: FloatArray
@@ -109,12 +109,12 @@ class Trace(NamedTuple):
     price_of_time: float
 
 
-def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
-    """Return the pieces of a course with the prices that the multipliers of an optimum give.
+def price_pieces(mesh: MeshedLine, optimum: Optimum, rows: DriveRows, price_of_time: float) -> Pieces:
+    """Return the pieces of a meshed line with the prices that the multipliers of an optimum give.
 
     Parameters
     ----------
-    course : Course
+    mesh : MeshedLine
         Over the optimum's mesh.
     optimum : Optimum
         Its point and multipliers.
@@ -123,63 +123,60 @@ def price_pieces(course: Course, optimum: Optimum, rows: DriveRows, price_of_tim
     price_of_time : float
         Price of a second, auxiliary power included [W].
     """
-    data, speed2 = course.data, optimum.speed2
+    data, speed2 = mesh.data, optimum.speed2
     length = data.cell_length_m
     node = np.append(0.0, np.cumsum(length))
-    middle = 0.5 * (node[1:] + node[:-1])
+    middle = midpoints(node)
     at_rest, fixed = data.fixed_speed2 == 0.0, data.fixed_speed2 >= 0.0
-    at_limit = speed2 >= data.largest_speed2 * (1 - AT_LIMIT)
-    has_curve = cells_with_curve(course)
+    at_limit = speed2 >= data.limit_speed2 * (1 - AT_LIMIT)
+    has_curve = cells_with_curve(mesh)
     at_end = at_limit[1:] | (has_curve & fixed[1:])
     keeps_limit = at_limit[:-1] & at_end
     position = _positions(node, middle, node[at_rest])
-    cell = np.clip(np.searchsorted(node, 0.5 * (position[1:] + position[:-1]), side="right") - 1, 0, len(length) - 1)
-    motion, force = _prices_of_cells(course.data, optimum)
+    cell = np.clip(np.searchsorted(node, midpoints(position), side="right") - 1, 0, len(length) - 1)
+    motion, force = _prices_of_cells(mesh.data, optimum)
     given = position, cell, force, keeps_limit, keeps_limit & has_curve, at_rest, at_limit, fixed, price_of_time
     trace = Trace(data, rows, speed2, node, *given)
     prices, curve = np.empty((2, len(cell))), np.zeros((2, len(cell)))
     fill_prices(trace, motion, prices)
-    ceiling2 = ceilings2(course, position, cell)
+    ceiling2 = ceilings2(mesh, position, cell)
     fill_curves(trace, prices, ceiling2, curve)
     return Pieces(position, cell, prices, _force_prices(data, prices, force[cell]), curve, ceiling2)
 
 
-def _force_prices(course: CourseData, motion: FloatArray, force: FloatArray) -> FloatArray:
+def _force_prices(mesh: MeshData, motion: FloatArray, force: FloatArray) -> FloatArray:
     """Return the prices of force at both ends of pieces: those of K w' but where a limit of acceleration holds them."""
     prices = np.where(np.isnan(force), motion, force)
     # a limit of acceleration that there is not holds nothing
-    if np.isinf(course.max_deceleration_ms2):
+    if np.isinf(mesh.max_deceleration_ms2):
         prices = np.minimum(prices, motion)
-    if np.isinf(course.max_acceleration_ms2):
+    if np.isinf(mesh.max_acceleration_ms2):
         prices = np.maximum(prices, motion)
     return prices
 
 
-def cells_with_curve(course: Course) -> BoolArray:
+def cells_with_curve(mesh: MeshedLine) -> BoolArray:
     """Return in which cells a braking curve lies below the limit all the way; shape (n,)."""
-    if not course.curve_steps.shape[1]:
-        return np.zeros(course.cell_count, dtype=bool)
-    lower: BoolArray = course.data.largest_speed2[:-1] < course.cell_limit_ms**2 * (1 - AT_LIMIT)
+    if not mesh.curve_steps.shape[1]:
+        return np.zeros(mesh.cell_count, dtype=bool)
+    lower: BoolArray = mesh.data.limit_speed2[:-1] < mesh.cell_limit_ms**2 * (1 - AT_LIMIT)
     return lower
 
 
-def ceilings2(course: Course, position_m: FloatArray, cell: IntArray) -> FloatArray:
+def ceilings2(mesh: MeshedLine, position_m: FloatArray, cell: IntArray) -> FloatArray:
     """Return squares of speed at both ends of pieces that no run exceeds on the line between them; shape (2, k).
 
     Within a piece a braking curve may have corners. It is nowhere higher above its chord than a quarter of the length
     times the difference of its steepest and its flattest slope.
     """
-    data, limit2 = course.data, course.cell_limit_ms**2
-    if not course.curve_steps.shape[1]:
+    data, limit2 = mesh.data, mesh.cell_limit_ms**2
+    if not mesh.curve_steps.shape[1]:
         return np.array([limit2[cell], limit2[cell]])
     node = np.append(0.0, np.cumsum(data.cell_length_m))
     to_end = np.clip(node[cell + 1] - np.array([position_m[:-1], position_m[1:]]), 0.0, data.cell_length_m[cell])
-    squares = np.empty((2, len(cell)))
-    for side in range(2):
-        given = data.cell_length_m, limit2, data.fixed_speed2, course.curve_steps, cell, to_end[side]
-        fill_curve(*given, squares[side])
+    squares = curve_at(data.cell_length_m, limit2, data.fixed_speed2, mesh.curve_steps, cell, to_end)
     length = np.diff(position_m)
-    steps2, deceleration_ms2 = course.curve_steps
+    steps2, deceleration_ms2 = mesh.curve_steps
     first, last = (np.clip(np.searchsorted(steps2, squares[side], side="right") - 1, 0, None) for side in (1, 0))
     is_bent = first < last
     spread = np.zeros(len(cell))
@@ -196,7 +193,7 @@ def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> Floa
     """Return the ends of the pieces: nodes, middles, and near each place of rest a geometric row [m]."""
     away = [NEAR_M]
     while away[-1] > NEAREST_M:
-        away.append(max(away[-1] / (1.0 + min(MOST_GROWTH, GROWTH * (NEAR_M / away[-1]) ** 0.25)), NEAREST_M))
+        away.append(max(away[-1] / (1.0 + min(MAX_GROWTH, GROWTH * (NEAR_M / away[-1]) ** 0.25)), NEAREST_M))
     near = np.add.outer(rest_m, np.concatenate([away, -np.asarray(away)])).ravel()
     places = np.unique(np.concatenate([node, middle, near[(near > 0.0) & (near < node[-1])]]))
     # a place that all but falls on a node gives way to it
@@ -204,24 +201,24 @@ def _positions(node: FloatArray, middle: FloatArray, rest_m: FloatArray) -> Floa
     return places[is_distinct | np.isin(places, node)]
 
 
-def _prices_of_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
+def _prices_of_cells(mesh: MeshData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     """Return the price of K w' in each cell, and that of force where a limit of acceleration holds the rest of it."""
-    held = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) / course.cell_length_m
-    force = _marginal_prices(course, optimum, optimum.force_price / course.cell_length_m)
-    return force + held, np.where(np.abs(held) > LEAST_HELD, force, np.nan)
+    held = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) / mesh.cell_length_m
+    force = _marginal_prices(mesh, optimum, optimum.force_price / mesh.cell_length_m)
+    return force + held, np.where(np.abs(held) > MIN_HELD, force, np.nan)
 
 
-def _marginal_prices(course: CourseData, optimum: Optimum, price: FloatArray) -> FloatArray:
+def _marginal_prices(mesh: MeshData, optimum: Optimum, price: FloatArray) -> FloatArray:
     """Return prices of force that are what a partial effort costs, where a drive of constant efficiency has one."""
-    if course.drive_kind != CONSTANT_EFFICIENCY:
+    if mesh.drive_kind != CONSTANT_EFFICIENCY:
         return price
     speed = np.sqrt(optimum.speed2)
-    mean = np.maximum(0.5 * (speed[1:] + speed[:-1]), 1e-3)
-    efficiency, generating = course.drive_parameters[:2]
+    mean = np.maximum(midpoints(speed), 1e-3)
+    efficiency, generating = mesh.drive_parameters[:2]
     snapped = price.copy()
     for effort, limit, cost in (
-        (optimum.traction_n, course.traction, 1.0 / efficiency),
-        (optimum.braking_n, course.braking, generating * course.recuperation_factor),
+        (optimum.traction_n, mesh.traction, 1.0 / efficiency),
+        (optimum.braking_n, mesh.braking, generating * mesh.recuperation_factor),
     ):
         share = effort / limit.effort_n(mean)
         partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(price - cost) < MARGINAL)
@@ -341,7 +338,7 @@ def _traced(trace: Trace, piece: int, direction: float, price: float) -> float:
 @njit(cache=True, error_model="numpy")
 def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     """Return the slope of the price of K w' in a cell at a speed [1/m]."""
-    rows, course = trace.rows, trace.course
+    rows, mesh = trace.rows, trace.mesh
     held = trace.force_price[i]
     price = motion_price if np.isnan(held) else held
     j = min(max(int(np.searchsorted(rows.speed_ms, speed)) - 1, 0), rows.speed_ms.shape[0] - 2)
@@ -349,11 +346,11 @@ def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     low = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j]
     high = (1.0 - share) * rows.least[g, j + 1] + share * rows.least[g + 1, j + 1]
     by_speed = (high - low) / (rows.speed_ms[j + 1] - rows.speed_ms[j])
-    if course.powered[i] < 1.0:
+    if mesh.supply_share[i] < 1.0:
         by_speed = 0.0
-    resisted = price * (course.resistance_linear + 2.0 * course.resistance_quadratic[i] * speed)
+    resisted = price * (mesh.resistance_linear + 2.0 * mesh.resistance_quadratic[i] * speed)
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)
-    slope: float = changed / (2.0 * speed * course.half_inertia_kg)
+    slope: float = changed / (2.0 * speed * mesh.half_inertia_kg)
     return slope
 
 
@@ -369,4 +366,4 @@ def fill_curves(trace: Trace, prices: FloatArray, ceiling2: FloatArray, curve: F
         for side in range(2):
             if ceiling2[side, piece] > 0.0:
                 falls = rise - _slope(trace, i, prices[side, piece], np.sqrt(ceiling2[side, piece]))
-                curve[side, piece] = max(trace.course.half_inertia_kg * falls, 0.0)
+                curve[side, piece] = max(trace.mesh.half_inertia_kg * falls, 0.0)

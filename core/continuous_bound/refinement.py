@@ -17,23 +17,22 @@ from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bo
 from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.account import account_of_run, reference_energy
 from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
-from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task, task_over_nodes
-from railjoule.core.trajectory import LATE_SHARE, line_energies_j
+from railjoule.core.trajectory import LATE_SHARE, supply_energies_j
 
-MOST_ROUNDS = 6
+MAX_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
-MOST_PARTS, SHORTEST_M = 4, 0.02
+MAX_PARTS, SHORTEST_M = 4, 0.02
 """Into how many parts a cell is cut in one round, and the length below which it is not [m]."""
 ALLOTTED = (0.4, 1.6, 6.4, 25.6)
 """Which multiple of the tolerance the cells together may keep; the first that makes no more cells than allowed."""
 STEEPEST, ROUNDING = 4.0, 1e-6
 """How many times as long as its neighbour a cell may be."""
-LARGEST_EXCESS = 5e-4
+MAX_EXCESS = 5e-4
 """Cells in which a run exceeds a limit by more than this share are cut."""
-MOST_GROWTH, FEWEST_CELLS = 4, 2000
+MAX_GROWTH, FEWEST_CELLS = 4, 2000
 """A mesh grows at most to so many times its cells, or to so many."""
 
 
@@ -64,7 +63,7 @@ class RefinedOptimum:
     @property
     def gap(self) -> float:
         """Energy of the run, followed between its nodes, less the bound, over the reference energy."""
-        data = self.task.course.data
+        data = self.task.mesh.data
         energy_j = self.followed.total_j + data.auxiliary_power_w * self.followed.total_s
         return (energy_j - self.bound.energy_j) / reference_energy(data, energy_j, self.task.running_time_s)
 
@@ -83,11 +82,11 @@ def refined_optimum(task: Task) -> RefinedOptimum:
         If no optimum is found over the first mesh. If a finer one has none, that before it stands.
     """
     tolerance = task.scenario.solver.tolerance
-    most_cells = min(max(MOST_GROWTH * task.course.cell_count, FEWEST_CELLS), current_budget().cell_count)
+    max_cells = min(max(MAX_GROWTH * task.mesh.cell_count, FEWEST_CELLS), current_budget().cell_count)
     found = _bounded_optimum(task, 1)
     best = found
-    while best.rounds < MOST_ROUNDS:
-        cuts = _cuts(found, tolerance, most_cells)
+    while best.rounds < MAX_ROUNDS:
+        cuts = _cuts(found, tolerance, max_cells)
         if cuts.max() == 1:
             break
         try:
@@ -101,8 +100,8 @@ def refined_optimum(task: Task) -> RefinedOptimum:
 def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
     task.require_timetable()
     solution = minimise(task)
-    followed = follow_between_nodes(task.course.data, solution.optimum.speed2)
-    bound = continuous_bound(task.course, solution.optimum, task.running_time_s)
+    followed = follow_between_nodes(task.mesh.data, solution.optimum.speed2)
+    bound = continuous_bound(task.mesh, solution.optimum, task.running_time_s)
     return RefinedOptimum(task, solution, followed, bound, rounds)
 
 
@@ -115,14 +114,14 @@ def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> 
 
 def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
-    data, optimum, pieces = found.task.course.data, found.solution.optimum, found.bound.pieces
+    data, optimum, pieces = found.task.mesh.data, found.solution.optimum, found.bound.pieces
     price_of_time_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
     last = np.searchsorted(pieces.cell, numbers, side="right") - 1
     start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
-    gaps: FloatArray = found.followed.line_energy_j + price_of_time_w * found.followed.duration_s
+    gaps: FloatArray = found.followed.supply_energy_j + price_of_time_w * found.followed.duration_s
     gaps -= data.half_inertia_kg * (end - start)
     return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
 
@@ -136,7 +135,7 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
     task, optimum = found.task, found.solution.optimum
     if found.followed.is_possible:
         return found
-    data = task.course.data
+    data = task.mesh.data
     speed2 = slow_to_possible(data, optimum.speed2)
     late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
     if late_s > 0.0:
@@ -150,15 +149,15 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
         speed2 = slow_to_possible(data, optimum.speed2)
         if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
             return found
-    net_j = net_energy(*line_energies_j(task.course, account_of_run(data, speed2)))
+    net_j = net_energy(*supply_energies_j(task.mesh, account_of_run(data, speed2)))
     moved = optimum._replace(speed2=speed2, energy_j=net_j - task.dwell_energy_j)
     solution = Solution(moved, found.solution.iterations + optimum.iterations, net_j)
     return replace(found, solution=solution, followed=follow_between_nodes(data, speed2))
 
 
-def _cuts(found: RefinedOptimum, tolerance: float, most_cells: int) -> IntArray:
+def _cuts(found: RefinedOptimum, tolerance: float, max_cells: int) -> IntArray:
     """Return into how many parts each cell is cut, 1 in all where no more cells would help; shape (n,)."""
-    data, optimum = found.task.course.data, found.solution.optimum
+    data, optimum = found.task.mesh.data, found.solution.optimum
     whole = np.ones(len(data.cell_length_m), dtype=int)
     if abs(found.gap) <= tolerance:
         return whole
@@ -166,11 +165,11 @@ def _cuts(found: RefinedOptimum, tolerance: float, most_cells: int) -> IntArray:
     open_share = np.abs(cell_gaps_j(found)) * len(whole) / (tolerance * scale_j)
     # with too many cells those that matter most are cut first
     for allotted in ALLOTTED:
-        cuts = np.clip(np.ceil(np.sqrt(open_share / allotted)), 1, MOST_PARTS).astype(int)
-        cuts[found.followed.excess_share > LARGEST_EXCESS] = MOST_PARTS
+        cuts = np.clip(np.ceil(np.sqrt(open_share / allotted)), 1, MAX_PARTS).astype(int)
+        cuts[found.followed.excess_share > MAX_EXCESS] = MAX_PARTS
         cuts[data.cell_length_m < SHORTEST_M] = 1
         cuts = _graded(data.cell_length_m, cuts)
-        if cuts.sum() <= most_cells:
+        if cuts.sum() <= max_cells:
             return cuts
     return whole
 
@@ -191,7 +190,7 @@ def _graded(length_m: FloatArray, cuts: IntArray) -> IntArray:
 
 def _finer_task(task: Task, cuts: IntArray) -> Task:
     """Return a task over a mesh whose cells are cut into parts."""
-    node = task.course.position_m
+    node = task.mesh.position_m
     number = np.repeat(np.arange(len(cuts)), cuts)
     part = np.arange(len(number)) - np.repeat(np.cumsum(cuts) - cuts, cuts)
     position = np.append(node[number] + (node[number + 1] - node[number]) * part / cuts[number], node[-1])

@@ -1,4 +1,4 @@
-"""The kinds of drives: the number by which compiled code knows each, and what it can do."""
+"""The kinds of drives: the number of each in compiled code, and its capabilities."""
 
 from typing import NamedTuple
 
@@ -8,41 +8,41 @@ INDUCTION = 2
 LOSS_POLYNOMIAL = 3
 LOSS_MAP = 4
 
+PowerTerms = tuple[float, float, float, float, float, float]
+"""A power p [W] and its derivatives by effort f [N] and speed v [m/s]: p, p_f, p_v, p_ff, p_fv, p_vv."""
+
 
 class Capabilities(NamedTuple):
-    """What a kind of drive can do, and how the solver and its proof treat it.
+    """The properties of a kind of drive that the solver and its bounds depend on.
 
     Parameters
     ----------
-    jumps_at_no_effort : bool
-        Whether it takes power without effort when it is on, and none when it is off: power jumps there. The kind then
-        needs an `idle_power` and powers that fall to it with the effort.
+    has_idle_losses : bool
+        Whether the drive has idle losses: it takes power without effort while it is on, and none while it is off. The
+        parameters of such a kind begin with those of `railjoule.core.drive.geared`.
     may_draw_while_braking : bool
-        Whether it may need power of the line to brake, near standstill.
+        Whether braking may need supply power, near standstill.
     geared : bool
-        Whether its losses are those of each of several motors behind gears, by a `motor_loss`.
+        Whether the losses of a motor with its inverter are a function of torque and speed that is never negative.
     concave : bool
-        Whether its power may be concave in the effort, and its losses fall with speed, as no formula rules out: the
-        relaxation then works on tabulated lower convex envelopes.
+        Whether the power may be concave in the effort, and the losses may fall with speed, as no formula excludes it:
+        the relaxation then works on tabulated lower convex envelopes.
     """
 
-    jumps_at_no_effort: bool
+    has_idle_losses: bool
     may_draw_while_braking: bool
     geared: bool
     concave: bool = False
 
 
 CAPABILITIES = (
-    Capabilities(jumps_at_no_effort=False, may_draw_while_braking=False, geared=False),  # CONSTANT_EFFICIENCY
-    Capabilities(jumps_at_no_effort=False, may_draw_while_braking=True, geared=False),  # COPPER_LOSS
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=False),  # INDUCTION
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True),  # LOSS_POLYNOMIAL
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True, concave=True),  # LOSS_MAP
+    Capabilities(has_idle_losses=False, may_draw_while_braking=False, geared=False),  # CONSTANT_EFFICIENCY
+    Capabilities(has_idle_losses=False, may_draw_while_braking=True, geared=False),  # COPPER_LOSS
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=False),  # INDUCTION
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=True),  # LOSS_POLYNOMIAL
+    Capabilities(has_idle_losses=True, may_draw_while_braking=True, geared=True, concave=True),  # LOSS_MAP
 )
-"""The row of each kind at its number; asking for a number without a row is an error, in compiled code as well."""
+"""The capabilities of each kind, by its number. A number without a row is an error, in compiled code as well."""
 
-JUMPS = tuple(row.jumps_at_no_effort for row in CAPABILITIES)
-DRAWS = tuple(row.may_draw_while_braking for row in CAPABILITIES)
-GEARED = tuple(row.geared for row in CAPABILITIES)
-CONCAVE = tuple(row.concave for row in CAPABILITIES)
-"""The columns of the table, as compiled code takes them."""
+IDLE_LOSSES, DRAWS, GEARED, CONCAVE = zip(*CAPABILITIES, strict=True)
+"""The columns of the table, for compiled code."""

@@ -1,8 +1,8 @@
-"""What of a drive's power the line gives and takes back: the rule of recuperation.
+"""The rule of recuperation: the supply power of a drive's power at its terminals.
 
-A drive that draws power P > 0 at its terminals, to drive or to brake near standstill, takes all of it from the line.
-What it generates, -P, the line takes back in part: the recuperation factor r times it; resistors dissipate the rest. As
-r lies between 0 and 1, the line's power is max(P, r P): kinked at zero, convex, and rising with P.
+A drive that takes power P > 0 at its terminals, to drive or to brake near standstill, takes all of it from the supply.
+Of the power that it generates, -P, the supply takes back the recuperation factor r; resistors dissipate the rest. As r
+lies between 0 and 1, the supply power is max(P, r P): kinked at zero, convex, and rising with P.
 """
 
 import numpy as np
@@ -12,18 +12,18 @@ from railjoule.core.compiled import Numbers, Value, formula
 
 @formula
 def line_power(power: Value, recuperation_factor: float) -> Value:
-    """Return the power taken from the line [W] for a power at the terminals [W]; negative goes back."""
+    """Return the supply power [W] for a power at the terminals [W]; negative is recuperated."""
     taken: Value = np.maximum(power, recuperation_factor * power)
     return taken
 
 
 @formula
-def smooth_line_power(taken: Value, generated: Numbers, drawn: Numbers, recuperation_factor: float) -> Value:
-    """Return the same for a power taken to drive and one generated in braking, without the kink.
+def smooth_supply_power(taken: Value, generated: Numbers, drawn: Numbers, recuperation_factor: float) -> Value:
+    """Return the supply power without the kink, for a power taken to drive and one generated in braking [W].
 
-    `drawn` stands for what braking draws, max(0, -generated): a variable of its own that is bound by both from below,
-    and that no optimum leaves above them. Where it is just that, this is `line_power` of taken - generated, if not both
-    are above zero. It takes CasADi's symbols too.
+    `drawn` is a variable for max(0, -generated), bounded by both from below; no optimum leaves it above them. With that
+    value, and unless both powers are above zero, this is `line_power` of taken - generated. It takes CasADi's symbols
+    too.
     """
     power: Value = taken - recuperation_factor * generated + (1.0 - recuperation_factor) * drawn
     return power
@@ -31,5 +31,5 @@ def smooth_line_power(taken: Value, generated: Numbers, drawn: Numbers, recupera
 
 @formula
 def resistor_power(power: Value, recuperation_factor: float) -> Value:
-    """Return what of a power at the terminals [W] brake resistors dissipate [W]: generated, and not taken back."""
+    """Return the part of a power at the terminals that brake resistors dissipate [W]: generated, not recuperated."""
     return line_power(power, recuperation_factor) - power

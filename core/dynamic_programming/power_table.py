@@ -15,9 +15,9 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, shared_by_cells
-from railjoule.core.physics.effort_limit import largest_effort
-from railjoule.core.physics.stretches import IS_OFF, NEXT_TO_NOTHING, action_of_cell
+from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.physics.mesh_data import OFF, MeshData, shared_by_cells
+from railjoule.core.physics.stretches import NEXT_TO_NOTHING, action_of_cell
 
 SPEEDS, EFFORTS = 96, 64
 """Of a table: from rest to the highest speed, and from none to the largest effort at each of them."""
@@ -31,7 +31,7 @@ class PowerTable(NamedTuple):
 
     Parameters
     ----------
-    step_ms, least_n : float
+    step_ms, min_n : float
         Step of speed [m/s], and the effort below which the drive is off [N].
     largest_n : array of shape (2, SPEEDS)
         Largest effort of driving, and of all brakes together [N].
@@ -42,7 +42,7 @@ class PowerTable(NamedTuple):
     """
 
     step_ms: float
-    least_n: float
+    min_n: float
     largest_n: FloatArray
     loss_w: FloatArray
     action: IntArray
@@ -52,18 +52,18 @@ NO_POWERS = PowerTable(1.0, 0.0, np.zeros((2, 0)), np.zeros((2, 0, 0)), np.zeros
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def tabulate_powers(course: CourseData) -> PowerTable:
-    """Return the table of a course's train."""
-    train, traction, braking, drive = shared_by_cells(course)
-    another = has_standstill_brake(course.drive_kind, course.drive_parameters)
+def tabulate_powers(mesh: MeshData) -> PowerTable:
+    """Return the table of a meshed line's train."""
+    train, traction, braking, drive = shared_by_cells(mesh)
+    another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     least = NEXT_TO_NOTHING * traction.constant_n
-    step = math.sqrt(course.largest_speed2.max()) / (SPEEDS - 1)
+    step = math.sqrt(mesh.limit_speed2.max()) / (SPEEDS - 1)
     largest, loss = np.empty((2, SPEEDS)), np.empty((2, SPEEDS, EFFORTS))
     action = np.empty((2, SPEEDS, EFFORTS), dtype=np.int64)
     for k in range(SPEEDS):
         v = max(k * step, SLOWEST_MS)
-        largest[DRIVING_SIDE, k] = largest_effort(traction, v)
-        largest[BRAKING_SIDE, k] = largest_effort(braking, v) + train.friction_effort_n
+        largest[DRIVING_SIDE, k] = max_effort(traction, v)
+        largest[BRAKING_SIDE, k] = max_effort(braking, v) + train.friction_effort_n
         for side in range(2):
             for j in range(EFFORTS):
                 # at no effort the power jumps: there stands what the least effort takes
@@ -72,7 +72,7 @@ def tabulate_powers(course: CourseData) -> PowerTable:
                 # a cell whose only resistance is that force, passed at one speed
                 cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0)
                 account = account_of_cell(cell, train, traction, braking, drive, v * v, v * v)
-                loss[side, k, j] = account.line_power_w - force * v
+                loss[side, k, j] = account.supply_power_w - force * v
                 action[side, k, j], _ = action_of_cell(account, traction, another)
     return PowerTable(step, least, largest, loss, action)
 
@@ -85,8 +85,8 @@ def tabulated_cost(
     v = mean_speed(math.sqrt(entering_speed2), math.sqrt(leaving_speed2))
     force, seconds = needed_force(cell, entering_speed2, leaving_speed2, v), duration(cell.length_m, v)
     # in a neutral section no drive is on
-    if abs(force) <= table.least_n or cell.powered < 1.0:
-        return 0.0, seconds, IS_OFF
+    if abs(force) <= table.min_n or cell.supply_share < 1.0:
+        return 0.0, seconds, OFF
     side = DRIVING_SIDE if force > 0.0 else BRAKING_SIDE
     k = min(int(v / table.step_ms), SPEEDS - 2)
     x = min(v / table.step_ms - k, 1.0)

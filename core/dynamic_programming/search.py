@@ -3,30 +3,25 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
-import numpy as np
 import scipy
 
-from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.dynamic_programming.backward import (
-    Steps,
-    laid_along_coasting,
-    least_speeds,
-    speed_grid,
-    sweep_back,
-    tabulate_steps,
-)
+from railjoule.core.arrays import FloatArray
+from railjoule.core.dynamic_programming.grid import speed_band
+from railjoule.core.dynamic_programming.labels import no_labels
 from railjoule.core.dynamic_programming.power_table import NO_POWERS
-from railjoule.core.dynamic_programming.rollout import roll_out
+from railjoule.core.dynamic_programming.recursion import roll_out, sweep_back
+from railjoule.core.dynamic_programming.steps import Steps, tabulate_steps
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
 from railjoule.core.motion.passes import slowed_to_reach
 from railjoule.core.physics.account import run_energy
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 # Each constant that shapes a run was halved and doubled over 13 shipped scenarios; parts per million (ppm) are of the
-# run's energy, the mean over the scenarios. Single runs move by more: a drive that takes power without effort has many
-# local optima, and any change ends in another of them, -560 to +630 ppm away for trams. Means under 50 ppm are scatter.
+# run's energy, the mean over the scenarios. Single runs move by more: a drive with idle losses has many local
+# optima, and any change ends in another of them, -560 to +630 ppm away for trams. Means under 50 ppm are scatter.
 
 # Speeds at each node on the first grid, which spans all of them: 12 or 48 change no mean by more than 50 ppm, 48 take
 # a quarter longer
@@ -44,13 +39,13 @@ NARROWING = 0.3
 STEADY_SHARE = 5e-4
 # The search ends with bands this narrow: linear cost to go and a golden section find the rest. 0.2 cost 320 ppm, 0.1
 # 16 ppm; half of it gains 2
-LEAST_BAND_MS = 0.02
+MIN_BAND_MS = 0.02
 # Seven levels cost 40 ppm, as the runs that wander most have not become steady; 28 change nothing
-MOST_LEVELS = 14
-# How close to the running time a level's run must come, as a share of it: at first, halved from level to level. What is
-# missing is made up by mixing it with the next run, which costs energy if they differ much. Half or double of the last
+MAX_LEVELS = 14
+# How close to the running time a level's run must come, as a share of it: at first, halved from level to level. The
+# rest is made up by mixing it with the next run, which costs energy if they differ much. Half or double of the last
 # changes under 1 ppm; half of the first takes a fifth more sweeps and gains 17 ppm
-FIRST_TIME_TOLERANCE, LEAST_TIME_TOLERANCE = 2e-3, 5e-5
+FIRST_TIME_TOLERANCE, MIN_TIME_TOLERANCE = 2e-3, 5e-5
 # Golden sections between grid points: 0 cost 98 ppm, 2 cost 54, 8 gain 15
 NARROWINGS = 4
 # By how much the first bracket of the price widens, step by step. From level to level prices hardly change.
@@ -58,21 +53,21 @@ NARROWINGS = 4
 FIRST_FACTOR, NEXT_FACTOR = 8.0, 1.02
 # From the price at which a sweep would have its run in time, which is off by some thousandths
 ESTIMATED_FACTOR = 1.005
-# Where the logarithms of both prices differ by less, both runs are of one price: the time jumps there. A thousandth
+# Both runs are of one price if the logarithms of their prices differ by less: the time jumps there. A thousandth
 # and a tenth as much change 4 ppm at most
-LEAST_LOG_WIDTH = 1e-3
+MIN_LOG_WIDTH = 1e-3
 # Each widening is 1.5 times the one before in the logarithm, so that 16 cover the whole range of prices, and 10 sweeps
 # close nearly all brackets (0.03 ppm): both numbers but keep a fault from running for ever
-MOST_WIDENINGS, MOST_SWEEPS = 20, 60
+MAX_WIDENINGS, MAX_SWEEPS = 20, 60
 WIDENING_GROWTH = 1.5
 # The least and the greatest price that is tried, over kinetic energy at the mean speed by running time: far
 # beyond what runs need, as a range from 1e-3 to 1e2 changes one scenario, by 10 ppm, and a wider one none
 PRICE_SHARES = (1e-6, 1e4)
 # the logarithm of a power that may be 0
 TINY = 1e-300
-# A band that holds no run is widened; a search that meets so many ends with the best run so far and says so in a note.
+# A band that holds no run is widened; a search that meets so many ends with the best run so far and a note.
 # No shipped scenario meets one: they come where a climb needs momentum and all of the grid is too slow for it
-WIDENING, MOST_FAILURES = 2.0, 3
+WIDENING, MAX_FAILURES = 2.0, 3
 NO_RUN = "dynamic programming found no run that reaches the end on its grid of speeds."
 
 Lateness = Callable[[float], float]
@@ -106,11 +101,10 @@ class Level:
 
 
 def search_level(
-    course: CourseData,
+    mesh: MeshData,
     grid: FloatArray,
     fastest_speed2: FloatArray,
     time_s: float,
-    price_scale_w: float,
     first_price_w: float,
     widening_factor: float,
     time_tolerance_s: float,
@@ -119,17 +113,16 @@ def search_level(
 
     Parameters
     ----------
-    course : CourseData
-        What the run obeys.
+    mesh : MeshData
+        The line and the train.
     grid : array of shape (nodes, points)
         Squares of speed [m2/s2].
     fastest_speed2 : array of shape (nodes,)
         The fastest run [m2/s2], which bounds the search where the grid's own runs are all too slow.
     time_s : float
         Running time allowed [s].
-    price_scale_w, first_price_w, widening_factor : float
-        A natural price of time, where the search begins [J/s], and by which factor its bracket widens. Prices count
-        the auxiliaries: none is below their power.
+    first_price_w, widening_factor : float
+        Price of a second, auxiliaries included, where the search begins [J/s], and by which factor its bracket widens.
     time_tolerance_s : float
         The search ends with a run whose time is this close [s], or with prices that hardly differ.
 
@@ -138,69 +131,48 @@ def search_level(
     SolverError
         If no run reaches the end on this grid.
     """
-    runs = _PricedRuns(course, grid, time_s)
-    prices = log_price_range(course, price_scale_w)
-    # a sweep tells about how late its run is, for a fraction of what it costs to roll one out
-    first = math.log(first_price_w)
-    about = meeting_prices(runs.estimated_lateness_s, first, widening_factor, prices, time_tolerance_s)
-    first = min(about, key=lambda price: abs(runs.estimated_lateness_s(price)))
-    slow, fast = meeting_prices(runs.lateness_s, first, ESTIMATED_FACTOR, prices, time_tolerance_s)
-    if runs.lateness_s(slow) <= 0:
+    steps, labels = tabulate_steps(mesh, grid, NO_POWERS, by_regime=False), no_labels(len(grid) - 1)
+
+    @cache
+    def sweep(log_price: float) -> tuple[FloatArray, float]:
+        cost, _, taken_s = sweep_back(steps, grid, math.exp(log_price), labels, keeps_cost=True)
+        if cost[0, 0, 0] == math.inf:
+            raise SolverError(NO_RUN)
+        return cost, taken_s - time_s
+
+    @cache
+    def run(log_price: float) -> tuple[FloatArray, float]:
+        speed2, _ = roll_out(mesh, grid, sweep(log_price)[0], math.exp(log_price), labels, NARROWINGS)
+        if speed2[-1] < 0:
+            raise SolverError(NO_RUN)
+        return speed2, running_time(mesh.cell_length_m, speed2) - time_s
+
+    def estimated_lateness_s(log_price: float) -> float:
+        return sweep(log_price)[1]
+
+    def lateness_s(log_price: float) -> float:
+        return run(log_price)[1]
+
+    prices, first = log_price_range(mesh, time_s), math.log(first_price_w)
+    # a sweep estimates how late its run is, for a fraction of the cost of rolling one out
+    about = meeting_prices(estimated_lateness_s, first, widening_factor, prices, time_tolerance_s)
+    first = min(about, key=lambda price: abs(estimated_lateness_s(price)))
+    slow, fast = meeting_prices(lateness_s, first, ESTIMATED_FACTOR, prices, time_tolerance_s)
+    price, slower, faster = 0.5 * (slow + fast), run(slow)[0], run(fast)[0]
+    if lateness_s(slow) <= 0:
         # the cheapest run at any price is early, and at the least price it is the cheapest of all
-        lowest = min(slow, fast)
-        return runs.level(lowest, runs.speed2(lowest), runs.speed2(lowest))
-    if runs.lateness_s(fast) > 0:
-        return runs.level(fast, runs.speed2(fast), fastest_speed2)
-    return runs.level(0.5 * (slow + fast), runs.speed2(slow), runs.speed2(fast))
+        price = min(slow, fast)
+        slower = faster = run(price)[0]
+    elif lateness_s(fast) > 0:
+        price, faster = fast, fastest_speed2
+    return Level(grid, steps, math.exp(price), slower, faster, sweep.cache_info().currsize)
 
 
-class _PricedRuns:
-    """The cheapest runs on a grid by the logarithm of their price of time, each computed once."""
-
-    def __init__(self, course: CourseData, grid: FloatArray, time_s: float) -> None:
-        self.course, self.grid, self.time_s = course, grid, time_s
-        self.steps = tabulate_steps(course, grid, NO_POWERS)
-        self.swept: dict[float, tuple[FloatArray, IntArray, float]] = {}
-        self.found: dict[float, tuple[FloatArray, float]] = {}
-
-    def speed2(self, log_price: float) -> FloatArray:
-        """Return the squares of speed of the cheapest run at a price [m2/s2]."""
-        return self._run(log_price)[0]
-
-    def lateness_s(self, log_price: float) -> float:
-        """Return by how much it is late [s]; it falls with the price."""
-        return self._run(log_price)[1]
-
-    def estimated_lateness_s(self, log_price: float) -> float:
-        """Return by how much it is late [s] if times between grid points are as linear as costs to go."""
-        return self._sweep(log_price)[2]
-
-    def level(self, log_price: float, slower: FloatArray, faster: FloatArray) -> Level:
-        return Level(self.grid, self.steps, math.exp(log_price), slower, faster, len(self.swept))
-
-    def _sweep(self, log_price: float) -> tuple[FloatArray, IntArray, float]:
-        if log_price not in self.swept:
-            cost, best, time = sweep_back(self.steps, self.grid, math.exp(log_price))
-            if cost[0, 0] == math.inf:
-                raise SolverError(NO_RUN)
-            self.swept[log_price] = cost, best, float(time[0, 0]) - self.time_s
-        return self.swept[log_price]
-
-    def _run(self, log_price: float) -> tuple[FloatArray, float]:
-        if log_price not in self.found:
-            cost, best, _ = self._sweep(log_price)
-            speed2 = roll_out(self.course, self.grid, self.steps, cost, best, math.exp(log_price), NARROWINGS)
-            if speed2[-1] < 0:
-                raise SolverError(NO_RUN)
-            self.found[log_price] = speed2, running_time(self.course.cell_length_m, speed2) - self.time_s
-        return self.found[log_price]
-
-
-def log_price_range(course: CourseData, price_scale_w: float) -> tuple[float, float]:
-    """Return the logarithms of the least and the greatest price of a second [J/s] that are tried, by a natural one."""
+def log_price_range(mesh: MeshData, time_s: float) -> tuple[float, float]:
+    """Return the logarithms of the least and the greatest price of a second [J/s] that are tried for a running time."""
     # a second costs at least what the auxiliaries take: a run that is early at that price had better be early
-    floor = math.log(max(course.auxiliary_power_w, TINY))
-    least, most = (max(math.log(price_scale_w * share), floor) for share in PRICE_SHARES)
+    floor = math.log(max(mesh.auxiliary_power_w, TINY))
+    least, most = (max(math.log(price_scale_w(mesh, time_s) * share), floor) for share in PRICE_SHARES)
     return least, most
 
 
@@ -215,9 +187,9 @@ def meeting_prices(
     slow, fast = _bracket(lateness_s, min(max(first, least), most), factor, least, most)
     if lateness_s(slow) <= 0 or lateness_s(fast) > 0:
         return slow, fast
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_SWEEPS):
         closest = min(abs(lateness_s(slow)), abs(lateness_s(fast)))
-        if closest <= tolerance_s or abs(slow - fast) <= LEAST_LOG_WIDTH:
+        if closest <= tolerance_s or abs(slow - fast) <= MIN_LOG_WIDTH:
             break
         # regula falsi, drawn to the middle: times jump where the cheapest run changes its kind
         fraction = lateness_s(slow) / (lateness_s(slow) - lateness_s(fast))
@@ -235,7 +207,7 @@ def _bracket(lateness_s: Lateness, first: float, factor: float, least: float, mo
     A run that is late needs a higher price; from the first price on they go up or down in growing steps.
     """
     other = first
-    for number in range(MOST_WIDENINGS):
+    for number in range(MAX_WIDENINGS):
         wider = other + math.copysign(math.log(factor) * WIDENING_GROWTH**number, lateness_s(first))
         other = min(max(wider, least), most)
         if lateness_s(first) * lateness_s(other) <= 0 or other != wider:
@@ -244,17 +216,17 @@ def _bracket(lateness_s: Lateness, first: float, factor: float, least: float, mo
     return (first, other) if lateness_s(first) >= lateness_s(other) else (other, first)
 
 
-def meet_time(course: CourseData, slower: FloatArray, faster: FloatArray, time_s: float) -> FloatArray:
+def meet_time(mesh: MeshData, slower: FloatArray, faster: FloatArray, time_s: float) -> FloatArray:
     """Return the run between two that takes the running time, within 1e-6 s; squares of speed of shape (nodes,).
 
     The mean of two runs in the square of speed keeps all limits but those of power, which are met by slowing down.
     """
 
     def between(weight: float) -> FloatArray:
-        return slowed_to_reach(course, slower + weight * (faster - slower))
+        return slowed_to_reach(mesh, slower + weight * (faster - slower))
 
     def lateness(weight: float) -> float:
-        return running_time(course.cell_length_m, between(weight)) - time_s
+        return running_time(mesh.cell_length_m, between(weight)) - time_s
 
     if lateness(0.0) <= 0:
         return between(0.0)
@@ -290,14 +262,14 @@ class Found:
     unrefined_ms: float | None = None
 
 
-def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Found:
+def search(mesh: MeshData, fastest_speed2: FloatArray, time_s: float) -> Found:
     """Return the cheapest run that meets a running time, by backward induction.
 
     Parameters
     ----------
-    course : CourseData
-        What the run obeys.
-    greatest_speed2 : array of shape (nodes,)
+    mesh : MeshData
+        The line and the train.
+    fastest_speed2 : array of shape (nodes,)
         Greatest feasible squares of speed [m2/s2].
     time_s : float
         Running time allowed [s]; longer than the shortest possible.
@@ -307,47 +279,45 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     SolverError
         If no run on the grid meets the timetable.
     """
-    greatest = np.sqrt(greatest_speed2)
-    scale = price_scale_w(course, time_s)
-    kinetic = scale * time_s
-    half_width, points, tolerance = float(greatest.max()), FIRST_POINTS, FIRST_TIME_TOLERANCE * time_s
-    bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
-    grid = laid_along_coasting(course, speed_grid(*bounds, 0.5 * greatest, half_width, points), greatest_speed2)
-    first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, tolerance)
-    speed2, sweeps = meet_time(course, first.slower, first.faster, time_s), first.sweeps
-    best, least, price = speed2, _total_energy(course, speed2), first.price_w
+    scale = price_scale_w(mesh, time_s)
+    half_width = math.sqrt(fastest_speed2.max())
+    tolerance = FIRST_TIME_TOLERANCE * time_s
+    grid = speed_band(mesh, fastest_speed2, 0.25 * fastest_speed2, half_width, FIRST_POINTS)
+    first = level = search_level(mesh, grid, fastest_speed2, time_s, scale, FIRST_FACTOR, tolerance)
+    speed2, sweeps = meet_time(mesh, first.slower, first.faster, time_s), first.sweeps
+    best, least, price = speed2, _total_energy(mesh, speed2), first.price_w
     half_width *= FIRST_BAND_SHARE
     failures, unrefined, steady_at = 0, None, math.inf
-    for number in range(MOST_LEVELS):
+    for number in range(MAX_LEVELS):
+        tolerance = max(0.5 * tolerance, MIN_TIME_TOLERANCE * time_s)
         points = POINTS[min(number, len(POINTS) - 1)]
-        tolerance = max(0.5 * tolerance, LEAST_TIME_TOLERANCE * time_s)
-        grid = laid_along_coasting(course, speed_grid(*bounds, np.sqrt(speed2), half_width, points), greatest_speed2)
+        grid = speed_band(mesh, fastest_speed2, speed2, half_width, points)
         try:
-            level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, tolerance)
+            level = search_level(mesh, grid, fastest_speed2, time_s, level.price_w, NEXT_FACTOR, tolerance)
         except SolverError:
             failures, unrefined = failures + 1, half_width
-            if failures == MOST_FAILURES:
+            if failures == MAX_FAILURES:
                 break
             half_width *= WIDENING
             continue
-        speed2, sweeps, unrefined = meet_time(course, level.slower, level.faster, time_s), sweeps + level.sweeps, None
-        energy = _total_energy(course, speed2)
+        speed2, sweeps, unrefined = meet_time(mesh, level.slower, level.faster, time_s), sweeps + level.sweeps, None
+        energy = _total_energy(mesh, speed2)
         if energy < least:
             best, least, price = speed2, energy, level.price_w
         before, steady_at = steady_at, min(steady_at, energy)
-        if before - steady_at <= STEADY_SHARE * kinetic or number == 0:
-            if half_width < LEAST_BAND_MS:
+        if before - steady_at <= STEADY_SHARE * scale * time_s or number == 0:
+            if half_width < MIN_BAND_MS:
                 break
             half_width *= NARROWING
     return Found(best, price, first, sweeps, unrefined)
 
 
-def price_scale_w(course: CourseData, time_s: float) -> float:
+def price_scale_w(mesh: MeshData, time_s: float) -> float:
     """Return a natural price of time [J/s]: kinetic energy at the mean speed by running time."""
-    mean = float(course.cell_length_m.sum()) / time_s
-    return course.half_inertia_kg * mean**2 / time_s
+    mean = float(mesh.cell_length_m.sum()) / time_s
+    return mesh.half_inertia_kg * mean**2 / time_s
 
 
-def _total_energy(course: CourseData, speed2: FloatArray) -> float:
+def _total_energy(mesh: MeshData, speed2: FloatArray) -> float:
     """Return the line energy of a run with auxiliaries on its way [J]: runs may differ in their times."""
-    return float(run_energy(course, speed2) + course.auxiliary_power_w * running_time(course.cell_length_m, speed2))
+    return float(run_energy(mesh, speed2) + mesh.auxiliary_power_w * running_time(mesh.cell_length_m, speed2))

@@ -1,4 +1,4 @@
-"""Lines and vehicles from files of other programs; of the core, `measured` alone reads its tables with it."""
+"""Lines and vehicles from files of other programs; in the core, only `measured` reads its tables with it."""
 
 from railjoule.core.imports.columns import INTERVAL_KINDS, PRESETS, ColumnMap
 from railjoule.core.imports.findings import Finding, Imported

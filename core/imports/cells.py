@@ -1,22 +1,28 @@
-"""Tables of cells, from CSV or from a workbook."""
+"""Tables of cells, from CSV or from a workbook (.xlsx), which openpyxl of the extra `excel` reads."""
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Sequence
+import zipfile
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from datetime import date, datetime, time, timedelta
+from itertools import islice, product, zip_longest
 from threading import Lock
+from typing import Any
 
 from railjoule.core.csv_text import unguarded
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.findings import Finding
-from railjoule.core.imports.source_file import LARGEST_BYTES, SourceFile, shown_list, text_of
-from railjoule.core.scenario._sentences import shorten, show
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, text_of
+from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
-"""What a cell holds: text, also of a number, or the number of a workbook; an empty text where nothing."""
+"""Content of a cell: text, also of a number, or the number of a workbook; an empty text if there is none."""
 
-MOST_ROWS = 200_000
-MOST_COLUMNS = 250
+Row = tuple[int, tuple[Cell, ...]]
+
+MAX_ROWS = 200_000
+MAX_COLUMNS = 250
 LONGEST_NAME = 200
 """Characters of a column's name."""
 # in this order: a decimal comma never splits a row where another separator does
@@ -26,6 +32,12 @@ LEADING_ROWS = 30
 HeaderTest = Callable[[Sequence[str]], bool]
 """Whether some names can be those of a table's columns."""
 ZIP_MARK, OLD_WORKBOOK_MARK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
+# a workbook is a zip file: of the 50 MB that may come in, a thousand times as much may come out
+MAX_UNPACKED_BYTES = 4 * MAX_BYTES
+MAX_FILES = 2000
+"""Files in the zip file; a workbook has one a sheet, picture and chart, and some ten of its own."""
+ROWS_OF_TITLES = 100
+"""A sheet whose first so many rows are empty counts as empty."""
 
 _LONG_CELLS = Lock()
 
@@ -34,22 +46,8 @@ _LONG_CELLS = Lock()
 class CellTable:
     """The cells of a table.
 
-    Parameters
-    ----------
-    source : str
-        The file.
-    header : tuple of str
-        The columns' names.
-    rows : tuple of (int, tuple of Cell)
-        The number of each row, as a spreadsheet counts, and its cells, one a column.
-    separator : str
-        What stands between cells; empty in a workbook.
-    has_header : bool
-        Whether the names are the file's.
-    sheets : tuple of str
-        Of a workbook all that hold anything.
-    findings, unused
-        See `Imported`.
+    `rows` have their numbers, as a spreadsheet counts, and one cell for each column; `separator` is empty for a
+    workbook, whose `sheets` are those with content. With `has_header` the names are those of the file.
     """
 
     source: str
@@ -62,13 +60,13 @@ class CellTable:
     unused: tuple[str, ...] = field(default=(), kw_only=True)
 
     def column(self, name: str) -> list[tuple[int, Cell]]:
-        """Return the cells of a column, each with the number of its row."""
+        """Select the cells of a column, each with the number of its row."""
         index = self.header.index(name)
         return [(number, cells[index]) for number, cells in self.rows]
 
 
 def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTest | None = None) -> CellTable:
-    """Return the cells of a CSV file or of a sheet of a workbook.
+    """Read the cells of a CSV file or of a sheet of a workbook.
 
     Parameters
     ----------
@@ -77,8 +75,8 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     sheet : str, optional
         The workbook's sheet; by default its only one.
     is_header : callable, optional
-        Tells the names of the columns from other rows above the table; where no row passes, or without it, the first
-        row of at least two cells has them.
+        Distinguishes the names of the columns from other rows above the table; if no row passes, or without it, the
+        first row of at least two cells has them.
 
     Raises
     ------
@@ -90,102 +88,81 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     if source.content.startswith(OLD_WORKBOOK_MARK):
         raise ScenarioError(f"{source.name}: an old workbook (.xls); save it as .xlsx or CSV.")
     if source.content.startswith(ZIP_MARK):
-        # only here: it is the one that needs a package which need not be installed
-        from railjoule.core.imports.workbook import rows_of_workbook  # noqa: PLC0415
-
-        rows, sheets, name = rows_of_workbook(source, sheet)
+        rows, sheets, name = _workbook_rows(source, sheet)
         others = [other for other in sheets if other != name]
         unused = [f"{source.name}: sheets not read: {shown_list(others)}."] if others else []
-        return replace(_table(source.name, rows, "", [], unused, is_header), sheets=sheets)
+        return replace(_named_table(source.name, rows, "", [], unused, is_header), sheets=sheets)
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
     text, findings = text_of(source)
     separator = _separator_of(text, is_header)
-    return _table(source.name, _csv_rows(source.name, text, separator), separator, findings, [], is_header)
+    return _named_table(source.name, _csv_rows(source.name, text, separator), separator, findings, [], is_header)
 
 
-def checked_row(name: str, number: int, cells: Iterable[Cell]) -> tuple[int, tuple[Cell, ...]]:
-    """Return a numbered row without the empty cells at its end.
-
-    Raises
-    ------
-    ScenarioError
-        If it has too many cells, or is one too many.
-    """
-    row = list(cells)
+def _checked_row(name: str, number: int, row: list[Cell]) -> Row:
+    """Strip empty cells at the end of a row; ScenarioError if it is one too many or has too many cells."""
     while row and (row[-1] == "" or (isinstance(row[-1], str) and not row[-1].strip())):
         row.pop()
-    if len(row) > MOST_COLUMNS:
-        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MOST_COLUMNS} are allowed.")
-    if number > MOST_ROWS:
-        raise ScenarioError(f"{name}: more than the {MOST_ROWS} rows allowed.")
+    if len(row) > MAX_COLUMNS:
+        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MAX_COLUMNS} are allowed.")
+    if number > MAX_ROWS:
+        raise ScenarioError(f"{name}: more than the {MAX_ROWS} rows allowed.")
     return number, tuple(row)
 
 
 def _separator_of(text: str, is_header: HeaderTest | None) -> str:
-    """Return what stands between cells: what splits the names of the columns, or else most of the first rows."""
+    """Find the separator of cells: the one that splits the names of the columns, or else most of the first rows."""
     beginning = [line for line in text.split("\n", LEADING_ROWS)[:LEADING_ROWS] if line.strip()]
-    if is_header is not None:
-        for line in beginning:
-            for separator in SEPARATORS:
-                if separator in line and is_header([_name(cell.strip().strip('"')) for cell in line.split(separator)]):
-                    return separator
-    for separator in SEPARATORS:
-        if sum(separator in line for line in beginning) > len(beginning) / 2:
+    for line, separator in product(beginning, SEPARATORS):
+        names = [_name(cell.strip().strip('"')) for cell in line.split(separator)]
+        if is_header is not None and len(names) > 1 and is_header(names):
             return separator
-    return SEPARATORS[-1]
+    often = (one for one in SEPARATORS if sum(one in line for line in beginning) > len(beginning) / 2)
+    return next(often, SEPARATORS[-1])
 
 
-def _csv_rows(name: str, text: str, separator: str) -> list[tuple[int, tuple[Cell, ...]]]:
+def _csv_rows(name: str, text: str, separator: str) -> list[Row]:
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     # The library's limit of 131,072 characters in a cell is one for all readers. The shape of a line on a map exceeds
     # it, and the file is limited anyway.
     with _LONG_CELLS:
-        before = csv.field_size_limit(LARGEST_BYTES)
+        before = csv.field_size_limit(MAX_BYTES)
         try:
-            return [checked_row(name, reader.line_num, [unguarded(cell) for cell in cells]) for cells in reader]
+            return [_checked_row(name, reader.line_num, [unguarded(cell) for cell in cells]) for cells in reader]
         except csv.Error as error:
             raise ScenarioError(f"{name}, row {reader.line_num}: not a table in CSV: {error}.") from None
         finally:
             csv.field_size_limit(before)
 
 
-def _table(
+def _named_table(
     name: str,
-    rows: list[tuple[int, tuple[Cell, ...]]],
+    rows: list[Row],
     separator: str,
     findings: list[Finding],
     unused: list[str],
     is_header: HeaderTest | None,
 ) -> CellTable:
-    """Put the names of the columns over the rows beneath them."""
+    """Put the names of the columns over the rows below them."""
     filled = [row for row in rows if row[1]]
     if not filled:
         raise ScenarioError(f"{name}: holds no rows.")
     begin = _header_index(filled, is_header)
     above = [f"{name}, row {number}: {shorten(str(cells[0]))!r} above the table." for number, cells in filled[:begin]]
-    has_header = not _holds_numbers(filled[begin][1])
+    number, names = filled[begin]
+    # no name of a column begins with a digit or a sign
+    has_header = not all(
+        not isinstance(cell, str) or cell.strip()[:1] in "+-0123456789" for cell in names if cell != ""
+    )
     body = filled[begin + 1 :] if has_header else filled[begin:]
-    width = max(len(cells) for _, cells in filled[begin:])
     if has_header:
-        number, names = filled[begin]
         header = [_name(cell) for cell in names]
-        for row_number, cells in body:
-            if len(cells) > len(header):
-                raise ScenarioError(f"{name}, row {row_number}: {len(cells)} cells under {len(header)} columns.")
-        named = [column for column in header if column]
-        if longest := max((column for column in named), key=len, default="")[LONGEST_NAME:]:
-            told = LONGEST_NAME + len(longest)
-            raise ScenarioError(f"{name}, row {number}: a column's name has {told} characters; at most {LONGEST_NAME}.")
-        twice = sorted({column for column in named if named.count(column) > 1})
-        if twice:
-            raise ScenarioError(f"{name}, row {number}: the column {show(twice[0])} appears twice.")
-        width = len(header)
+        _require_names(name, number, header, body)
     else:
-        header = [f"column {index + 1}" for index in range(width)]
+        header = [""] * max(len(cells) for _, cells in body)
     # a spreadsheet may have cells under no name
-    header = [column or f"column {index + 1}" for index, column in enumerate(header)]
-    padded = tuple((number, (*cells, *[""] * (width - len(cells)))) for number, cells in body)
+    header = [column or f"column {index}" for index, column in enumerate(header, 1)]
+    padded = tuple((number, (*cells, *[""] * (len(header) - len(cells)))) for number, cells in body)
     if not padded:
         raise ScenarioError(f"{name}: has the columns {shown_list(header)}, and no rows beneath.")
     return CellTable(
@@ -193,24 +170,129 @@ def _table(
     )
 
 
-def _header_index(rows: list[tuple[int, tuple[Cell, ...]]], is_header: HeaderTest | None) -> int:
-    """Return the index of the row of names: titles over a table have one cell, its columns at least two."""
-    if is_header is not None:
-        for index, (_, cells) in enumerate(rows[:LEADING_ROWS]):
-            if len(cells) > 1 and is_header([_name(cell) for cell in cells]):
-                return index
-    counts = [sum(cell != "" for cell in cells) for _, cells in rows[:LEADING_ROWS]]
-    if max(counts) < 2:
-        return 0
-    return next(index for index, count in enumerate(counts) if count >= 2)
+def _require_names(name: str, number: int, header: Sequence[str], body: Sequence[Row]) -> None:
+    """Raise ScenarioError if a row is longer than the header, or a column's name is too long or not unique."""
+    for row_number, cells in body:
+        if len(cells) > len(header):
+            raise ScenarioError(f"{name}, row {row_number}: {len(cells)} cells under {len(header)} columns.")
+    longest = max(map(len, header))
+    if longest > LONGEST_NAME:
+        raise ScenarioError(f"{name}, row {number}: a column's name has {longest} characters; at most {LONGEST_NAME}.")
+    twice = sorted({column for column in header if column and header.count(column) > 1})
+    if twice:
+        raise ScenarioError(f"{name}, row {number}: the column {show(twice[0])} appears twice.")
 
 
-def _holds_numbers(cells: tuple[Cell, ...]) -> bool:
-    """Return whether a row holds values and not names: no name of a column begins with a digit or a sign."""
-    texts = [cell for cell in cells if cell != ""]
-    return all(not isinstance(cell, str) or cell.strip()[:1] in "+-0123456789" for cell in texts)
+def _header_index(rows: list[Row], is_header: HeaderTest | None) -> int:
+    """Find the row of names: titles over a table have one cell, its columns at least two."""
+    for index, (_, cells) in enumerate(rows[:LEADING_ROWS]):
+        if is_header is not None and len(cells) > 1 and is_header([_name(cell) for cell in cells]):
+            return index
+    return next((index for index, (_, row) in enumerate(rows[:LEADING_ROWS]) if sum(cell != "" for cell in row) > 1), 0)
 
 
 def _name(cell: Cell) -> str:
-    """Return a cell as the name of a column, in one line."""
+    """Format a cell as the name of a column, in one line."""
     return " ".join(str(cell).split())
+
+
+def _workbook_rows(source: SourceFile, sheet: str | None) -> tuple[list[Row], tuple[str, ...], str]:
+    """Read the rows of a sheet, the names of all sheets with content, and the name of the sheet.
+
+    Raises
+    ------
+    ChoiceError
+        If several sheets have content and none is named.
+    ScenarioError
+        If openpyxl is missing, the file is no workbook, or it unpacks to more than allowed.
+    """
+    name = source.name
+    try:
+        import openpyxl  # noqa: PLC0415  (of an extra, and slow to import)
+    except ModuleNotFoundError:
+        raise ScenarioError(
+            f"{name}: reading .xlsx needs openpyxl, which is not installed: pip install 'railjoule[excel]'; "
+            "or save the sheet as CSV."
+        ) from None
+    _require_small(source)
+    try:
+        # what formulas gave when the workbook was saved, and beside it the formulas: a sheet that another program
+        # wrote may hold formulas without what they give, which would read as empty cells
+        books = [
+            openpyxl.load_workbook(io.BytesIO(source.content), read_only=True, data_only=data_only, keep_links=False)
+            for data_only in (True, False)
+        ]
+        sheets = _filled_sheets(books[0])
+        if sheet is None and len(sheets) > 1:
+            raise ChoiceError(name, "sheet", sheets)
+        chosen = sheets[0] if sheet is None else sheet
+        if chosen not in sheets:
+            raise ScenarioError(f"{name}: sheet = {show(chosen)} must be one of {shown_list(list(sheets))}.")
+        values, formulas = (_sheet_rows(book[chosen]) for book in books)
+        rows = [
+            _checked_row(name, number, [_cell(name, number, *pair) for pair in zip_longest(*row)])
+            for number, row in enumerate(zip_longest(values, formulas, fillvalue=()), 1)
+        ]
+    except ScenarioError:
+        raise
+    # openpyxl has no error of its own for a broken file: whatever its parsers meet comes through
+    except Exception as error:
+        raise ScenarioError(f"{name}: not a workbook that can be read: {show(str(error))}.") from None
+    return rows, sheets, chosen
+
+
+def _require_small(source: SourceFile) -> None:
+    """Raise ScenarioError if the file would unpack to more than allowed; nothing is unpacked for that."""
+    name = source.name
+    if len(source.content) > MAX_BYTES:
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
+    try:
+        with zipfile.ZipFile(io.BytesIO(source.content)) as package:
+            parts = package.infolist()
+    except (zipfile.BadZipFile, NotImplementedError, ValueError) as error:
+        raise ScenarioError(f"{name}: not a workbook that can be read: {error}.") from None
+    # a part that unpacks to more than it declares is cut off there by the library, and its checksum is then wrong
+    unpacked = sum(part.file_size for part in parts)
+    if unpacked > MAX_UNPACKED_BYTES:
+        raise ScenarioError(
+            f"{name}: unpacks to {unpacked / 1e6:.0f} MB; at most {MAX_UNPACKED_BYTES / 1e6:g} MB are allowed."
+        )
+    if len(parts) > MAX_FILES:
+        raise ScenarioError(f"{name}: holds {len(parts)} files; at most {MAX_FILES} are allowed.")
+
+
+def _filled_sheets(book: Any) -> tuple[str, ...]:
+    """List the sheets with content: spreadsheet programs add empty ones."""
+    names = [
+        name
+        for name in book.sheetnames
+        if any(cell is not None for row in islice(_sheet_rows(book[name]), ROWS_OF_TITLES) for cell in row)
+    ]
+    # in one that begins far down, reading it gives the error
+    return tuple(names or book.sheetnames[:1])
+
+
+def _sheet_rows(sheet: Any) -> Iterator[tuple[Any, ...]]:
+    """Iterate over the rows of a sheet; a sheet of a chart has none."""
+    # the size that the file claims is not its own: up to that of the largest sheet would be filled up with nothing
+    if hasattr(sheet, "reset_dimensions"):
+        sheet.reset_dimensions()
+    return sheet.iter_rows(values_only=True) if hasattr(sheet, "iter_rows") else iter(())
+
+
+def _cell(source: str, number: int, value: Any, formula: Any) -> Cell:
+    """Convert a cell of a workbook; ScenarioError if it is a formula whose result the file does not contain."""
+    if value is None:
+        if isinstance(formula, str) and formula.startswith("="):
+            raise ScenarioError(
+                f"{source}, row {number}: {show(formula)} is a formula whose result is not in the file; open and save "
+                "it in a spreadsheet program."
+            )
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return float(value)
+    if isinstance(value, timedelta):
+        return value.total_seconds()
+    return value.isoformat() if isinstance(value, datetime | date | time) else str(value)

@@ -1,16 +1,28 @@
-"""Which column of a table of intervals holds what: named, as a preset has it, or guessed from the columns' names."""
+"""The columns of a table of intervals and their units: named, in a preset, by their headings, or in doubt."""
 
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, get_args
+from itertools import zip_longest
+from typing import Any, Literal, get_args
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ScenarioError, UnitError
 from railjoule.core.imports.cells import Cell, CellTable
-from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS
-from railjoule.core.imports.source_file import shown_list
-from railjoule.core.imports.units import BRACKETS, Heading, IntervalKind, name_tokens, plain, read_heading
-from railjoule.core.scenario._sentences import show, suggestion
+from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS, is_zero_in_words, names_unit, text_of_cell
+from railjoule.core.imports.table import Interval
+from railjoule.core.imports.units import (
+    BRACKETS,
+    NOTHING,
+    ColumnUnit,
+    Heading,
+    IntervalKind,
+    Quantity,
+    name_tokens,
+    plain,
+    read_heading,
+    unit_words,
+)
+from railjoule.core.scenario._sentences import show, shown_list, suggestion
 
 INTERVAL_KINDS: tuple[IntervalKind, ...] = get_args(IntervalKind)
 ROLES = ("from", "to", "value", "direction")
@@ -51,6 +63,13 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 WORDS_OF_NAMES = frozenset(word for names in NAMES.values() for name in names for word in name.split())
 FALLS, RISES, IS_LEVEL = ("pente", "fall", "gefalle", "gefaelle", "down"), ("rampe", "rise", "up"), ("palier", "level")
 """Words of a column of directions, as they begin."""
+SHORTEST_LINE_M = 50.0
+"""Of a run that a train can be driven over; below it the unit was another."""
+SHORTEST_RUN_S = 20.0
+"""For which no line is long enough that a train may run over at its highest limit."""
+STEEPEST_PERMILLE, LEVELLEST_PERMILLE, MIN_RADIUS_M = 60.0, 0.3, 50.0
+"""Limits of railways with usual wheels and tracks; beyond it another unit is likely, though none is certain."""
+UnitKey = Literal["position_unit", "value_unit"]
 
 
 @dataclass(frozen=True)
@@ -82,7 +101,7 @@ class ColumnMap:
 
     @classmethod
     def of(cls, key: str, value: str) -> "ColumnMap":
-        """Return what one setting says, such as 'from' and a column, or 'decimal' and a sign."""
+        """Make a map of one setting, such as 'from' and a column, or 'decimal' and a sign."""
         settings: dict[str, Any] = {key: value} if key in SETTINGS else {"columns": {key: value}}
         return cls(**settings)
 
@@ -109,10 +128,7 @@ PRESETS: Mapping[str, tuple[IntervalKind, ColumnMap]] = {
 
 @dataclass(frozen=True)
 class ResolvedColumns:
-    """The columns of one table by what they hold, and what is said of their units; None where there is no such column.
-
-    The units have no doubt where the user named them.
-    """
+    """The columns of one table by role, None if there is none, and their units as headings or user name them."""
 
     begin: str
     end: str | None
@@ -123,48 +139,39 @@ class ResolvedColumns:
 
 
 def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> ResolvedColumns:
-    """Return which columns of a table hold what.
+    """Find the column of each role in a table.
 
     Raises
     ------
     ScenarioError
-        If a column that is named is missing, or one that is needed cannot be told.
+        If a column that is named is missing, or one that is needed is not recognised.
     """
     _require_known(cells.source, kind, wanted)
     named = {role: _column(cells, role, name) for role, name in wanted.columns.items()}
+    chosen: dict[str, str | None] = dict(named)
     if cells.has_header:
-        free = [column for column in cells.header if column not in named.values()]
-        begin = named.get("from") or _guessed(cells.source, kind, free, "from")
-        free = [column for column in free if column != begin]
-        end = named.get("to") or _guessed(cells.source, kind, free, "to")
-        free = [column for column in free if column != end]
-        value = named.get("value") or _guessed(cells.source, kind, free, "value")
+        for role in ("from", "to", "value"):
+            free = [column for column in cells.header if column not in chosen.values()]
+            chosen[role] = named.get(role) or _guessed(cells.source, kind, free, role)
     else:
-        begin, end, value = _by_place(cells, kind, named)
-    value = None if kind == "neutral" else value  # a stretch is neutral or not
+        chosen = {**_by_place(cells, kind), **named}
+    begin, end = chosen["from"], chosen["to"]
+    value = None if kind == "neutral" else chosen["value"]  # a stretch is neutral or not
+    choices = f"COLUMN, of {shown_list(list(cells.header))}."
     if begin is None:
-        raise ScenarioError(
-            f"{cells.source}: no column says where each row begins; name it, as {kind}.from=COLUMN, of "
-            f"{shown_list(list(cells.header))}."
-        )
+        raise ScenarioError(f"{cells.source}: no column says where each row begins; name it, as {kind}.from={choices}")
     if value is None and kind not in {"tunnels", "neutral"}:
-        raise ScenarioError(
-            f"{cells.source}: no column of {kind} was found; name it, as {kind}.value=COLUMN, of "
-            f"{shown_list(list(cells.header))}."
-        )
+        raise ScenarioError(f"{cells.source}: no column of {kind} was found; name it, as {kind}.value={choices}")
     direction = named.get("direction") or (_directions(cells) if kind == "gradients" else None)
-    return ResolvedColumns(
-        begin,
-        end,
-        value,
-        direction,
-        Heading(wanted.position_unit) if wanted.position_unit else _position_heading(begin, end, named),
-        Heading(wanted.value_unit) if wanted.value_unit else _value_heading(value, kind, named),
-    )
+    position = Heading(wanted.position_unit) if wanted.position_unit else _position_heading(begin, end, named)
+    amount = Heading(wanted.value_unit)
+    if wanted.value_unit is None and value is not None and VALUE_UNITS[kind]:
+        amount = read_heading(value, kind, None if "value" in named else WORDS_OF_NAMES)
+    return ResolvedColumns(begin, end, value, direction, position, amount)
 
 
 def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> Heading:
-    """Return the unit that the columns of positions name, of which one may leave it to the other."""
+    """Read the unit that the columns of positions name; one of them may leave it to the other."""
     headings = [
         read_heading(column, "positions", None if role in named else WORDS_OF_NAMES)
         for role, column in (("from", begin), ("to", end))
@@ -177,62 +184,48 @@ def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> 
     return Heading(units[0] if units else None, doubt)
 
 
-def _value_heading(value: str | None, kind: IntervalKind, named: Mapping[str, str]) -> Heading:
-    if value is None or not VALUE_UNITS[kind]:
-        return Heading()
-    return read_heading(value, kind, None if "value" in named else WORDS_OF_NAMES)
-
-
 def selectors_of(cells: CellTable, used: Collection[str]) -> list[str]:
-    """Return the columns that tell line or track, but for those that are `used` otherwise."""
+    """List the columns of a line or a track, except those that are `used` otherwise."""
     names = [name for role in SELECTORS for name in NAMES[role]]
     return [column for column in cells.header if column not in used and any(_is_called(column, name) for name in names)]
 
 
 def same_name(one: str, other: str) -> bool:
-    """Return whether two names of columns differ in capitals, accents and signs alone."""
+    """Tell whether two names of columns differ only in capitals, accents and signs."""
     return _words(one) == _words(other)
 
 
 def _require_known(source: str, kind: IntervalKind, wanted: ColumnMap) -> None:
     for name in wanted.columns:
         if name not in ROLES:
-            raise ScenarioError(f"{source}: {kind}.{_told(name, ROLES)}")
-    if wanted.position_unit is not None and wanted.position_unit not in ALL_POSITION_UNITS:
-        known = ", ".join(ALL_POSITION_UNITS)
-        raise ScenarioError(f"{source}: {kind}.position_unit = {show(wanted.position_unit)} must be one of {known}.")
-    if wanted.value_unit is not None and wanted.value_unit not in VALUE_UNITS[kind]:
-        known = ", ".join(VALUE_UNITS[kind]) or "left out"
-        raise ScenarioError(f"{source}: {kind}.value_unit = {show(wanted.value_unit)} must be one of {known}.")
-    if wanted.decimal is not None and wanted.decimal not in {".", ","}:
-        raise ScenarioError(f"{source}: {kind}.decimal = {show(wanted.decimal)} must be . or ,.")
+            raise ScenarioError(f"{source}: {kind}.{name} is unknown, {_hint(name, ROLES)}")
+    for key, words, known in (
+        ("position_unit", "one of ", ALL_POSITION_UNITS),
+        ("value_unit", "one of ", VALUE_UNITS[kind] or ("left out",)),
+        ("decimal", "", (".", ",")),
+    ):
+        given = getattr(wanted, key)
+        if given is not None and given not in known:
+            choices = (", " if words else " or ").join(known)
+            raise ScenarioError(f"{source}: {kind}.{key} = {show(given)} must be {words}{choices}.")
 
 
-def _told(name: str, known: tuple[str, ...]) -> str:
+def _hint(name: str, known: Collection[str]) -> str:
     hint = suggestion(name, known)
-    return f"{name} is unknown, {hint}" + ("" if hint.endswith("?") else ".")
+    return hint + ("" if hint.endswith("?") else ".")
 
 
 def _column(cells: CellTable, role: str, name: str) -> str:
-    """Return a column by its name, in whichever capitals and accents the file has it."""
-    if name in cells.header:
-        return name
+    """Find a column by its name, in whichever capitals and accents the file has it."""
     alike = [column for column in cells.header if same_name(column, name)]
-    if not alike:
-        hint = suggestion(name, cells.header)
-        end = "" if hint.endswith("?") else "."
-        raise ScenarioError(f"{cells.source}: {role} = {show(name)} is not a column of it, {hint}{end}")
-    return alike[0]
+    if name not in cells.header and not alike:
+        hint = _hint(name, cells.header)
+        raise ScenarioError(f"{cells.source}: {role} = {show(name)} is not a column of it, {hint}")
+    return name if name in cells.header else alike[0]
 
 
 def _guessed(source: str, kind: IntervalKind, free: list[str], role: str) -> str | None:
-    """Return the column that is known by the likeliest word, None where none is.
-
-    Raises
-    ------
-    ScenarioError
-        If two columns are equally likely.
-    """
+    """Find the column with the likeliest name, None if there is none; ScenarioError if two are equally likely."""
     for fits in (_is_called, _has_word):
         for name in NAMES[kind if role == "value" else role]:
             found = [column for column in free if fits(column, name)]
@@ -246,23 +239,18 @@ def _guessed(source: str, kind: IntervalKind, free: list[str], role: str) -> str
     return None
 
 
-def _by_place(
-    cells: CellTable, kind: IntervalKind, named: Mapping[str, str]
-) -> tuple[str | None, str | None, str | None]:
-    """Return the columns of a table without names: from, to and value, or from and value."""
+def _by_place(cells: CellTable, kind: IntervalKind) -> dict[str, str | None]:
+    """Assign the columns of a table without names: from, to and value, or from and value."""
     columns = list(cells.header)
     if len(columns) > 3:
         raise ScenarioError(f"{cells.source}: {len(columns)} columns without names; the first row must name them.")
     if len(columns) == 2 and kind in {"gradients", "limits", "curves"}:
-        guess: tuple[str | None, ...] = (columns[0], None, columns[1])
-    else:
-        guess = (*columns, None, None)[:3]
-    begin, end, value = (named.get(role) or column for role, column in zip(ROLES, guess, strict=False))
-    return begin, end, value
+        return {"from": columns[0], "to": None, "value": columns[1]}
+    return dict(zip_longest(("from", "to", "value"), columns))
 
 
 def _directions(cells: CellTable) -> str | None:
-    """Return the column that says of each row whether it falls, rises or is level."""
+    """Find the column of a text for each row on whether it falls, rises or is level."""
     for column in cells.header:
         texts = [direction_word(cell) for _, cell in cells.column(column) if cell != ""]
         if texts and all(text.startswith((*FALLS, *RISES, *IS_LEVEL)) for text in texts):
@@ -271,20 +259,106 @@ def _directions(cells: CellTable) -> str | None:
 
 
 def direction_word(cell: Cell) -> str:
-    """Return a cell of a column of directions in small letters without accents."""
+    """Normalise a cell of a column of directions to small letters without accents."""
     return _words(cell) if isinstance(cell, str) else ""
 
 
 def _is_called(column: str, name: str) -> bool:
-    return _words(column, with_unit=False) == name
+    return _name_words(column) == name
 
 
 def _has_word(column: str, name: str) -> bool:
-    return f" {name} " in f" {_words(column, with_unit=False)} "
+    return f" {name} " in f" {_name_words(column)} "
 
 
-def _words(text: str, with_unit: bool = True) -> str:
-    """Return a column's name in small letters without accents and signs, and if asked without its unit."""
-    if not with_unit:
-        text = " ".join(name_tokens(text)) or BRACKETS.sub(" ", text)
+def _name_words(column: str) -> str:
+    return _words(" ".join(name_tokens(column)) or BRACKETS.sub(" ", column))
+
+
+def _words(text: str) -> str:
+    """Normalise a column's name to small letters without accents and signs."""
     return " ".join(re.sub(r"[\W_]+", " ", plain(text)).split())
+
+
+@dataclass(frozen=True)
+class TableUnits:
+    """The units of a table, and questions about them."""
+
+    source: str
+    kind: IntervalKind
+    found: ResolvedColumns
+    wanted: ColumnMap
+
+    def unit(self, key: UnitKey, cells: Mapping[int, Cell]) -> ColumnUnit:
+        """Find the unit of positions or values, empty if there are none; UnitError if it is in doubt."""
+        found, quantity = self.found, self._quantity(key)
+        column, heading = (found.begin, found.position) if key == "position_unit" else (found.value, found.amount)
+        units = self._units(key)
+        if not column or not units:
+            return NOTHING
+        if heading.doubt:
+            raise self._question(key, heading.doubt)
+        if heading.unit is not None:
+            return ColumnUnit(heading.unit, heading.unit, False)
+        named = {row for row, cell in cells.items() if names_unit(cell, quantity)}
+        bare = [row for row, cell in cells.items() if row not in named and not _is_nothing(cell, quantity)]
+        if named and bare:
+            words = f"row {min(named)} names a unit under {column!r}, and row {bare[0]} does not"
+            raise self._question(key, words)
+        return ColumnUnit(units[0], None, not named)
+
+    def size_doubts(self, intervals: Sequence[Interval], position: ColumnUnit, value: ColumnUnit) -> list[str]:
+        """List sizes that suggest another unit than the heading names; UnitError if nothing names the unit."""
+        sentences = []
+        keys: tuple[tuple[UnitKey, str | None, ColumnUnit], ...] = (
+            ("position_unit", self.found.begin, position),
+            ("value_unit", self.found.value, value),
+        )
+        for key, column, unit in keys:
+            sentence, likely = self._doubt(key, intervals)
+            if not sentence or getattr(self.wanted, key) is not None:
+                continue
+            if unit.is_assumed:
+                likely = (*likely, unit.unit) if likely else ()
+                words = f"no unit is named for {column!r}, and in {unit_words(unit.unit)} {sentence}"
+                raise self._question(key, words, likely)
+            sentences.append(f"{sentence}: is the unit right?")
+        return sentences
+
+    def _quantity(self, key: UnitKey) -> Quantity:
+        return "positions" if key == "position_unit" else self.kind
+
+    def _units(self, key: UnitKey) -> tuple[str, ...]:
+        return ALL_POSITION_UNITS if key == "position_unit" else VALUE_UNITS[self.kind]
+
+    def _question(self, key: UnitKey, doubt: str, likely: tuple[str, ...] = ()) -> UnitError:
+        return UnitError(self.source, doubt, (self.kind, key), self._units(key), likely)
+
+    def _doubt(self, key: UnitKey, intervals: Sequence[Interval]) -> tuple[str, tuple[str, ...]]:
+        """Describe sizes that suggest another unit, and the likely units; an empty text if none do."""
+        amounts = [abs(one.value) for one in intervals if one.value]
+        if key == "position_unit":
+            ends = [end for one in intervals for end in (one.from_m, one.to_m) if end < float("inf")]
+            length_m = max(ends) - min(one.from_m for one in intervals)
+            likely = ("mi",) if self.found.amount.unit == "mph" else ("km",)
+            fastest_kmh = max(amounts, default=0.0) if self.kind == "limits" else 0.0
+            if 0 < length_m < SHORTEST_LINE_M:
+                return f"it covers {length_m:g} m in all", likely
+            if 0 < length_m * 3.6 < SHORTEST_RUN_S * fastest_kmh:
+                return f"it covers {length_m:g} m in all, with limits to {fastest_kmh:.4g} km/h", likely
+        elif self.kind == "gradients" and amounts:
+            steepest = max(amounts)
+            if steepest > STEEPEST_PERMILLE:
+                return f"gradients reach {steepest:.4g} per mille", ("ratio",) if min(amounts) > 1 else ()
+            if steepest < LEVELLEST_PERMILLE:
+                # a fraction of 0.06 is the steepest, and a line in per cent is rarely as level
+                return f"no gradient exceeds {steepest:.4g} per mille", ("fraction",) if steepest < 0.06 else ()
+        elif self.kind == "curves" and amounts and min(amounts) < MIN_RADIUS_M:
+            return f"radii go down to {min(amounts):.4g} m", ("km",) if max(amounts) < MIN_RADIUS_M else ()
+        return "", ()
+
+
+def _is_nothing(cell: Cell, quantity: Quantity) -> bool:
+    """Tell whether a cell is empty or, in any unit, 0."""
+    text = text_of_cell(cell)
+    return not text.strip("-+0.,") or is_zero_in_words(text, quantity)

@@ -2,37 +2,42 @@
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import cast
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.cells import Cell, CellTable, read_cells
+from railjoule.core.imports.cells import Cell, CellTable, Row, read_cells
 from railjoule.core.imports.columns import (
     FALLS,
     IS_LEVEL,
     RISES,
     ColumnMap,
     ResolvedColumns,
+    TableUnits,
     direction_word,
     resolve,
     same_name,
     selectors_of,
 )
-from railjoule.core.imports.continuity import continuity_findings
-from railjoule.core.imports.encoding import encoding_mentioned
-from railjoule.core.imports.findings import Finding
+from railjoule.core.imports.findings import Notes
 from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_of, position_of, text_of_cell, value_of
-from railjoule.core.imports.row_order import TableNotes, TableRows, in_order, rows_words, without_blank
-from railjoule.core.imports.source_file import SourceFile, counted, shown_list
-from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
-from railjoule.core.imports.unit_choice import ColumnUnit, TableUnits
+from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
+from railjoule.core.imports.table import (
+    DIGITS_M,
+    ImportedTable,
+    Interval,
+    TableRows,
+    add_continuity,
+    bounded,
+    in_order,
+    rows_words,
+)
 from railjoule.core.imports.units import IntervalKind, unit_words
-from railjoule.core.scenario._sentences import shorten, show
+from railjoule.core.scenario._sentences import counted, shorten, show, shown_list
 
 RINF_STRING = re.compile(r"([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\( ?([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\)")
 """A gradient and where it begins, 'g(km)', as the register of infrastructure has it."""
-SIGN_WORDS: dict[Decimal, str] = {".": "point", ",": "comma"}
 
 
 def read_intervals(source: SourceFile, kind: IntervalKind, columns: ColumnMap | None = None) -> ImportedTable:
@@ -43,7 +48,7 @@ def read_intervals(source: SourceFile, kind: IntervalKind, columns: ColumnMap | 
     source : SourceFile
         The file.
     kind : str
-        What it tells of.
+        Its content.
     columns : ColumnMap, optional
         Its columns and units, as far as they are not to be guessed.
 
@@ -59,7 +64,7 @@ def read_intervals(source: SourceFile, kind: IntervalKind, columns: ColumnMap | 
 
 
 def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> ImportedTable:
-    notes = TableNotes(list(cells.findings), list(cells.unused), cells.source)
+    notes = Notes(cells.source, list(cells.findings), list(cells.unused))
     units = None
     if columns_of_strings := _string_columns(cells, wanted) if kind == "gradients" else []:
         cells = _chosen_rows(cells, kind, columns_of_strings, wanted, notes)
@@ -72,11 +77,10 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
         rows = _intervals_of_rows(cells, units, notes)
     if len(rows.intervals) == len(rows.blank):
         raise ScenarioError(f"{cells.source}: no row has both a position and a value.")
-    intervals = without_blank(in_order(rows, kind, notes), rows, kind, notes)
+    intervals = in_order(rows, kind, notes)
     for doubt in units.size_doubts(intervals, rows.position, rows.value) if units else []:
-        notes.add(Finding("question", doubt))
-    for finding in continuity_findings(kind, intervals):
-        notes.add(finding)
+        notes.add("question", doubt)
+    add_continuity(kind, intervals, notes)
     return ImportedTable(
         kind,
         cells.source,
@@ -88,64 +92,70 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
 
 
 def _chosen_rows(
-    cells: CellTable, kind: IntervalKind, used: Sequence[str], wanted: ColumnMap, notes: TableNotes
+    cells: CellTable, kind: IntervalKind, used: Sequence[str], wanted: ColumnMap, notes: Notes
 ) -> CellTable:
-    """Return the table with the rows of one line and one track, and tell which columns are not `used`.
+    """Select the rows of one line and one track, and list the columns that are not `used`.
 
     Raises
     ------
     ScenarioError
-        If no row has the values asked for, or rows of several lines or tracks are left.
+        If no row has the wanted values, or rows of several lines or tracks are left.
     """
-    rows = cells.rows
+    rows, source = cells.rows, cells.source
     chosen = []
     for name, value in wanted.rows.items():
         column = next((column for column in cells.header if same_name(column, name)), None)
         if column is None:
-            raise ScenarioError(f"{cells.source}: {show(name)} is not a column of it, so no rows can be chosen by it.")
+            raise ScenarioError(f"{source}: {show(name)} is not a column of it, so no rows can be chosen by it.")
         chosen.append(column)
-        index = cells.header.index(column)
-        values = [text_of_cell(row[index]) for _, row in rows]
-        rows = tuple(row for row, text in zip(rows, values, strict=True) if text == value)
+        texts = _texts(cells, rows, column)
+        rows = tuple(row for row, text in zip(rows, texts, strict=True) if text == value)
         if not rows:
-            raise ScenarioError(
-                f"{cells.source}: no row has {column} = {show(value)}; there are {shown_list(sorted(set(values)))}."
-            )
+            known = shown_list(sorted(set(texts)))
+            raise ScenarioError(f"{source}: no row has {column} = {show(value)}; there are {known}.")
     selectors = selectors_of(cells, used)
     for column in selectors:
-        index = cells.header.index(column)
-        values = sorted({text_of_cell(row[index]) for _, row in rows})
+        values = sorted(set(_texts(cells, rows, column)))
         if len(values) > 1 and column not in chosen:
             raise ScenarioError(
-                f"{cells.source}: its rows are of several {column}: {shown_list(values)}; choose one, as "
+                f"{source}: its rows are of several {column}: {shown_list(values)}; choose one, as "
                 f"{kind}.{column}={shorten(values[0])}."
             )
     left = len(cells.rows) - len(rows)
     if left:
-        told = ", ".join(f"{column} = {value}" for column, value in wanted.rows.items())
-        notes.unused.append(f"{cells.source}: {counted(left, 'row')} not of {told}.")
+        choice = ", ".join(f"{column} = {value}" for column, value in wanted.rows.items())
+        notes.add_unused(f"{counted(left, 'row')} not of {choice}.")
     others = [column for column in cells.header if column not in {*used, *selectors, *chosen}]
     if others:
-        notes.unused.append(f"{cells.source}: columns not used: {shown_list(others)}.")
+        notes.add_unused(f"columns not used: {shown_list(others)}.")
     return replace(cells, rows=rows)
 
 
-def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: TableNotes) -> TableRows:
-    """Return the intervals of a table's rows."""
+def _texts(cells: CellTable, rows: Sequence[Row], column: str) -> list[str]:
+    index = cells.header.index(column)
+    return [text_of_cell(row[index]) for _, row in rows]
+
+
+def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: Notes) -> TableRows:
+    """Read the intervals of a table's rows."""
     found, kind = units.found, units.kind
-    begins = dict(cells.column(found.begin))
-    ends = dict(cells.column(found.end)) if found.end else {}
-    values = dict(cells.column(found.value)) if found.value else {}
-    directions = dict(cells.column(found.direction)) if found.direction else {}
-    position, value = units.position(begins), units.value(values)
+    begins, ends, values, directions = (
+        dict(cells.column(column)) if column else {}
+        for column in (found.begin, found.end, found.value, found.direction)
+    )
+    position, value = units.unit("position_unit", begins), units.unit("value_unit", values)
     decimal = _decimal(cells, found, units.wanted, notes)
-    _tell_units(found, position, value, notes)
+    for column, unit in ((found.begin, position), (found.value, value)):
+        if unit.is_assumed:
+            notes.add("assumption", f"no unit is named for {column!r}: taken as {unit_words(unit.unit)}.")
 
-    def position_in(cell: Cell) -> float:
-        return position_of(cell, position.unit, decimal)
-
-    def value_in(cell: Cell) -> float:
-        return value_of(cell, kind, value.unit, decimal, value.stated)
+    def read(number: int, column: str | None, cell: Cell, is_value: bool = False) -> float:
+        try:
+            if is_value:
+                return value_of(cell, kind, value.unit, decimal, value.stated)
+            return position_of(cell, position.unit, decimal)
+        except ValueError as error:
+            raise ScenarioError(f"{cells.source}, row {number}: {column} = {show(cell)} {error}.") from None
 
     intervals, blank, without_begin = [], [], []
     for number, begin in begins.items():
@@ -153,98 +163,81 @@ def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: TableNotes) -
         if text_of_cell(begin) == "":
             without_begin.append(number)
             continue
-        where = f"{cells.source}, row {number}"
-        from_m = _read(where, found.begin, begin, position_in)
-        to_m = math.inf
-        if found.end and text_of_cell(end) != "":
-            to_m = _read(where, found.end, end, position_in)
+        from_m = read(number, found.begin, begin)
+        to_m = math.inf if text_of_cell(end) == "" else read(number, found.end, end)
         amount = None
         if found.value and text_of_cell(cell) == "":
             blank.append(number)
         elif found.value:
-            amount = _read(where, found.value, cell, value_in)
-            amount = _directed(amount, directions.get(number, ""), number, notes)
-            amount = bounded(where, found.value, cell, amount, kind, value.unit)
+            amount = _directed(
+                read(number, found.value, cell, is_value=True), directions.get(number, ""), number, notes
+            )
+            amount = bounded(f"{cells.source}, row {number}", found.value, cell, amount, kind, value.unit)
         intervals.append(Interval(round(from_m, DIGITS_M), round(to_m, DIGITS_M), amount, number))
     for column, empty in ((found.begin, without_begin), (found.value, blank)):
         if empty:
-            notes.unused.append(f"{cells.source}: {rows_words(empty, 'is', 'are')} without {column}.")
+            notes.add_unused(f"{rows_words(empty, 'is', 'are')} without {column}.")
     return TableRows(intervals, frozenset(blank), found.end is not None, position, value)
 
 
-def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes: TableNotes) -> Decimal:
+def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes: Notes) -> Decimal:
     if wanted.decimal is not None:
         return cast("Decimal", wanted.decimal)
     names = [name for name in (found.begin, found.end, found.value) if name]
     with_numbers = [pair for name in names for pair in cells.column(name)]
     decimal, in_doubt = decimal_of(with_numbers, cells.separator, cells.source)
     if in_doubt is not None:
-        told = "comma parts thousands" if cells.separator == "," else f"{SIGN_WORDS[decimal]} is for decimals"
-        notes.add(Finding("reading", f"row {in_doubt} may be read in two ways; its {told} here.", (in_doubt,)))
+        sign = {".": "point", ",": "comma"}[decimal]
+        use = "comma parts thousands" if cells.separator == "," else f"{sign} is for decimals"
+        notes.add("reading", f"row {in_doubt} may be read in two ways; its {use} here.", (in_doubt,))
     return decimal
 
 
-def _tell_units(found: ResolvedColumns, position: ColumnUnit, value: ColumnUnit, notes: TableNotes) -> None:
-    """Say which units were taken where neither a column's name nor its cells nor the user says it."""
-    for column, unit in ((found.begin, position), (found.value, value)):
-        if unit.is_assumed:
-            told = f"no unit is named for {column!r}: taken as {unit_words(unit.unit)}."
-            notes.add(Finding("assumption", told))
-
-
-def _read(place: str, column: str, cell: Cell, convert: Callable[[Cell], float]) -> float:
-    try:
-        return convert(cell)
-    except ValueError as error:
-        raise ScenarioError(f"{place}: {column} = {show(cell)} {error}.") from None
-
-
-def _directed(amount: float, direction: Cell, number: int, notes: TableNotes) -> float:
-    """Return a gradient with the sign that a text beside it says, such as 'pente' for falling."""
+def _directed(amount: float, direction: Cell, number: int, notes: Notes) -> float:
+    """Sign a gradient by the text beside it, such as 'pente' for falling."""
     word = direction_word(direction)
     if word.startswith(FALLS):
         return -abs(amount)
     if word.startswith(RISES):
         return abs(amount)
     if word.startswith(IS_LEVEL) and amount:
-        notes.add(Finding("question", f"row {number} says {show(word)} and {amount:g} per mille.", (number,)))
+        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.", (number,))
     return amount
 
 
 def _string_columns(cells: CellTable, wanted: ColumnMap) -> list[str]:
-    """Return the columns of which most cells hold gradients with their km, 'g(km)'."""
+    """List the columns of which most cells are gradients with their km, 'g(km)'."""
     name = wanted.columns.get("value")
     found = []
     for column in cells.header:
         if name is None or same_name(column, name):
-            texts = [text for _, cell in cells.column(column) if (text := text_of_cell(cell))]
-            strings = [text for text in texts if RINF_STRING.search(text) and not _beside_strings(text)]
+            texts = [text for text in _texts(cells, cells.rows, column) if text]
+            strings = [text for text in texts if RINF_STRING.search(text) and not _has_other_text(text)]
             if 2 * len(strings) > len(texts):
                 found.append(column)
     return found
 
 
-def _beside_strings(text: str) -> bool:
-    """Return whether a cell holds something beside gradients with their km."""
+def _has_other_text(text: str) -> bool:
+    """Tell whether a cell contains anything beside gradients with their km."""
     return re.search(r"\w", RINF_STRING.sub("", text)) is not None
 
 
-def _intervals_of_strings(cells: CellTable, columns: Sequence[str], notes: TableNotes) -> list[Interval]:
-    """Return the intervals of gradients 'g(km)', each of which reaches to where the next begins."""
+def _intervals_of_strings(cells: CellTable, columns: Sequence[str], notes: Notes) -> list[Interval]:
+    """Read the intervals of gradients 'g(km)', each of which reaches to the begin of the next."""
     # semicolons between them are taken for those between cells: those of a row belong together
     indices = [cells.header.index(column) for column in columns]
     strings = [(number, " ".join(text_of_cell(row[index]) for index in indices)) for number, row in cells.rows]
     empty = [number for number, text in strings if not text.strip()]
     if empty:
-        notes.unused.append(f"{cells.source}: {rows_words(empty, 'is', 'are')} without {' or '.join(columns)}.")
+        notes.add_unused(f"{rows_words(empty, 'is', 'are')} without {' or '.join(columns)}.")
     points = []
     for number, text in strings:
-        place = f"{cells.source}, row {number}"
-        if _beside_strings(text):
-            raise ScenarioError(f"{place}: {show(text)} must be a gradient and its km, as 2.5(12.340).")
+        where = f"{cells.source}, row {number}"
+        if _has_other_text(text):
+            raise ScenarioError(f"{where}: {show(text)} must be a gradient and its km, as 2.5(12.340).")
         for gradient, kilometre in RINF_STRING.findall(text):
-            value = float(gradient.replace(",", "."))
-            amount = bounded(place, "gradient", gradient, value, "gradients", "")
+            amount = bounded(where, "gradient", gradient, float(gradient.replace(",", ".")), "gradients")
             begin_m = round(M_PER_KM * float(kilometre.replace(",", ".")), DIGITS_M)
             points.append(Interval(begin_m, math.inf, amount, number))
     return points

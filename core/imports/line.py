@@ -6,33 +6,24 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.continuity import LEAST_STRETCH_M, WHOLE, place
 from railjoule.core.imports.findings import Finding, Imported
-from railjoule.core.imports.parts import checked_line
-from railjoule.core.imports.source_file import counted, shown_list
-from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval
-from railjoule.core.scenario import Line, Station
+from railjoule.core.imports.table import DIGITS_M, MIN_STRETCH_M, WHOLE, ImportedTable, Interval, place
+from railjoule.core.scenario import Line
+from railjoule.core.scenario._sentences import counted, shown_list, validated
+
+
+class _LineTable(BaseModel):
+    line: Line
 
 
 @dataclass(frozen=True)
 class Stop:
-    """A stop between the ends of a line.
-
-    Parameters
-    ----------
-    name : str
-        What it is called.
-    position_m : float
-        Its chainage [m].
-    dwell_s : float
-        How long the train stands there [s].
-    earliest_arrival_s, latest_arrival_s : float or None
-        When it must arrive, from the start of the run [s]; written where a scenario's station has these keys.
-    """
+    """A stop between the ends of a line: chainage [m], dwell time and times from the start of the run [s]."""
 
     name: str
     position_m: float
@@ -44,23 +35,14 @@ class Stop:
     def window(self) -> dict[str, float]:
         """The times of arrival that a scenario's station can keep, by its keys."""
         times = {"earliest_arrival_s": self.earliest_arrival_s, "latest_arrival_s": self.latest_arrival_s}
-        return {key: time for key, time in times.items() if time is not None and key in Station.model_fields}
+        return {key: time for key, time in times.items() if time is not None}
 
 
 @dataclass(frozen=True)
 class ImportedLine(Imported):
-    """A line from tables.
+    """A line from tables, from position 0 in the direction of travel; reversed it runs in falling chainage.
 
-    Parameters
-    ----------
-    line : Line
-        The line, from position 0 in the direction of travel.
-    begin_m : float
-        The chainage of its start, or with `is_reversed` of its end [m].
-    is_reversed : bool
-        Whether it runs in falling chainage.
-    tunnels : tuple of Interval
-        Where they lie on the line [m], with values as their table says.
+    `begin_m` is the chainage of its start, reversed of its end [m]; `tunnels` have positions on the line [m].
     """
 
     line: Line
@@ -69,7 +51,7 @@ class ImportedLine(Imported):
     tunnels: tuple[Interval, ...] = field(default=(), kw_only=True)
 
     def to_csv(self) -> str:
-        """Return the sections as a table that a scenario's `line.file` can name."""
+        """Format the sections as a table that a scenario's `line.file` can name."""
         sections = self.document["line"]["sections"]
         columns = [name for name in type(self.line.sections[0]).model_fields if any(name in one for one in sections)]
         return csv_of_rows([columns, *([section.get(name, "") for name in columns] for section in sections)])
@@ -88,14 +70,14 @@ def line_of(
     reverse: bool = False,
     name: str = "",
 ) -> ImportedLine:
-    """Return the line that tables describe.
+    """Put a line together from tables.
 
     Parameters
     ----------
     gradients, limits, curves, tunnels, neutral : ImportedTable, optional
-        What is known of the line, over one chainage; at least one of them.
+        Tables of the line, over one chainage; at least one of them.
     stops : sequence of Stop
-        Where the train stops between the ends.
+        Stops between the ends.
     begin_m, end_m : float, optional
         The chainage between which it lies [m]; by default from the first to the last row of gradients and limits.
     reverse : bool
@@ -121,16 +103,25 @@ def line_of(
     length = round(end - begin, DIGITS_M)
     sections = _sections(length, placed if with_factor else {**placed, "tunnels": ()})
     if reverse:
-        # the sections and not the rows: which of two rows counts is told in the order of the chainage
-        sections = [_against(section) for section in reversed(sections)]
-        placed = {kind: _turned(intervals, length) for kind, intervals in placed.items()}
-    unused += _without_factor(tunnels if not with_factor else None, placed)
+        # the sections and not the rows: which of two rows counts depends on the order of the chainage
+        sections = [
+            {key: -value if key == "gradient_permille" else value for key, value in section.items()}
+            for section in reversed(sections)
+        ]
+        placed = {
+            kind: tuple(_moved(one, length - one.to_m, length - one.from_m) for one in reversed(intervals))
+            for kind, intervals in placed.items()
+        }
+    if tunnels is not None and not with_factor and placed["tunnels"]:
+        stretches = shown_list([f"{place(one.from_m)} to {place(one.to_m)} m" for one in placed["tunnels"]])
+        unused.append(f"{tunnels.source}: tunnels without a factor on quadratic resistance: {stretches} of the line.")
     document: dict[str, Any] = {**({"name": name} if name else {}), "sections": sections}
-    if without_power := _neutral_sections(placed.get("neutral", ())):
-        document["neutral_sections"] = without_power
+    # a stretch may have no length after rounding
+    if neutrals := [one for one in placed.get("neutral", ()) if one.to_m > one.from_m]:
+        document["neutral_sections"] = [{"from_m": one.from_m, "to_m": one.to_m} for one in neutrals]
     if stations := _stations(stops, begin, end, reverse):
         document["stations"] = stations
-    line = checked_line(document, source)
+    line = validated(_LineTable, {"line": document}, source).line
     return ImportedLine(
         source,
         {"line": document},
@@ -159,7 +150,7 @@ def _extent(tables: Sequence[ImportedTable], begin_m: float | None, end_m: float
 
 
 def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Finding]:
-    """Return where a table that tells of the whole line does not reach to its ends."""
+    """Find gaps at the ends of the line in a table of the whole line."""
     if table.kind not in WHOLE:
         return []
     last = table.intervals[-1]
@@ -177,7 +168,7 @@ def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Findin
             stop,
         )
         for which, start, stop in (("begin", begin, table.begin_m), ("end", reached, end))
-        if stop - start > LEAST_STRETCH_M
+        if stop - start > MIN_STRETCH_M
     ]
 
 
@@ -210,17 +201,12 @@ def _jumps(tables: Sequence[ImportedTable]) -> list[Finding]:
 
 
 def _on_line(table: ImportedTable, begin: float, end: float) -> tuple[Interval, ...]:
-    """Return the intervals of a table within the line, as positions from its begin."""
+    """Cut the intervals of a table to the line, as positions from its begin."""
     return tuple(
         _moved(one, max(one.from_m, begin) - begin, min(one.to_m, end) - begin)
         for one in table.intervals
         if one.to_m > begin and one.from_m < end
     )
-
-
-def _turned(intervals: Sequence[Interval], length_m: float) -> tuple[Interval, ...]:
-    """Return intervals as they lie on the line that is run from its end."""
-    return tuple(_moved(one, length_m - one.to_m, length_m - one.from_m) for one in reversed(intervals))
 
 
 def _moved(interval: Interval, from_m: float, to_m: float) -> Interval:
@@ -232,25 +218,21 @@ def _sections(length_m: float, placed: Mapping[str, Sequence[Interval]]) -> list
     kinds = ("gradients", "limits", "curves", "tunnels")
     ends = [place_m for kind in kinds for one in placed.get(kind, ()) for place_m in (one.from_m, one.to_m)]
     borders = np.unique(np.array([0.0, length_m, *ends]))
-    gradient = _last_of(borders, placed.get("gradients", ()), 0.0)
-    tunnel = _last_of(borders, placed.get("tunnels", ()), 1.0)
-    limit = np.full(len(borders) - 1, np.inf)
-    curvature = np.zeros(len(borders) - 1)
-    for values, kind in ((limit, "limits"), (curvature, "curves")):
-        for one, cells in _cells_of(borders, placed.get(kind, ())):
-            if kind == "limits":
-                np.minimum(values[cells], one.value or np.inf, out=values[cells])
-            elif one.value:
-                np.maximum(values[cells], 1 / one.value or np.inf, out=values[cells])
+    gradient, tunnel = np.zeros(len(borders) - 1), np.ones(len(borders) - 1)
+    limit, curvature = np.full(len(borders) - 1, np.inf), np.zeros(len(borders) - 1)
+    for values, kind in ((gradient, "gradients"), (tunnel, "tunnels")):
+        # the interval that begins last counts
+        for one, cells in _cells_of(borders, sorted(placed.get(kind, ()), key=lambda interval: interval.from_m)):
+            values[cells] = one.value
+    for one, cells in _cells_of(borders, placed.get("limits", ())):
+        np.minimum(limit[cells], one.value or np.inf, out=limit[cells])
+    for one, cells in _cells_of(borders, placed.get("curves", ())):
+        if one.value:
+            np.maximum(curvature[cells], 1 / one.value or np.inf, out=curvature[cells])
     values = np.column_stack([gradient, limit, curvature, tunnel])
     begins = np.flatnonzero(np.append(True, np.any(values[1:] != values[:-1], axis=1)))
     lengths = np.diff(np.append(borders[begins], length_m))
     return [_section(length, *row) for length, row in zip(lengths, values[begins], strict=True)]
-
-
-def _against(section: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a section as a train meets it that comes from the other side."""
-    return {key: -value if key == "gradient_permille" else value for key, value in section.items()}
 
 
 def _stations(stops: Sequence[Stop], begin: float, end: float, reverse: bool) -> list[dict[str, Any]]:
@@ -265,19 +247,6 @@ def _stations(stops: Sequence[Stop], begin: float, end: float, reverse: bool) ->
         }
         for stop in (reversed(inner) if reverse else inner)
     ]
-
-
-def _neutral_sections(intervals: Sequence[Interval]) -> list[dict[str, float]]:
-    """Return the neutral sections of a line; what rounding leaves no length of is none."""
-    return [{"from_m": one.from_m, "to_m": one.to_m} for one in intervals if one.to_m > one.from_m]
-
-
-def _last_of(borders: FloatArray, intervals: Sequence[Interval], default: float) -> FloatArray:
-    """Return the value in each cell of the interval that begins last of those over it."""
-    values = np.full(len(borders) - 1, default)
-    for one, cells in _cells_of(borders, sorted(intervals, key=lambda interval: interval.from_m)):
-        values[cells] = one.value
-    return values
 
 
 def _cells_of(borders: FloatArray, intervals: Sequence[Interval]) -> list[tuple[Interval, slice]]:
@@ -298,11 +267,3 @@ def _section(length: float, gradient: float, limit: float, curvature: float, tun
     if tunnel != 1:
         section["tunnel_factor"] = float(tunnel)
     return section
-
-
-def _without_factor(tunnels: ImportedTable | None, placed: Mapping[str, Sequence[Interval]]) -> list[str]:
-    """Return in words which tunnels a scenario's line has no key for."""
-    if tunnels is None or not placed["tunnels"]:
-        return []
-    stretches = [f"{place(one.from_m)} to {place(one.to_m)} m" for one in placed["tunnels"]]
-    return [f"{tunnels.source}: tunnels without a factor on quadratic resistance: {shown_list(stretches)} of the line."]

@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Literal
 
 from railjoule.core.errors import ScenarioError
@@ -24,16 +24,19 @@ COMPOUND_UNITS = {
     "mi.ch": "miles and chains, 12.34 or 12m 34ch",
     "mi.yd": "miles and yards, 12.0440 or 12m 440yd",
 }
-PERMILLE_UNITS = {
-    "permille": 1.0,
-    "percent": 10.0,
-    "fraction": 1000.0,
-    "per10000": 0.1,
-    "ft/mi": 1000.0 * M_PER_FOOT / M_PER_MILE,
+FACTORS: Mapping[str, Mapping[str, float]] = {
+    "gradients": {
+        "permille": 1.0,
+        "percent": 10.0,
+        "fraction": 1000.0,
+        "per10000": 0.1,
+        "ft/mi": 1000.0 * M_PER_FOOT / M_PER_MILE,
+    },
+    "limits": {"km/h": 1.0, "m/s": 1 / MS_PER_KMH, "mph": M_PER_MILE / M_PER_KM},
+    "curves": POSITION_UNITS,
 }
-"""Per mille in one of each unit of gradients that is proportional to them."""
+"""Per mille, km/h and m in one of each unit that is proportional to them."""
 RADIANS = {"rad": 1.0, "deg": math.pi / 180}
-KMH_UNITS = {"km/h": 1.0, "m/s": 1 / MS_PER_KMH, "mph": M_PER_MILE / M_PER_KM}
 CURVATURE_UNITS = {"1/m": 1.0, "1/km": 1 / M_PER_KM}
 CHORD_M = 100 * M_PER_FOOT
 """The degree of curve is the angle of the arc over this chord, as North American railways define it."""
@@ -52,7 +55,7 @@ CHAINAGE_UNITS = ("m", "km", "pk")
 """Units in which a table may be that has places in km and m."""
 MILES = re.compile(r"(\d+)\s*(?:mi|m|miles?)\.?\s*(\d+(?:[.,]\d+)?)\s*(ch|c|chains?|yd|y|yards?)\.?", re.IGNORECASE)
 WITH_UNIT = re.compile(r"([^a-z]+)(km|mi|ch|yd|ft|m)", re.IGNORECASE)
-"""A number with its unit behind it; 12m alone is metres."""
+"""A number with its unit behind it; 12m by itself is metres."""
 PLACES_WITH_UNITS = (KILOMETRES_METRES, BEFORE_ORIGIN, MILES, WITH_UNIT)
 RATIO = re.compile(r"([+-]?)\s*1\s*(?::|in|/)\s*([+-]?)\s*(\d[\d.,]*)\s*([RF]?)", re.IGNORECASE)
 THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2}[.,]\d{3}(?!\d)")
@@ -61,7 +64,7 @@ STRAIGHT = {"infinity", "infinite", "inf", "straight", "\u221e", "droit", "gerad
 
 
 def text_of_cell(cell: Cell) -> str:
-    """Return a cell as text; a number as short as it can be read back."""
+    """Format a cell; a number as short as it can be read back."""
     if isinstance(cell, float):
         return str(int(cell)) if cell.is_integer() and abs(cell) < 1e15 else repr(cell)
     return cell.strip()
@@ -75,9 +78,9 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
     cells : iterable of (int, Cell)
         All cells that hold numbers, with their rows.
     separator : str
-        What stands between cells.
+        The sign between cells.
     source : str
-        What errors call the file.
+        The name of the file in errors.
 
     Returns
     -------
@@ -124,7 +127,7 @@ def number_of(cell: Cell, decimal: Decimal) -> float:
     Raises
     ------
     ValueError
-        If it holds none; the text says what it must be.
+        If there is none; its text is the end of a sentence.
     """
     if isinstance(cell, float):
         if not math.isfinite(cell):
@@ -146,12 +149,12 @@ def number_of(cell: Cell, decimal: Decimal) -> float:
 
 
 def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
-    """Return the position in a cell [m]; a notation that names its units goes before `unit`.
+    """Read the position in a cell [m]; a notation that names its units precedes `unit`.
 
     Raises
     ------
     ValueError
-        If it holds none; the text says what it must be.
+        If there is none; its text is the end of a sentence.
     """
     text = text_of_cell(cell).translate(MINUS)
     if len(text) <= LONGEST_NUMBER:
@@ -159,7 +162,8 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
         if found := KILOMETRES_METRES.fullmatch(joined):
             if unit not in CHAINAGE_UNITS:
                 raise ValueError(f"is in km and m, but the column is in {unit}")
-            return _chainage(*found.groups())
+            sign, kilometres, metres = found.groups()
+            return math.copysign(int(kilometres) * M_PER_KM + float(metres.replace(",", ".")), -1 if sign == "-" else 1)
         if FEW_METRES.fullmatch(joined):
             raise ValueError("must have three digits of metres behind the +, as 12+050")
         if found := BEFORE_ORIGIN.fullmatch(joined):
@@ -167,37 +171,37 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
         if RANGE.fullmatch(joined):
             raise ValueError("looks like a range or a date, and must be one place; 120 m before the origin is 000-120")
         if found := MILES.fullmatch(text):
-            return _miles(*found.groups())
+            return _miles(found[1], float(found[2].replace(",", ".")), found[3][0].lower())
         if found := WITH_UNIT.fullmatch(text):
             cell, unit = found[1].strip(), found[2].lower()
-    if unit == "pk":
-        # chainage without a plus: the whole kilometres alone, or kilometres with decimals
-        return number_of(cell, decimal) * M_PER_KM
-    if unit in COMPOUND_UNITS:
-        return _decimal_miles(cell, unit, decimal)
-    return number_of(cell, decimal) * POSITION_UNITS[unit]
+    value = number_of(cell, decimal)
+    if unit not in ("mi.ch", "mi.yd"):
+        # chainage without a plus: only whole kilometres, or kilometres with decimals
+        return value * (M_PER_KM if unit == "pk" else POSITION_UNITS[unit])
+    digits = 2 if unit == "mi.ch" else 4
+    # through the rounded number, as a workbook keeps no zero at the end: 12.3 is 12 miles 30 chains
+    miles, part = f"{abs(value):.{digits}f}".split(".")
+    if abs(abs(value) - float(f"{miles}.{part}")) > 1e-9:
+        raise ValueError(f"must have {digits} digits after the point, as {COMPOUND_UNITS[unit]}")
+    return math.copysign(_miles(miles, float(part), unit[3]), value)
 
 
 def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: str | None = None) -> float:
-    """Return the gradient [per mille, uphill positive], limit [km/h], radius [m] or other value in a cell.
+    """Read the gradient [per mille, uphill positive], limit [km/h], radius [m] or other value in a cell.
 
     Parameters
     ----------
     cell : Cell
-        A number; a unit behind it goes before that of the column, and '1:100' is a gradient in any column.
-    kind : str
-        What it is.
-    unit : str
-        The unit of the column.
-    decimal : str
-        The decimal sign.
+        A number; a unit behind it precedes that of the column, and '1:100' is a gradient in any column.
+    kind, unit, decimal : str
+        The quantity, the unit of the column and the decimal sign.
     stated : str or None
-        The unit that heading or user name, which the cell must not contradict.
+        The unit of heading or user, which the cell must not contradict.
 
     Raises
     ------
     ValueError
-        If it holds none, or in another unit than `stated`; the text says what it must be.
+        If there is none, or in another unit than `stated`; its text is the end of a sentence.
     """
     text = text_of_cell(cell).translate(MINUS)
     if len(text) > LONGEST_NUMBER:
@@ -219,13 +223,13 @@ def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: st
 
 
 def is_zero_in_words(text: str, kind: Quantity) -> bool:
-    """Return whether a cell says 'level' or 'straight'."""
+    """Tell whether a cell means 'level' or 'straight'."""
     word = text.lower().replace(" ", "")
     return (kind == "gradients" and word in LEVEL) or (kind == "curves" and word in STRAIGHT)
 
 
 def names_unit(cell: Cell, kind: Quantity) -> bool:
-    """Return whether a cell says its unit itself."""
+    """Tell whether a cell contains its unit."""
     text = text_of_cell(cell).translate(MINUS)
     if len(text) > LONGEST_NUMBER:
         return False
@@ -235,33 +239,24 @@ def names_unit(cell: Cell, kind: Quantity) -> bool:
 
 
 def _converted(value: float, kind: Quantity, unit: str) -> float:
-    if kind == "gradients":
-        if unit == "ratio":
-            return math.copysign(_one_in(abs(value)), value) if value else 0.0  # level is written as 0
-        if unit in RADIANS:
-            angle = RADIANS[unit] * value
-            if abs(angle) >= math.pi / 2:
-                raise ValueError("must be less steep than a right angle")
-            return 1000.0 * math.tan(angle)
-        return value * PERMILLE_UNITS[unit]
-    if kind == "limits":
-        return value * KMH_UNITS[unit]
     if kind == "curves":
-        return _radius(abs(value), unit)
-    return value
-
-
-def _radius(amount: float, unit: str) -> float:
-    """Return a radius [m], 0 where the line is straight."""
-    if unit in POSITION_UNITS:
-        return amount * POSITION_UNITS[unit]
-    if amount == 0:
-        return 0.0
-    if unit == "deg":
-        if amount >= 180:
-            raise ValueError("must be below 180 degrees")
-        return CHORD_M / 2 / math.sin(RADIANS["deg"] * amount / 2)
-    return 1 / (amount * CURVATURE_UNITS[unit])
+        value = abs(value)
+    if unit in FACTORS.get(kind, {}):
+        return value * FACTORS[kind][unit]
+    if value == 0 or kind not in FACTORS:
+        return value + 0.0  # level and straight are written as 0; no negative zero
+    if unit == "ratio":
+        return math.copysign(_one_in(abs(value)), value)
+    if unit in CURVATURE_UNITS:
+        return 1 / (value * CURVATURE_UNITS[unit])
+    angle = RADIANS[unit] * value
+    if kind == "gradients":
+        if abs(angle) >= math.pi / 2:
+            raise ValueError("must be less steep than a right angle")
+        return 1000.0 * math.tan(angle)
+    if value >= 180:
+        raise ValueError("must be below 180 degrees")
+    return CHORD_M / 2 / math.sin(angle / 2)
 
 
 def _one_in(length: float) -> float:
@@ -270,35 +265,9 @@ def _one_in(length: float) -> float:
     return 1000.0 / length
 
 
-def _chainage(sign: str, kilometres: str, metres: str) -> float:
-    value = int(kilometres) * M_PER_KM + float(metres.replace(",", "."))
-    return -value if sign == "-" else value
-
-
-def _miles(miles: str, rest: str, unit: str) -> float:
-    part = float(rest.replace(",", "."))
-    return int(miles) * M_PER_MILE + (_chains(part) if unit[0].lower() == "c" else _yards(part))
-
-
-def _decimal_miles(cell: Cell, unit: str, decimal: Decimal) -> float:
-    """Read '12.34' as 12 miles 34 chains, or '12.0440' as 12 miles 440 yards."""
-    digits = 2 if unit == "mi.ch" else 4
-    # through the rounded number, as a workbook keeps no zero at the end: 12.3 is 12 miles 30 chains
-    value = number_of(cell, decimal)
-    miles, part = f"{abs(value):.{digits}f}".split(".")
-    if abs(abs(value) - float(f"{miles}.{part}")) > 1e-9:
-        raise ValueError(f"must have {digits} digits after the point, as {COMPOUND_UNITS[unit]}")
-    rest = _chains(float(part)) if unit == "mi.ch" else _yards(float(part))
-    return math.copysign(int(miles) * M_PER_MILE + rest, value)
-
-
-def _chains(chains: float) -> float:
-    if chains >= 80:
-        raise ValueError(f"must have fewer than 80 chains, and has {chains:g}")
-    return chains * M_PER_CHAIN
-
-
-def _yards(yards: float) -> float:
-    if yards >= 1760:
-        raise ValueError(f"must have fewer than 1760 yards, and has {yards:g}")
-    return yards * M_PER_YARD
+def _miles(miles: str, part: float, unit: str) -> float:
+    """Add chains or yards to miles [m]."""
+    most, name, metres = (80, "chains", M_PER_CHAIN) if unit == "c" else (1760, "yards", M_PER_YARD)
+    if part >= most:
+        raise ValueError(f"must have fewer than {most} {name}, and has {part:g}")
+    return int(miles) * M_PER_MILE + part * metres

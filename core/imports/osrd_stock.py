@@ -1,18 +1,17 @@
 """Rolling stock of OSRD: JSON 3.0 to 3.4, a vehicle."""
 
+import math
 import re
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Finding, Notes
-from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
-from railjoule.core.imports.parts import checked_vehicle
-from railjoule.core.imports.source_file import SourceFile, counted, json_of, shown_list
-from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
+from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
+from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.vehicle import ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
-from railjoule.core.scenario._sentences import show
+from railjoule.core.scenario._sentences import counted, show, shown_list, validated
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 KNOWN_VERSIONS = ((3, 0), (3, 4))
@@ -97,37 +96,28 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | N
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    document, others = _chosen(stocks_of(source), source.name, wanted)
-    stock = checked(RollingStock, document, source.name)
-    notes = Notes([], [*others, *unknown_keys(stock, source.name)])
-    version = _version(stock.railjson_version, source.name, notes)
-    table = short_numbers(
-        {
-            "name": stock.name,
-            "tare_kg": stock.mass,
-            "rotating_mass_factor": stock.inertia_coefficient - 1,
-            "length_m": stock.length,
-            "resistance": _resistance(stock, version),
-            "traction": {
-                "max_speed_kmh": stock.max_speed / MS_PER_KMH,
-                **_curve(stock.effort_curves, mode, source.name, notes),
-            },
-            "braking": _braking(stock, source.name, notes),
-            "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
-        }
-    )
+    notes = Notes(source.name)
+    stock = validated(RollingStock, _chosen(stocks_of(source), wanted, notes), source.name)
+    notes.add_unused(unknown_keys(stock))
+    version = _version(stock.railjson_version, notes)
+    traction = {
+        "max_speed_kmh": stock.max_speed / MS_PER_KMH,
+        **_curve(stock.effort_curves, mode, notes),
+    }
     if stock.comfort_acceleration is not None:
-        table["traction"]["max_acceleration_ms2"] = stock.comfort_acceleration
-    notes.findings.append(Finding("assumption", f"{source.name}: it tells no losses: a drive without losses."))
-    vehicle = checked_vehicle(table, source.name)
-    notes.findings += questions(vehicle, source.name)
-    return ImportedVehicle(
-        source.name,
-        {"vehicle": table},
-        vehicle,
-        findings=tuple(notes.findings),
-        unused=tuple(notes.unused),
-    )
+        traction["max_acceleration_ms2"] = stock.comfort_acceleration
+    table = {
+        "name": stock.name,
+        "tare_kg": stock.mass,
+        "rotating_mass_factor": stock.inertia_coefficient - 1,
+        "length_m": stock.length,
+        "resistance": _resistance(stock, version),
+        "traction": traction,
+        "braking": _braking(stock, notes),
+        "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
+    }
+    notes.add("assumption", "it tells no losses: a drive without losses.")
+    return imported_vehicle(table, notes)
 
 
 def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
@@ -138,39 +128,38 @@ def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
     ScenarioError
         If it is no JSON, or a list of something else.
     """
-    document = json_of(source, lists=True)
+    document: Any = json_of(source, lists=True)
     if isinstance(document, dict):
-        listed = next((document[key] for key in LISTS if isinstance(document.get(key), list)), None)
-        if listed is None:
-            return [document]
-        document = listed
+        document = next((document[key] for key in LISTS if isinstance(document.get(key), list)), [document])
     if not document or not all(isinstance(one, dict) for one in document):
         raise ScenarioError(f"{source.name}: its list must hold rolling stocks, each a JSON object.")
-    return document
+    return list(document)
 
 
-def _chosen(stocks: list[dict[str, Any]], source: str, wanted: str | None) -> tuple[dict[str, Any], list[str]]:
-    """Return the rolling stock of a name, or the only one, and a sentence about the others."""
+def _chosen(stocks: list[dict[str, Any]], wanted: str | None, notes: Notes) -> dict[str, Any]:
+    """Select the rolling stock of a name, or the only one."""
     names = [str(stock.get("name", f"{number}")) for number, stock in enumerate(stocks, 1)]
     if wanted is None and len(names) > 1:
-        raise ChoiceError(source, "train", tuple(names))
+        raise ChoiceError(notes.source, "train", tuple(names))
     if wanted is not None and wanted not in names:
-        raise ScenarioError(f"{source}: there is no train with the name {show(wanted)}, only {shown_list(names)}.")
+        known = shown_list(names)
+        raise ScenarioError(f"{notes.source}: there is no train with the name {show(wanted)}, only {known}.")
     index = 0 if wanted is None else names.index(wanted)
     others = [*names[:index], *names[index + 1 :]]
-    return stocks[index], [f"{source}: trains: {shown_list(others)}."] if others else []
+    if others:
+        notes.add_unused(f"trains: {shown_list(others)}.")
+    return stocks[index]
 
 
-def _version(text: str, source: str, notes: Notes) -> tuple[int, int]:
+def _version(text: str, notes: Notes) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
     first, last = KNOWN_VERSIONS
     version = (int(found[1]), int(found[2])) if found else last
-    if not found or not first <= version <= last:
-        told = f"its railjson_version is {show(text)}" if text else "it has no railjson_version"
-        sentence = f"{source}: {told}, and 3.0 to 3.4 are known: what is known of it was read as 3.4 has it."
-        notes.findings.append(Finding("question", sentence))
-        return last
-    return version
+    if found and first <= version <= last:
+        return version
+    what = f"its railjson_version is {show(text)}" if text else "it has no railjson_version"
+    notes.add("question", f"{what}, and 3.0 to 3.4 are known: what is known of it was read as 3.4 has it.")
+    return last
 
 
 def _resistance(stock: RollingStock, version: tuple[int, int]) -> dict[str, float]:
@@ -183,41 +172,41 @@ def _resistance(stock: RollingStock, version: tuple[int, int]) -> dict[str, floa
     }
 
 
-def _curve(curves: EffortCurves, mode: str | None, source: str, notes: Notes) -> dict[str, Any]:
-    """Return the largest tractive efforts over speed of a supply where no condition is met."""
+def _curve(curves: EffortCurves, mode: str | None, notes: Notes) -> dict[str, Any]:
+    """Read the maximum tractive efforts over speed of a supply if no condition is met."""
     name = curves.default_mode if mode is None else mode
     if name not in curves.modes:
-        raise ScenarioError(f"{source}: mode = {show(name)} must be one of {shown_list(list(curves.modes))}.")
+        raise ScenarioError(f"{notes.source}: mode = {show(name)} must be one of {shown_list(list(curves.modes))}.")
     chosen = curves.modes[name]
     others = [other for other in curves.modes if other != name]
     if others:
-        notes.unused.append(f"{source}: the efforts of the supplies {shown_list(others)}.")
+        notes.add_unused(f"the efforts of the supplies {shown_list(others)}.")
     if chosen.curves:
-        notes.unused.append(f"{source}: {counted(len(chosen.curves), 'curve')} of {name} under conditions.")
+        notes.add_unused(f"{counted(len(chosen.curves), 'curve')} of {name} under conditions.")
     if not chosen.is_electric:
-        sentence = f"{source}: {name} is not electric: its efforts are taken, and its energy counts as electric."
-        notes.findings.append(Finding("question", sentence))
-    curve, where = chosen.default_curve, f"{source}: effort_curves.modes.{name}.default_curve"
-    if len(curve.speeds) != len(curve.max_efforts):
-        raise ScenarioError(f"{where} has {len(curve.speeds)} speeds and {len(curve.max_efforts)} max_efforts.")
-    points = [
-        [speed / MS_PER_KMH, effort / N_PER_KN] for speed, effort in zip(curve.speeds, curve.max_efforts, strict=True)
-    ]
+        notes.add("question", f"{name} is not electric: its efforts are taken, and its energy counts as electric.")
+    speeds, efforts = chosen.default_curve.speeds, chosen.default_curve.max_efforts
+    where = f"effort_curves.modes.{name}.default_curve"
+    if len(speeds) != len(efforts):
+        raise ScenarioError(f"{notes.source}: {where} has {len(speeds)} speeds and {len(efforts)} max_efforts.")
     # a speed that stands twice is a step, for which our curves have no room: the effort beyond it holds
-    rising = [point for point, later in zip(points, [*points[1:], [float("inf")]], strict=True) if point[0] != later[0]]
-    if len(rising) < len(points):
-        sentence = f"{where}: {counted(len(points) - len(rising), 'step')} of the effort: that beyond counts."
-        notes.findings.append(Finding("reading", sentence))
-    return {"curve": rising}
+    points = [
+        [speed / MS_PER_KMH, effort / N_PER_KN]
+        for speed, effort, later in zip(speeds, efforts, (*speeds[1:], math.inf), strict=True)
+        if speed != later
+    ]
+    if steps := len(speeds) - len(points):
+        notes.add("reading", f"{where}: {counted(steps, 'step')} of the effort: that beyond counts.")
+    return {"curve": points}
 
 
-def _braking(stock: RollingStock, source: str, notes: Notes) -> dict[str, float]:
-    """Return brakes that give the deceleration of the file: of friction, as nothing tells of an electric one."""
+def _braking(stock: RollingStock, notes: Notes) -> dict[str, float]:
+    """Return brakes with the deceleration of the file: friction brakes, as it contains no electric one."""
     gamma = stock.const_gamma if stock.const_gamma is not None else stock.gamma.value if stock.gamma else None
     if gamma is None:
-        raise ScenarioError(f"{source}: const_gamma is missing.")
-    sentence = f"{source}: it tells of no electric brake: friction brakes for {gamma:g} m/s2, and nothing goes back."
-    notes.findings.append(Finding("assumption", sentence))
+        raise ScenarioError(f"{notes.source}: const_gamma is missing.")
+    sentence = f"it tells of no electric brake: friction brakes for {gamma:g} m/s2, and nothing goes back."
+    notes.add("assumption", sentence)
     return {
         "max_effort_kn": 0.0,
         "friction_effort_kn": stock.mass * stock.inertia_coefficient * gamma / N_PER_KN,

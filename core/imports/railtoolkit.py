@@ -8,26 +8,25 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Finding, Notes
-from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
+from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
 from railjoule.core.imports.line import ImportedLine, line_of
 from railjoule.core.imports.railtoolkit_train import read_train
-from railjoule.core.imports.source_file import SourceFile, shown_list, unicode_text_of
+from railjoule.core.imports.source_file import SourceFile, unicode_text_of
 from railjoule.core.imports.table import ImportedTable, Interval, bounded
 from railjoule.core.imports.units import IntervalKind
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._base import Number
-from railjoule.core.scenario._sentences import show
+from railjoule.core.scenario._sentences import show, shown_list, validated
 
 VERSIONS = ("2022.05", "2024.07")
 # the reader is written in Python: 100 kB take it a second
-LARGEST_YAML_BYTES = 2_000_000
-MOST_LEVELS = 20
+MAX_YAML_BYTES = 2_000_000
+MAX_LEVELS = 20
 """Lists and tables within each other; the files have 6."""
 
 
 class CharacteristicSection(Foreign):
-    """Where a limit or a resistance begins, as version 2024.07 has it."""
+    """The begin of a limit or a resistance, as version 2024.07 has it."""
 
     position: Number
     speed: Annotated[Number, Field(gt=0)] | None = None
@@ -69,16 +68,15 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     document = yaml_of(source)
     schema = str(document.pop("schema", ""))
     version = str(document.get("schema_version", ""))
-    notes = Notes()
+    notes = Notes(source.name)
     if version not in VERSIONS:
-        told = f"its schema_version is {show(version)}" if version else "it has no schema_version"
-        sentence = f"{source.name}: {told}, and {' and '.join(VERSIONS)} are known: what is known of it was read."
-        notes.findings.append(Finding("question", sentence))
+        what = f"its schema_version is {show(version)}" if version else "it has no schema_version"
+        notes.add("question", f"{what}, and {' and '.join(VERSIONS)} are known: what is known of it was read.")
     document["schema_version"] = version
     if "running-path" in schema or ("paths" in document and "rolling-stock" not in schema):
-        return _read_path(document, source.name, wanted, notes)
+        return _read_path(document, wanted, notes)
     if "rolling-stock" in schema or "vehicles" in document:
-        return read_train(document, source.name, wanted, notes)
+        return read_train(document, wanted, notes)
     raise ScenarioError(f"{source.name}: schema = {show(schema)} must be that of rolling-stock or running-path.")
 
 
@@ -96,17 +94,17 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
         raise ScenarioError(
             f"{source.name}: reading YAML needs PyYAML, which is not installed: pip install 'railjoule[yaml]'."
         ) from None
-    if len(source.content) > LARGEST_YAML_BYTES:
-        raise ScenarioError(f"{source.name}: larger than the {LARGEST_YAML_BYTES / 1e6:g} MB allowed.")
+    if len(source.content) > MAX_YAML_BYTES:
+        raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB allowed.")
     text = unicode_text_of(source, "YAML")
     try:
         level = 0
         for event in yaml.parse(text, yaml.SafeLoader):
             level += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if isinstance(event, yaml.AliasEvent):
-                told = f"the alias *{event.anchor} is not read; write out what it stands for"
-                raise ScenarioError(f"{source.name}: {told}.")
-            if level > MOST_LEVELS:
+                alias = f"the alias *{event.anchor} is not read; write out what it stands for"
+                raise ScenarioError(f"{source.name}: {alias}.")
+            if level > MAX_LEVELS:
                 raise ScenarioError(f"{source.name}: its lists or tables are nested too deeply.")
         document = yaml.safe_load(text)
     except yaml.YAMLError as error:
@@ -121,12 +119,12 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
     return {str(key): value for key, value in document.items()}
 
 
-def _read_path(document: Mapping[str, Any], source: str, wanted: str | None, notes: Notes) -> ImportedLine:
-    """Return the line of a path."""
-    file = checked(RunningPath, {**document, "paths": _as_tables(document.get("paths"))}, source)
-    notes.unused += unknown_keys(file, source)
-    path = _chosen(file.paths, source, "paths", wanted, notes)
-    notes.unused += unknown_keys(path, f"{source}: path {path.id}")
+def _read_path(document: Mapping[str, Any], wanted: str | None, notes: Notes) -> ImportedLine:
+    source = notes.source
+    file = validated(RunningPath, {**document, "paths": _as_tables(document.get("paths"))}, source)
+    notes.add_unused(unknown_keys(file))
+    path = _chosen(file.paths, wanted, notes)
+    notes.add_unused(unknown_keys(path, f"path {path.id}: "))
     rows = path.characteristic_sections
     for index, (row, later) in enumerate(pairwise(rows), 1):
         if later.position <= row.position:
@@ -136,9 +134,8 @@ def _read_path(document: Mapping[str, Any], source: str, wanted: str | None, not
             )
     keys = sorted({key for row in rows for key in (row.model_extra or {})})
     if keys:
-        notes.unused.append(f"{source}: characteristic_sections: {shown_list(keys)}.")
-    sentence = f"{source}: resistance is taken as the gradient: it may hold that of curves too."
-    notes.findings.append(Finding("assumption", sentence))
+        notes.add_unused(f"characteristic_sections: {shown_list(keys)}.")
+    notes.add("assumption", "resistance is taken as the gradient: it may hold that of curves too.")
     line = line_of(
         gradients=_table("gradients", source, [(row.position, row.resistance) for row in rows]),
         limits=_table("limits", source, [(row.position, row.speed) for row in rows]),
@@ -150,7 +147,7 @@ def _read_path(document: Mapping[str, Any], source: str, wanted: str | None, not
 
 
 def _as_tables(paths: Any) -> Any:
-    """Return paths whose sections are tables, also those that version 2022.05 wrote as lists of three."""
+    """Convert sections that version 2022.05 wrote as lists of three to tables."""
     if not isinstance(paths, list):
         return paths
     columns = ("position", "speed", "resistance")
@@ -169,25 +166,26 @@ def _as_tables(paths: Any) -> Any:
 
 
 def _table(kind: IntervalKind, source: str, rows: list[tuple[float, float | None]]) -> ImportedTable | None:
-    """Return values that hold until the next is given; the last section only says where the path ends."""
-    intervals = []
-    given = [(position, value) for position, value in rows[:-1] if value is not None]
-    ends = [*(position for position, _ in given[1:]), rows[-1][0]]
-    for number, ((begin, value), end) in enumerate(zip(given, ends, strict=True), 1):
-        amount = bounded(f"{source}: characteristic_sections", kind, value, value, kind, "")
-        intervals.append(Interval(begin, end, amount, number))
-    return ImportedTable(kind, source, tuple(intervals)) if intervals else None
+    """Make a table of values that hold until the next is given; the last section is only the end of the path."""
+    where = f"{source}: characteristic_sections"
+    given = [(begin, bounded(where, kind, value, value, kind)) for begin, value in rows[:-1] if value is not None]
+    ends = [*(begin for begin, _ in given[1:]), rows[-1][0]]
+    intervals = tuple(
+        Interval(begin, end, amount, number)
+        for number, ((begin, amount), end) in enumerate(zip(given, ends, strict=True), 1)
+    )
+    return ImportedTable(kind, source, intervals) if intervals else None
 
 
-def _chosen(entries: tuple[Path, ...], source: str, what: str, wanted: str | None, notes: Notes) -> Path:
-    """Return the entry of an id, or the only one."""
-    names = [entry.id for entry in entries]
+def _chosen(paths: tuple[Path, ...], wanted: str | None, notes: Notes) -> Path:
+    """Select the path of an id, or the only one."""
+    names = [path.id for path in paths]
     if wanted is None and len(names) > 1:
-        raise ChoiceError(source, "path", tuple(names))
+        raise ChoiceError(notes.source, "path", tuple(names))
     if wanted is not None and wanted not in names:
-        raise ScenarioError(f"{source}: {what}: id = {show(wanted)} must be one of {shown_list(names)}.")
+        raise ScenarioError(f"{notes.source}: paths: id = {show(wanted)} must be one of {shown_list(names)}.")
     index = names.index(wanted) if wanted is not None else 0
-    others = [name for position, name in enumerate(names) if position != index]
+    others = [*names[:index], *names[index + 1 :]]
     if others:
-        notes.unused.append(f"{source}: {what}: {shown_list(others)}.")
-    return entries[index]
+        notes.add_unused(f"paths: {shown_list(others)}.")
+    return paths[index]

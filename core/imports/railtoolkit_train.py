@@ -9,21 +9,18 @@ import numpy as np
 from pydantic import Field
 
 from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Finding, Notes
-from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
-from railjoule.core.imports.parts import checked_vehicle
-from railjoule.core.imports.source_file import shown_list
-from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, questions, short_numbers
+from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
+from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
-from railjoule.core.scenario._sentences import show
+from railjoule.core.scenario._sentences import show, shown_list, validated
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # at which the coefficients of rolling and air resistance are given: TrainRuns.jl, after Wende 2003, p. 151
 REFERENCE_KMH = 100.0
-# where a file tells none: TrainRuns.jl, after Bruenger, Dahlhaus 2014, p. 74
+# for a file without one: TrainRuns.jl, after Bruenger, Dahlhaus 2014, p. 74
 USUAL_DECELERATION_MS2 = 0.375
 # an integer may have more digits than a number with a point can hold
-LARGEST_FORCE_N = 1e12
+MAX_FORCE_N = 1e12
 FLAT_KEYS = {
     "resistance": ("rotation_mass", "base_resistance", "rolling_resistance", "air_resistance"),
     "traction": ("tractive_effort",),
@@ -110,19 +107,17 @@ class RollingStock(Foreign):
     vehicles: tuple[RailVehicle, ...] = Field(min_length=1, max_length=1000)
 
 
-def read_train(document: Mapping[str, Any], source: str, wanted: str | None, notes: Notes) -> ImportedVehicle:
-    """Return the vehicle that a formation of a file makes.
+def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) -> ImportedVehicle:
+    """Make a vehicle of a formation of a file.
 
     Parameters
     ----------
     document : mapping
-        What the file holds.
-    source : str
-        The file.
+        The content of the file.
     wanted : str or None
         The id of a train or vehicle; by default the only train, or without trains the only vehicle.
     notes : Notes
-        What was noticed so far.
+        Findings so far.
 
     Raises
     ------
@@ -131,85 +126,75 @@ def read_train(document: Mapping[str, Any], source: str, wanted: str | None, not
     ScenarioError
         If anything is wrong with the file.
     """
-    file = checked(RollingStock, {**document, "vehicles": _nested(document.get("vehicles"))}, source)
-    notes.unused += unknown_keys(file, source)
-    train, formation = _formation(file, source, wanted, notes)
+    file = validated(RollingStock, {**document, "vehicles": _nested(document.get("vehicles"))}, notes.source)
+    notes.add_unused(unknown_keys(file))
+    train, formation = _formation(file, wanted, notes)
     for vehicle in {vehicle.id: vehicle for vehicle in formation}.values():
-        where = f"{source}: vehicle {vehicle.id}"
-        notes.unused += unknown_keys(vehicle, where)
-        notes.unused += _unused_parts(vehicle, where)
+        _note_unused_parts(vehicle, notes)
         if vehicle.traction and vehicle.power_type not in {"electric", None}:
-            sentence = f"{where} is {vehicle.power_type}: its efforts are taken, and its energy counts as electric."
-            notes.findings.append(Finding("question", sentence))
-    masses_t = _loaded_masses_t(train, formation, source, notes)
+            sentence = f"is {vehicle.power_type}: its efforts are taken, and its energy counts as electric."
+            notes.add("question", f"vehicle {vehicle.id} {sentence}")
+    masses_t = _loaded_masses_t(train, formation, notes)
     mass_kg = KG_PER_T * sum(masses_t)
-    rotating = _rotating_mass_factor(formation, masses_t)
-    table = short_numbers(
-        {
-            "name": (train.name or train.id)[:200],
-            "tare_kg": mass_kg,
-            "rotating_mass_factor": rotating,
-            "length_m": sum(vehicle.length for vehicle in formation),
-            "resistance": _resistance(formation, masses_t, source, notes),
-            "traction": {"max_speed_kmh": _speed_limit(formation, source), **_traction(formation, source)},
-            "braking": _braking(formation, (1 + rotating) * mass_kg, source, notes),
-            "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
-        }
-    )
-    notes.findings.append(Finding("assumption", f"{source}: it tells no losses: a drive without losses."))
-    checked_one = checked_vehicle(table, source)
-    notes.findings += questions(checked_one, source)
-    return ImportedVehicle(
-        source,
-        {"vehicle": table},
-        checked_one,
-        findings=tuple(notes.findings),
-        unused=tuple(notes.unused),
-    )
+    # a vehicle gives its share of its empty mass, as no load rotates
+    rotating_t = sum(vehicle.mass * ((vehicle.resistance.rotation_mass or 1.0) - 1) for vehicle in formation)
+    rotating = rotating_t / sum(masses_t)
+    limits = [vehicle.speed_limit for vehicle in formation if vehicle.speed_limit is not None]
+    if not limits:
+        raise ScenarioError(f"{notes.source}: speed_limit is missing in all vehicles of the train.")
+    table = {
+        "name": (train.name or train.id)[:200],
+        "tare_kg": mass_kg,
+        "rotating_mass_factor": rotating,
+        "length_m": sum(vehicle.length for vehicle in formation),
+        "resistance": _resistance(formation, masses_t, notes),
+        "traction": {"max_speed_kmh": min(limits), **_traction(formation, notes.source)},
+        "braking": _braking(formation, (1 + rotating) * mass_kg, notes),
+        "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
+    }
+    notes.add("assumption", "it tells no losses: a drive without losses.")
+    return imported_vehicle(table, notes)
 
 
 def _nested(vehicles: Any) -> Any:
-    """Return vehicles whose keys stand in tables, also where version 2022.05 has them beside each other."""
+    """Nest the keys of vehicles in tables, also if they stand beside each other as in version 2022.05."""
     if not isinstance(vehicles, list):
         return vehicles
-    return [_nested_vehicle(vehicle) if isinstance(vehicle, dict) else vehicle for vehicle in vehicles]
-
-
-def _nested_vehicle(vehicle: Mapping[str, Any]) -> dict[str, Any]:
     flat = {key for keys in FLAT_KEYS.values() for key in keys}
-    nested = {key: value for key, value in vehicle.items() if key not in flat}
-    for table, keys in FLAT_KEYS.items():
-        entries = {key: vehicle[key] for key in keys if key in vehicle}
-        if "a_braking" in entries:
-            entries = {"deceleration": entries["a_braking"]}
-        if isinstance(pairs := entries.get("tractive_effort"), list):
-            entries["tractive_effort"] = [_pair(pair) for pair in pairs]
-        if entries:
-            nested[table] = entries
+    nested = []
+    for vehicle in vehicles:
+        if not isinstance(vehicle, dict):
+            nested.append(vehicle)
+            continue
+        tables = {name: {key: vehicle[key] for key in keys if key in vehicle} for name, keys in FLAT_KEYS.items()}
+        if "a_braking" in tables["brakes"]:
+            tables["brakes"] = {"deceleration": vehicle["a_braking"]}
+        if isinstance(pairs := tables["traction"].get("tractive_effort"), list):
+            tables["traction"]["tractive_effort"] = [_pair(pair) for pair in pairs]
+        others = {key: value for key, value in vehicle.items() if key not in flat}
+        nested.append(others | {name: entries for name, entries in tables.items() if entries})
     return nested
 
 
 def _pair(pair: Any) -> Any:
     """Return a pair of km/h and N as a table with kN."""
-    if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < LARGEST_FORCE_N:
+    if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < MAX_FORCE_N:
         return {"speed": pair[0], "force": pair[1] / N_PER_KN}
     return pair
 
 
-def _formation(file: RollingStock, source: str, wanted: str | None, notes: Notes) -> tuple[Train, list[RailVehicle]]:
-    """Return a train and its vehicles, one by one."""
+def _formation(file: RollingStock, wanted: str | None, notes: Notes) -> tuple[Train, list[RailVehicle]]:
+    """Select a train and its vehicles, one by one."""
+    source = notes.source
     vehicles = {vehicle.id: vehicle for vehicle in file.vehicles}
     trains = {train.id: train for train in file.trains}
     if wanted is None and len(trains or vehicles) > 1:
         raise ChoiceError(source, "train" if trains else "vehicle", tuple(trains or vehicles))
     name = wanted if wanted is not None else next(iter(trains or vehicles))
-    if name in trains:
-        train = trains[name]
-    elif name in vehicles:
-        train = Train(id=name, name=name, formation=(name,))
-    else:
+    if name not in {*trains, *vehicles}:
         known = shown_list([*trains, *vehicles])
         raise ScenarioError(f"{source}: there is no train or vehicle with the id {show(name)}, only {known}.")
+    train = trains[name] if name in trains else Train(id=name, name=name, formation=(name,))
     if train.formation is None:
         raise ScenarioError(f"{source}: train {train.id} has no formation, and so neither masses nor efforts.")
     missing = [one for one in train.formation if one not in vehicles]
@@ -218,59 +203,52 @@ def _formation(file: RollingStock, source: str, wanted: str | None, notes: Notes
     others = [other for other in trains if other != name]
     others += [other for other in vehicles if other not in train.formation]
     if others:
-        notes.unused.append(f"{source}: trains and vehicles: {shown_list(others)}.")
-    notes.unused += unknown_keys(train, f"{source}: train {train.id}")
+        notes.add_unused(f"trains and vehicles: {shown_list(others)}.")
+    notes.add_unused(unknown_keys(train, f"train {train.id}: "))
     return train, [vehicles[one] for one in train.formation]
 
 
-def _unused_parts(vehicle: RailVehicle, where: str) -> list[str]:
-    """Return in words what the tables of a vehicle tell beside what is read, or twice."""
+def _note_unused_parts(vehicle: RailVehicle, notes: Notes) -> None:
+    """Note the contents of a vehicle that are not used, or given twice."""
     brakes, traction = vehicle.brakes, vehicle.traction
-    parts = {
-        "resistance": vehicle.resistance,
-        "traction": traction,
-        "brakes": brakes,
-        "brakes.electrodynamic_brake": brakes.electrodynamic_brake,
-        "brakes.friction_brake": brakes.friction_brake,
-    }
-    told = [line for name, part in parts.items() if part for line in unknown_keys(part, f"{where}: {name}")]
+    where = f"vehicle {vehicle.id}: "
+    for name, part in (
+        ("", vehicle),
+        ("resistance: ", vehicle.resistance),
+        ("traction: ", traction),
+        ("brakes: ", brakes),
+        ("brakes.electrodynamic_brake: ", brakes.electrodynamic_brake),
+        ("brakes.friction_brake: ", brakes.friction_brake),
+    ):
+        notes.add_unused(unknown_keys(part, where + name) if part else "")
     if traction and traction.tractive_effort:
         twice = [name for name in ("rated_power", "initial_tractive_force") if getattr(traction, name) is not None]
-        told += [f"{where}: traction: {shown_list(twice)}, beside tractive_effort."] if twice else []
+        notes.add_unused(f"{where}traction: {shown_list(twice)}, beside tractive_effort." if twice else "")
     if brakes.deceleration and brakes.friction_brake and brakes.friction_brake.service_brake_effort:
-        told.append(f"{where}: brakes: service_brake_effort, beside deceleration.")
-    return told
+        notes.add_unused(f"{where}brakes: service_brake_effort, beside deceleration.")
 
 
-def _loaded_masses_t(train: Train, formation: Sequence[RailVehicle], source: str, notes: Notes) -> list[float]:
-    """Return the mass of each vehicle with its load [t]."""
-    empty = [vehicle.mass for vehicle in formation]
-    if train.loading_factor is None:
+def _loaded_masses_t(train: Train, formation: Sequence[RailVehicle], notes: Notes) -> list[float]:
+    """Compute the mass of each vehicle with its load [t]."""
+    factors = train.loading_factor
+    if factors is None:
         if total := sum(vehicle.load_limit for vehicle in formation):
-            notes.unused.append(f"{source}: load_limit: the train is empty, and may carry {total:g} t.")
-        return empty
-    if len(train.loading_factor) != len(formation):
+            notes.add_unused(f"load_limit: the train is empty, and may carry {total:g} t.")
+        return [vehicle.mass for vehicle in formation]
+    if len(factors) != len(formation):
         raise ScenarioError(
-            f"{source}: train {train.id}: loading_factor has {len(train.loading_factor)} entries for "
-            f"{len(formation)} vehicles."
+            f"{notes.source}: train {train.id}: loading_factor has {len(factors)} entries for {len(formation)} "
+            "vehicles."
         )
-    loads = [share * one.load_limit for share, one in zip(train.loading_factor, formation, strict=True)]
-    notes.findings.append(Finding("assumption", f"{source}: vehicle.tare_kg includes its load of {sum(loads):g} t."))
-    return [mass + load for mass, load in zip(empty, loads, strict=True)]
+    loads = [share * one.load_limit for share, one in zip(factors, formation, strict=True)]
+    notes.add("assumption", f"vehicle.tare_kg includes its load of {sum(loads):g} t.")
+    return [vehicle.mass + load for vehicle, load in zip(formation, loads, strict=True)]
 
 
-def _rotating_mass_factor(formation: Sequence[RailVehicle], masses_t: Sequence[float]) -> float:
-    """Return rotating masses over the loaded mass: a vehicle gives its share of its empty mass, as no load rotates."""
-    rotating = sum(vehicle.mass * ((vehicle.resistance.rotation_mass or 1.0) - 1) for vehicle in formation)
-    return rotating / sum(masses_t)
+def _resistance(formation: Sequence[RailVehicle], masses_t: Sequence[float], notes: Notes) -> dict[str, float]:
+    """Compute resistance over weight: one per mille of the weight is one newton a kilonewton.
 
-
-def _resistance(
-    formation: Sequence[RailVehicle], masses_t: Sequence[float], source: str, notes: Notes
-) -> dict[str, float]:
-    """Return resistance over weight: one per mille of the weight is one newton a kilonewton.
-
-    The coefficients of a vehicle are per mille of its loaded weight, as TrainRuns.jl takes them.
+    The coefficients of a vehicle are per mille of its loaded weight, as in TrainRuns.jl.
     """
     terms = np.zeros(3)
     for vehicle, mass in zip(formation, masses_t, strict=True):
@@ -286,22 +264,13 @@ def _resistance(
     terms /= sum(masses_t)
     silent = [one.id for one in formation if one.resistance.base_resistance is None]
     if silent:
-        sentence = f"{source}: no base_resistance of {shown_list(list(Counter(silent)))}: none is taken."
-        notes.findings.append(Finding("question", sentence))
-    told = f"{source}: coefficients of rolling and air resistance are taken as those at {REFERENCE_KMH:g} km/h."
-    notes.findings.append(Finding("assumption", told))
+        notes.add("question", f"no base_resistance of {shown_list(list(Counter(silent)))}: none is taken.")
+    notes.add("assumption", f"coefficients of rolling and air resistance are taken as those at {REFERENCE_KMH:g} km/h.")
     return {
         "constant_n_per_kn": float(terms[0]),
         "linear_n_per_kn_per_kmh": float(terms[1]) / REFERENCE_KMH,
         "quadratic_n_per_kn_per_kmh2": float(terms[2]) / REFERENCE_KMH**2,
     }
-
-
-def _speed_limit(formation: Sequence[RailVehicle], source: str) -> float:
-    limits = [vehicle.speed_limit for vehicle in formation if vehicle.speed_limit is not None]
-    if not limits:
-        raise ScenarioError(f"{source}: speed_limit is missing in all vehicles of the train.")
-    return min(limits)
 
 
 def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
@@ -331,8 +300,8 @@ def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
     return efforts
 
 
-def _braking(formation: Sequence[RailVehicle], inertia_kg: float, source: str, notes: Notes) -> dict[str, float]:
-    """Return electric brakes by their forces, and friction brakes by theirs or by the deceleration they give."""
+def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) -> dict[str, float]:
+    """Compute electric brakes by their forces, and friction brakes by theirs or by the deceleration they give."""
     electric = [vehicle.brakes.electrodynamic_brake for vehicle in formation if vehicle.brakes.electrodynamic_brake]
     known = [brake for brake in electric if brake.max_brake_force is not None]
     effort = sum(brake.max_brake_force or 0.0 for brake in known)
@@ -342,27 +311,16 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, source: str, n
     if effort and len(limits) == len(known):
         braking["max_power_kw"] = sum(limits) * MS_PER_KMH
     if not known:
-        told = f"{source}: it tells of no electric brake, and nothing goes back."
-        notes.findings.append(Finding("assumption", told))
-    decelerations = _decelerations(formation)
+        notes.add("assumption", "it tells of no electric brake, and nothing goes back.")
+    decelerations = [abs(one.brakes.deceleration) for one in formation if one.brakes.deceleration]
+    friction = [vehicle.brakes.friction_brake for vehicle in formation if vehicle.brakes.friction_brake]
+    services = sum(brake.service_brake_effort or 0.0 for brake in friction)
     if decelerations:
         braking["max_deceleration_ms2"] = min(decelerations)
-    if services := _friction_forces(formation):
-        braking["friction_effort_kn"] = services
-        return braking
+    elif services:
+        return {**braking, "friction_effort_kn": services}
+    else:
+        what = f"one for {USUAL_DECELERATION_MS2} m/s2 is assumed"
+        notes.add("assumption", f"it tells of no friction brake: {what}.")
     braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=USUAL_DECELERATION_MS2) / N_PER_KN
-    if not decelerations:
-        told = f"{source}: it tells of no friction brake: one for {USUAL_DECELERATION_MS2} m/s2 is assumed."
-        notes.findings.append(Finding("assumption", told))
     return braking
-
-
-def _decelerations(formation: Sequence[RailVehicle]) -> list[float]:
-    return [abs(one.brakes.deceleration) for one in formation if one.brakes.deceleration]
-
-
-def _friction_forces(formation: Sequence[RailVehicle]) -> float:
-    """Return the force of all friction brakes [kN]; 0 where decelerations go before them, or there are none."""
-    if _decelerations(formation):
-        return 0.0
-    return sum(one.brakes.friction_brake.service_brake_effort or 0.0 for one in formation if one.brakes.friction_brake)

@@ -66,7 +66,7 @@ IMPLIED: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
 }
 """Names of what is measured that say its unit where nothing else does."""
 CURVATURES = ("curvature", "krummung", "courbure")
-"""What is measured is no radius, and so not in metres."""
+"""Such a quantity is no radius, and so not in metres."""
 NO_UNIT = ("of", "the", "in", "at", "en", "de", "du", "la", "le", "max", "maximum", "permitted", "allowed", "value",
            "values", "profile", "mean", "average", "point", "place", "station", "distance", "mileage",
            "limite", "maximale", "courbe")  # fmt: skip
@@ -85,8 +85,31 @@ class Heading:
     doubt: str = ""
 
 
+@dataclass(frozen=True)
+class ColumnUnit:
+    """The unit of a column.
+
+    Parameters
+    ----------
+    unit : str
+        In which a cell counts that names none.
+    stated : str or None
+        As the heading or the user names it.
+    is_assumed : bool
+        Whether it is used for cells without a known unit.
+    """
+
+    unit: str
+    stated: str | None
+    is_assumed: bool
+
+
+NOTHING = ColumnUnit("", None, False)
+"""Of a column that is not there, or whose cells have units of their own."""
+
+
 def unit_words(unit: str) -> str:
-    """Return what a unit is called in a sentence."""
+    """Format a unit for a sentence."""
     return {"permille": "per mille", "percent": "per cent", "ratio": "1 in n"}.get(unit, unit)
 
 
@@ -135,7 +158,7 @@ def read_heading(heading: str, quantity: Quantity, names: Collection[str] | None
     heading : str
         The name of a column.
     quantity : str
-        What the column holds.
+        The quantity of the column.
     names : collection of str or None
         Words by which the column was found: what stands behind them must be understood. None where the user named
         the column, whose words may then mean anything.
@@ -177,7 +200,7 @@ def _judged(heading: str, quantity: Quantity, units: Sequence[str], unknown: Seq
 
 
 def _split(words: Sequence[str], phrases: Collection[str]) -> Iterator[tuple[str, bool]]:
-    """Yield the phrases of some words, the longest first, and other words alone; each with whether it is a phrase."""
+    """Yield the phrases of some words, the longest first, and other words one by one; each is marked as one."""
     index = 0
     while index < len(words):
         for count in range(min(LONGEST_PHRASE, len(words) - index), 0, -1):
@@ -191,10 +214,13 @@ def _split(words: Sequence[str], phrases: Collection[str]) -> Iterator[tuple[str
         index += count
 
 
+def stated_unit(word: str, quantity: Quantity) -> str | None:
+    """Look up the unit of a quantity by any of its spellings."""
+    return _STATED[quantity].get(plain(word).strip(" ()[]."))
+
+
 def without_unit(text: str, quantity: Quantity) -> tuple[str, str | None]:
-    """Return the number in the text of a cell, and its unit if the cell names one that is known."""
-    if found := NUMBER_AND_UNIT.fullmatch(text):
-        unit = plain(found[2]).strip(" ()[].")
-        if unit != "-" and unit in _STATED[quantity]:
-            return found[1].strip(), _STATED[quantity][unit]
-    return text, None
+    """Split the text of a cell into its number and its unit, if it has a known one."""
+    found = NUMBER_AND_UNIT.fullmatch(text)
+    unit = stated_unit(found[2], quantity) if found and found[2] != "-" else None
+    return (text, None) if found is None or unit is None else (found[1].strip(), unit)

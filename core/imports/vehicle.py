@@ -1,10 +1,14 @@
 """A vehicle from another program's file, and questions about numbers that no train has."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from railjoule.core.imports.findings import Finding, Imported, OtherUnit
+from pydantic import BaseModel
+
+from railjoule.core.imports.findings import Finding, Imported, Notes, OtherUnit
 from railjoule.core.scenario import Vehicle
+from railjoule.core.scenario._sentences import validated
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import N_PER_KN, STANDARD_GRAVITY_MS2
 
@@ -13,22 +17,39 @@ KG_PER_T = 1000.0
 
 @dataclass(frozen=True)
 class ImportedVehicle(Imported):
-    """A vehicle from a file.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    """
+    """A vehicle from a file."""
 
     vehicle: Vehicle
 
 
+class _VehicleTable(BaseModel):
+    vehicle: Vehicle
+
+
+def checked_vehicle(table: Mapping[str, Any], source: str) -> Vehicle:
+    """Validate a scenario's table `vehicle`; ScenarioError, beginning with `source`, if it is none."""
+    return validated(_VehicleTable, {"vehicle": table}, source).vehicle
+
+
+def imported_vehicle(table: dict[str, Any], notes: Notes) -> ImportedVehicle:
+    """Make the result of a reader from the table `vehicle` that it filled, with questions about its numbers.
+
+    Raises
+    ------
+    ScenarioError
+        If there can be no such vehicle.
+    """
+    table = short_numbers(table)
+    vehicle = checked_vehicle(table, notes.source)
+    findings = (*notes.findings, *questions(vehicle, notes.source))
+    return ImportedVehicle(notes.source, {"vehicle": table}, vehicle, findings=findings, unused=tuple(notes.unused))
+
+
 @dataclass(frozen=True)
 class _Doubt:
-    """A number to look at: what it is, and over which range of a quantity that hardly depends on the train it may be.
+    """A number to look at, and a measure of it that depends little on the train, with its range.
 
-    The ranges hold all trains from a tram to a heavy freight train with room to spare; a wrong unit leaves them.
+    The ranges contain all trains from a tram to a heavy freight train with a margin; a wrong unit leaves them.
     """
 
     name: str
@@ -39,50 +60,29 @@ class _Doubt:
     most: float
     factors: tuple[float, ...] = (1000.0, 1e-3)
 
-    @property
-    def holds(self) -> bool:
-        """Whether there are such trains."""
-        return self.least <= self.measure <= self.most
-
-    def question(self, mass_t: float) -> str:
-        """Return the question about it, with the number in the unit that was likely meant."""
-        meant = self.other_unit
-        told = f"was {meant.meant} meant?" if meant else "is this right?"
-        train = "" if self.name == "tare_kg" else f" for a train of {mass_t:g} t"
-        return f"{self.name} = {self._words(1.0)}{train}: {told}"
-
-    @property
-    def other_unit(self) -> OtherUnit | None:
-        """The unit in which it would be a number that trains have."""
+    def question(self, source: str, mass_t: float) -> Finding:
+        """Make a question about it, with the number in the unit that was likely meant."""
         likely = [factor for factor in self.factors if self.least <= factor * self.measure <= self.most]
-        return OtherUnit(self.name, likely[0], self._words(1.0), self._words(likely[0])) if likely else None
-
-    def _words(self, factor: float) -> str:
-        return f"{factor * self.value:.6g} {self.unit}".rstrip()
+        given, *meant = (f"{factor * self.value:.6g} {self.unit}".rstrip() for factor in (1.0, *likely[:1]))
+        other = OtherUnit(self.name, likely[0], given, meant[0]) if likely else None
+        words = f"was {meant[0]} meant?" if likely else "is this right?"
+        train = "" if self.name == "tare_kg" else f" for a train of {mass_t:g} t"
+        return Finding("question", f"{source}: vehicle.{self.name} = {given}{train}: {words}", other_unit=other)
 
 
 def questions(vehicle: Vehicle, source: str) -> list[Finding]:
-    """Return questions about numbers of a vehicle that look as if another unit was meant.
-
-    Parameters
-    ----------
-    vehicle : Vehicle
-        The vehicle.
-    source : str
-        The file.
-    """
-    doubts = [doubt for doubt in _mass_and_speed(vehicle) if not doubt.holds]
-    if not any(doubt.name == "tare_kg" for doubt in doubts):  # else all that is measured by the mass would look wrong
-        doubts += [one for one in (*_efforts(vehicle), *_resistances(vehicle), *_shares(vehicle)) if not one.holds]
+    """Ask about numbers of a vehicle of a file that suggest another unit."""
     mass_t = vehicle.total_mass_kg / KG_PER_T
-    return [
-        Finding("question", f"{source}: vehicle.{doubt.question(mass_t)}", other_unit=doubt.other_unit)
-        for doubt in doubts
-    ]
+    doubts = [_Doubt("tare_kg", vehicle.tare_kg, "kg", vehicle.tare_kg, 3e3, 2e7)]
+    speed = vehicle.traction.max_speed_kmh
+    doubts.append(_Doubt("traction.max_speed_kmh", speed, "km/h", speed, 25.0, 600.0, (3.6,)))
+    if doubts[0].least <= vehicle.tare_kg <= doubts[0].most:  # else all that is measured by the mass would look wrong
+        doubts += _efforts_and_resistances(vehicle, mass_t) + _shares(vehicle)
+    return [doubt.question(source, mass_t) for doubt in doubts if not doubt.least <= doubt.measure <= doubt.most]
 
 
 def short_numbers(value: Any) -> Any:
-    """Return a table with numbers of ten digits at most: products of units have tails."""
+    """Round the numbers of a table to ten digits: products of units have tails."""
     if isinstance(value, dict):
         return {key: short_numbers(entry) for key, entry in value.items()}
     if isinstance(value, list):
@@ -90,16 +90,7 @@ def short_numbers(value: Any) -> Any:
     return float(f"{value:.10g}") if isinstance(value, float) else value
 
 
-def _mass_and_speed(vehicle: Vehicle) -> list[_Doubt]:
-    speed = vehicle.traction.max_speed_kmh
-    return [
-        _Doubt("tare_kg", vehicle.tare_kg, "kg", vehicle.tare_kg, 3e3, 2e7),
-        _Doubt("traction.max_speed_kmh", speed, "km/h", speed, 25.0, 600.0, (3.6,)),
-    ]
-
-
-def _efforts(vehicle: Vehicle) -> list[_Doubt]:
-    mass_t = vehicle.total_mass_kg / KG_PER_T
+def _efforts_and_resistances(vehicle: Vehicle, mass_t: float) -> list[_Doubt]:
     doubts = []
     for name, limits, least in (("traction", vehicle.traction, 0.03), ("braking", vehicle.braking, 0.01)):
         effort, power = limits.max_effort_kn, limits.max_power_kw
@@ -108,36 +99,24 @@ def _efforts(vehicle: Vehicle) -> list[_Doubt]:
             doubts.append(_Doubt(f"{name}.max_effort_kn", effort, "kN", effort / mass_t, least, 5.0))
         if power:
             doubts.append(_Doubt(f"{name}.max_power_kw", power, "kW", power / mass_t, 0.3, 100.0))
-    return doubts
-
-
-def _resistances(vehicle: Vehicle) -> list[_Doubt]:
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     terms, speed = vehicle.resistance, vehicle.traction.max_speed_kmh
     standing = terms.constant_n + weight_kn * vehicle.specific_resistance.constant_n_per_kn
-    linear = terms.linear_n_per_kmh
-    quadratic = terms.quadratic_n_per_kmh2
+    linear, quadratic = terms.linear_n_per_kmh, terms.quadratic_n_per_kmh2
+    # from nothing on, as neither of the other terms must be there
     return [
+        *doubts,
         _Doubt("resistance.constant_n", standing, "N", standing / weight_kn, 0.2, 20.0),
-        *(
-            # from nothing on, as neither term must be there
-            _Doubt(f"resistance.{name}", value, unit, value * speed**power / weight_kn, 0.0, 60.0)
-            for name, value, unit, power in (
-                ("linear_n_per_kmh", linear, "N/(km/h)", 1),
-                ("quadratic_n_per_kmh2", quadratic, "N/(km/h)2", 2),
-            )
-        ),
+        _Doubt("resistance.linear_n_per_kmh", linear, "N/(km/h)", linear * speed / weight_kn, 0.0, 60.0),
+        _Doubt("resistance.quadratic_n_per_kmh2", quadratic, "N/(km/h)2", quadratic * speed**2 / weight_kn, 0.0, 60.0),
     ]
 
 
 def _shares(vehicle: Vehicle) -> list[_Doubt]:
-    doubts = []
-    if vehicle.rotating_mass_factor is not None:
-        factor = vehicle.rotating_mass_factor
-        doubts.append(_Doubt("rotating_mass_factor", factor, "", factor, 0.0, 0.6, (0.01,)))
-    if isinstance(vehicle.drive, ConstantEfficiency):
-        for name in ("traction_efficiency", "braking_efficiency"):
-            share = getattr(vehicle.drive, name)
-            if share is not None:
-                doubts.append(_Doubt(f"drive.{name}", share, "", share, 0.3, 1.0, (100.0,)))
+    factor, drive = vehicle.rotating_mass_factor, vehicle.drive
+    doubts = [] if factor is None else [_Doubt("rotating_mass_factor", factor, "", factor, 0.0, 0.6, (0.01,))]
+    for name in ("traction_efficiency", "braking_efficiency") if isinstance(drive, ConstantEfficiency) else ():
+        share = getattr(drive, name)
+        if share is not None:
+            doubts.append(_Doubt(f"drive.{name}", share, "", share, 0.3, 1.0, (100.0,)))
     return doubts

@@ -4,37 +4,13 @@ import math
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
-from railjoule.core.drive.line_power import smooth_line_power
-from railjoule.core.drive.power_terms import PowerTerms
-from railjoule.core.interior_point.layout import (
-    ACCELERATION,
-    BRAKING_CONSTANT,
-    BRAKING_OVER_SPEED,
-    BRAKING_POSITIVE,
-    BRAKING_VV,
-    BRAKING_XV,
-    BRAKING_XX,
-    CEILING,
-    DECELERATION,
-    DRAWN,
-    DRAWN_POSITIVE,
-    DRIVING_FF,
-    DRIVING_FV,
-    DRIVING_VV,
-    END_WW,
-    FAST,
-    FLOOR,
-    FRICTION_CONSTANT,
-    FRICTION_POSITIVE,
-    PRICED_VV,
-    START_WW,
-    TRACTION_CONSTANT,
-    TRACTION_OVER_SPEED,
-    TRACTION_POSITIVE,
-    Work,
-)
+from railjoule.core.drive.kernels import driving_power, generated_power, has_idle_losses
+from railjoule.core.drive.kinds import PowerTerms
+from railjoule.core.drive.line_power import smooth_supply_power
+from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
+from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import (
     duration,
     force_slopes,
@@ -43,9 +19,8 @@ from railjoule.core.physics.cell import (
     mean_speed_slope,
     needed_force,
 )
-from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.energy_per_metre import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -56,16 +31,16 @@ def scaled_energy_per_metre(power: PowerTerms, scale: float, speed: float) -> Po
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def evaluate(course: CourseData, scale: float, time_price: float, work: Work) -> tuple[float, float, float, float]:
+def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tuple[float, float, float, float]:
     """Evaluate cost, constraints, gradients and curvatures of all cells at the present point.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     scale : float
         The effort that 1 stands for [N].
     time_price : float
-        What a second costs, scaled: multiplier of the timetable plus auxiliary power.
+        Cost of a second, scaled: multiplier of the timetable plus auxiliary power.
     work : Work
         Reads the point and its multipliers; fills residuals, gradients, curvatures.
 
@@ -74,12 +49,12 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
     (energy, gross_energy, travel_time, violation) : floats
         Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
     """
-    h, w, free = course.cell_length_m, work.nodes.speed2, work.nodes.free
+    h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
     cells, z, used = work.cells, work.rows.multiplier, work.used
-    kind, parameters = course.drive_kind, course.drive_parameters
-    share, jumps = course.recuperation_factor, jumps_at_no_effort(course.drive_kind)
-    friction = used[FRICTION_POSITIVE] > 0.0
-    top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
+    kind, parameters = mesh.drive_kind, mesh.drive_parameters
+    share, idles = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
+    friction = used[ix.FRICTION_POSITIVE] > 0.0
+    top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
     energy = gross = total_time = 0.0
@@ -92,45 +67,45 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         # a fixed node may stand still: no derivative, rather than one over zero
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
-        cell = scaled_cell_of(course, i, scale)
+        cell = scaled_cell_of(mesh, i, scale)
         force = needed_force(cell, w[i], w[i + 1], v)
         d0, d1 = force_slopes(cell, u0, u1)
         f = cells.traction[i]
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
         cells.braking[i] = x
-        if jumps:
+        if idles:
             efforts = max(f, 0.0) * scale, max(x, 0.0) * scale
-            taken, generated = switched_powers(course, i, work.rays, work.envelope, *efforts, v)
+            taken, generated = switched_powers(mesh, i, work.rays, work.envelope, *efforts, v)
         else:
             taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
         taken, generated = scaled_energy_per_metre(taken, scale, v), scaled_energy_per_metre(generated, scale, v)
         e, g = taken[0], generated[0]
-        energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
+        energy += h[i] * smooth_supply_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
-        largest = cell.powered, cell.powered * top_braking, top_friction
+        largest = cell.supply_share, cell.supply_share * top_braking, top_friction
         _fill_constant_rows(work, i, (f, x, f - force - x), largest)
         # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
         # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
         returned = h[i] * share
-        if used[DRAWN] > 0.0:
-            returned += z[DRAWN, i]
+        if used[ix.DRAWN] > 0.0:
+            returned += z[ix.DRAWN, i]
             _fill_drawn_rows(work, i, generated)
         _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
-        _add_over_speed(course.traction, TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
-        _add_over_speed(course.braking, BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
+        _add_over_speed(mesh.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
+        _add_over_speed(mesh.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
         # D acts through the brake that balances the cell, q = f - D - x, or x = f - D where there is no friction: the
         # Lagrangian's derivative by D is minus that by this brake's effort
-        price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
+        price = z[ix.FRICTION_CONSTANT, i] - z[ix.FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
         cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
         cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
         cells.force_price[i] = -price
         _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
         v0 = v1
-    if jumps:
+    if idles:
         keep_larger_curvature(work.curvature, work.last_curvature)
-    _limit_change_of_speed(course, scale, work)
+    _limit_change_of_speed(mesh, scale, work)
     return energy, gross, total_time, _finish_residuals(work)
 
 
@@ -149,13 +124,13 @@ def _fill_constant_rows(
     """
     residual = work.rows.residual
     f, x, q = efforts
-    residual[TRACTION_POSITIVE, i] = f
-    residual[TRACTION_CONSTANT, i] = largest[0] - f
-    residual[BRAKING_POSITIVE, i] = x
-    residual[BRAKING_CONSTANT, i] = largest[1] - x
-    if work.used[FRICTION_POSITIVE] > 0.0:
-        residual[FRICTION_POSITIVE, i] = q
-        residual[FRICTION_CONSTANT, i] = largest[2] - q
+    residual[ix.TRACTION_POSITIVE, i] = f
+    residual[ix.TRACTION_CONSTANT, i] = largest[0] - f
+    residual[ix.BRAKING_POSITIVE, i] = x
+    residual[ix.BRAKING_CONSTANT, i] = largest[1] - x
+    if work.used[ix.FRICTION_POSITIVE] > 0.0:
+        residual[ix.FRICTION_POSITIVE, i] = q
+        residual[ix.FRICTION_CONSTANT, i] = largest[2] - q
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -163,10 +138,10 @@ def _fill_drawn_rows(work: Work, i: int, generated: PowerTerms) -> None:
     """Evaluate the two limits of psi; what braking generates is -phi."""
     g, g_x, g_v, _, _, _ = generated
     rows, drawn = work.rows, work.cells.drawn[i]
-    rows.residual[DRAWN_POSITIVE, i] = drawn
-    rows.residual[DRAWN, i] = drawn + g
-    rows.by_effort[DRAWN, i] = g_x
-    rows.by_speed[DRAWN, i] = g_v
+    rows.residual[ix.DRAWN_POSITIVE, i] = drawn
+    rows.residual[ix.DRAWN, i] = drawn + g
+    rows.by_effort[ix.DRAWN, i] = g_x
+    rows.by_speed[ix.DRAWN, i] = g_v
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -190,7 +165,7 @@ def _fill_derivatives(
     energies : tuple
         Energy per metre taken to drive, e, and generated in braking, g, with derivatives.
     returned : float
-        What lowers the Lagrangian with g.
+        Factor by which the Lagrangian falls with g.
     priced_time : float
         Time of the cell times what a second costs.
     """
@@ -199,13 +174,17 @@ def _fill_derivatives(
     _, e_f, e_v, e_ff, e_fv, e_vv = energies[0]
     _, g_x, g_v, g_xx, g_xv, g_vv = energies[1]
     cells, curve, z = work.cells, work.curvature, work.rows.multiplier
-    cells.traction_gradient[i] = length_m * e_f - z[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i]
-    cells.braking_gradient[i] = z[BRAKING_CONSTANT, i] - z[BRAKING_POSITIVE, i] - returned * g_x
+    cells.traction_gradient[i] = length_m * e_f - z[ix.TRACTION_POSITIVE, i] + z[ix.TRACTION_CONSTANT, i]
+    cells.braking_gradient[i] = z[ix.BRAKING_CONSTANT, i] - z[ix.BRAKING_POSITIVE, i] - returned * g_x
     cells.speed_gradient[i] = length_m * e_v - returned * g_v - priced_time / speed
-    curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i] = length_m * e_ff, length_m * e_fv, length_m * e_vv
-    curve[BRAKING_XX, i], curve[BRAKING_XV, i] = -returned * g_xx, -returned * g_xv
-    curve[BRAKING_VV, i] = -returned * g_vv
-    curve[PRICED_VV, i] = 2.0 * priced_time / (speed * speed)
+    curve[ix.DRIVING_FF, i], curve[ix.DRIVING_FV, i], curve[ix.DRIVING_VV, i] = (
+        length_m * e_ff,
+        length_m * e_fv,
+        length_m * e_vv,
+    )
+    curve[ix.BRAKING_XX, i], curve[ix.BRAKING_XV, i] = -returned * g_xx, -returned * g_xv
+    curve[ix.BRAKING_VV, i] = -returned * g_vv
+    curve[ix.PRICED_VV, i] = 2.0 * priced_time / (speed * speed)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -237,7 +216,7 @@ def _add_over_speed(
     # -z (L(v) - effort)
     by_effort[i] += z
     work.cells.speed_gradient[i] -= z * (slope / scale)
-    work.curvature[PRICED_VV, i] -= z * (curvature / scale)
+    work.curvature[ix.PRICED_VV, i] -= z * (curvature / scale)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -259,21 +238,21 @@ def _scatter_to_nodes(work: Work, i: int, time_by_speed: float, by_mean_speed: f
     nodes.time_gradient[i] -= time_by_speed * u0
     nodes.time_gradient[i + 1] -= time_by_speed * u1
     # chain rule: what depends on v has the curvature L_vv v_w^2, which `newton` builds, and L_v v_ww, which is this
-    curve[START_WW, i] = by_mean_speed * mean_speed_curvature(u0, w[i]) if u0 > 0.0 else 0.0
-    curve[END_WW, i] = by_mean_speed * mean_speed_curvature(u1, w[i + 1]) if u1 > 0.0 else 0.0
+    curve[ix.START_WW, i] = by_mean_speed * mean_speed_curvature(u0, w[i]) if u0 > 0.0 else 0.0
+    curve[ix.END_WW, i] = by_mean_speed * mean_speed_curvature(u1, w[i + 1]) if u1 > 0.0 else 0.0
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _limit_change_of_speed(course: CourseData, scale: float, work: Work) -> None:
+def _limit_change_of_speed(mesh: MeshData, scale: float, work: Work) -> None:
     """Evaluate the limits of acceleration and deceleration."""
     w, inertia, z = work.nodes.speed2, work.cells.inertia, work.rows.multiplier
     for row, sign, limit in (
-        (ACCELERATION, -1.0, course.max_acceleration_ms2),
-        (DECELERATION, 1.0, course.max_deceleration_ms2),
+        (ix.ACCELERATION, -1.0, mesh.max_acceleration_ms2),
+        (ix.DECELERATION, 1.0, mesh.max_deceleration_ms2),
     ):
         if work.used[row] <= 0.0:
             continue
-        largest = 2.0 * course.half_inertia_kg * limit / scale
+        largest = 2.0 * mesh.half_inertia_kg * limit / scale
         for i in range(inertia.shape[0]):
             work.rows.residual[row, i] = largest + sign * inertia[i] * (w[i + 1] - w[i])
             price = sign * inertia[i] * z[row, i]
@@ -294,6 +273,6 @@ def _finish_residuals(work: Work) -> float:
     bounds, nodes = work.bounds, work.nodes
     for i in range(nodes.speed2.shape[0]):
         if nodes.free[i] > 0.0:
-            bounds.residual[FLOOR, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[FLOOR, i]
-            bounds.residual[CEILING, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[CEILING, i]
+            bounds.residual[ix.FLOOR, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[ix.FLOOR, i]
+            bounds.residual[ix.CEILING, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[ix.CEILING, i]
     return violation

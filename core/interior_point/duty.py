@@ -1,18 +1,18 @@
-"""What an optimum says on driving, braking and coasting of a drive that takes power without effort."""
+"""Driving, braking and coasting in the optimum of a drive with idle losses."""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when_on
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
 DRIVEN, COASTED = 0.98, 0.02
@@ -27,82 +27,77 @@ class Duty(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def duty(course: CourseData, optimum: Optimum) -> Duty:
+def duty(mesh: MeshData, optimum: Optimum) -> Duty:
     """Return on which share of each cell the drive is on to drive, and on which to brake.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     optimum : Optimum
         Of any decision where the drive is on.
     """
-    h, w = course.cell_length_m, optimum.speed2
-    kind, parameters, friction = course.drive_kind, course.drive_parameters, course.friction_effort_n
+    h, w = mesh.cell_length_m, optimum.speed2
+    kind, parameters, friction = mesh.drive_kind, mesh.drive_parameters, mesh.friction_effort_n
     driving, braking = np.empty(h.shape[0]), np.empty(h.shape[0])
     another = has_standstill_brake(kind, parameters)
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        _, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
+        _, touch = hull_power(kind, parameters, False, mesh.traction, 0.0, v, 0.0)
         driving[i] = min(optimum.traction_n[i] / touch, 1.0)
-        power, touch = hull_power(kind, parameters, True, course.braking, 0.0, v, 0.0)
+        power, touch = hull_power(kind, parameters, True, mesh.braking, 0.0, v, 0.0)
         braking[i] = min(optimum.braking_n[i] / touch, 1.0)
-        # What gains nothing is left to the other brakes. How the optimum shares it between brakes that cost the same
-        # is an accident of the barrier
-        gains = power[1] < 0.0 and course.recuperation_factor > 0.0
+        # Braking that gains nothing is left to the other brakes. How the optimum shares it between brakes that cost
+        # the same is an accident of the barrier
+        gains = power[1] < 0.0 and mesh.recuperation_factor > 0.0
         if another and optimum.braking_n[i] > touch:
             # next to a stop the effort that is needed may draw, though a smaller one would generate
             gains = gains and smooth_power_when_on(kind, parameters, True, optimum.braking_n[i], v)[0] < 0.0
-        if not gains and (another or -needed_force(cell_of(course, i), w[i], w[i + 1], v) <= friction):
+        if not gains and (another or -needed_force(cell_of(mesh, i), w[i], w[i + 1], v) <= friction):
             braking[i] = 0.0
     return Duty(driving, braking)
 
 
-def modes_of(driven: BoolArray, braked: BoolArray) -> FloatArray:
-    """Return the decision to drive in some cells and to brake electrically in others that are not driven."""
-    modes: FloatArray = np.where(driven, DRIVING, np.where(braked, BRAKING, OFF))
-    return modes
+def forbidden_energy_j(mesh: MeshData, modes: IntArray, optimum: Optimum) -> float:
+    """Return the price of efforts that a decision leaves out, in the energy of its optimum [J]."""
+    driven, braked = _forbidden_efforts_n(mesh, modes, optimum)
+    return FORBIDDING_PRICE * float((mesh.cell_length_m * (driven + braked)).sum())
 
 
-def forbidden_energy_j(course: CourseData, modes: FloatArray, optimum: Optimum) -> float:
-    """Return what of the energy of a decision's optimum is the price of efforts that the decision leaves out [J]."""
-    driven, braked = _forbidden_efforts_n(course, modes, optimum)
-    return FORBIDDING_PRICE * float((course.cell_length_m * (driven + braked)).sum())
-
-
-def mended_modes(course: CourseData, modes: FloatArray, optimum: Optimum) -> FloatArray:
+def repaired_modes(mesh: MeshData, modes: IntArray, optimum: Optimum) -> IntArray:
     """Return a decision that allows what the optimum of another one could not do without."""
-    driven, braked = _forbidden_efforts_n(course, modes, optimum)
-    least = NEXT_TO_NOTHING * course.traction.constant_n
-    mended: FloatArray = np.where(driven > least, DRIVING, np.where(braked > least, BRAKING, modes))
-    return mended
+    driven, braked = _forbidden_efforts_n(mesh, modes, optimum)
+    least = NEXT_TO_NOTHING * mesh.traction.constant_n
+    repaired: IntArray = np.where(driven > least, DRIVE, np.where(braked > least, BRAKE, modes))
+    return repaired
 
 
-def _forbidden_efforts_n(course: CourseData, modes: FloatArray, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
+def _forbidden_efforts_n(mesh: MeshData, modes: IntArray, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     """Return the tractive and the braking efforts that a decision leaves out and its optimum uses even so [N]."""
-    driven = np.where(modes == DRIVING, 0.0, optimum.traction_n)
+    driven = np.where(modes == DRIVE, 0.0, optimum.traction_n)
     # the effort of a standstill brake costs nothing, and stands for the machines' own
-    free = (modes == BRAKING) | has_standstill_brake(course.drive_kind, course.drive_parameters)
+    free = (modes == BRAKE) | has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     return driven, np.where(free, 0.0, optimum.braking_n)
 
 
-def safest_modes(duty: Duty) -> FloatArray:
+def safest_modes(duty: Duty) -> IntArray:
     """Return the decision that leaves a solver each cell that the optimum drives or brakes in, however little."""
-    return modes_of(duty.driving > COASTED, duty.braking > COASTED)
+    modes: IntArray = np.where(duty.driving > COASTED, DRIVE, np.where(duty.braking > COASTED, BRAKE, OFF))
+    return modes
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def coasting_exactly(course: CourseData, optimum: Optimum) -> FloatArray:
+def coasting_exactly(mesh: MeshData, optimum: Optimum) -> FloatArray:
     """Return squares of speed [m2/s2] of a run that coasts where it all but coasts; shape (n + 1,).
 
     The method leaves tiny efforts everywhere, and with any effort the drive would count as on.
     """
-    speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * course.traction.constant_n
-    train, traction, braking, _ = shared_by_cells(course)
-    for i in range(course.cell_length_m.shape[0]):
+    speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * mesh.traction.constant_n
+    train, traction, braking, _ = shared_by_cells(mesh)
+    for i in range(mesh.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
-        if small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
-            leaving = exit_speed2(cell_of(course, i), train, traction, braking, speed2[i], COAST)
+        if small and math.isnan(mesh.fixed_speed2[i + 1]) and speed2[i] > 0.0:
+            leaving = exit_speed2(cell_of(mesh, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:
-                speed2[i + 1] = min(leaving, course.largest_speed2[i + 1])
+                speed2[i + 1] = min(leaving, mesh.limit_speed2[i + 1])
     return speed2

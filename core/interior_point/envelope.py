@@ -6,8 +6,8 @@ is given a power that is nowhere above the true one, and better behaved:
 
 - At each speed of a grid the points (0, 0), where the drive is off, and (f, p(f)) are replaced by their lower convex
   hull. The line from zero ends where it touches the power, other lines end at samples.
-- Where the line's energy per work is not convex in the square of the speed, the power there is lowered by the ratio of
-  its lower convex hull to it; in braking, where it is negative, raised in size. What is scaled stays convex in effort.
+- If the line's energy per work is not convex in the square of the speed, the power there is lowered by the ratio of
+  its lower convex hull to it; in braking, where it is negative, raised in size. It stays convex in effort.
 
 Between the nodes of effort and speed the table is bicubic, with continuous first derivatives.
 """
@@ -19,10 +19,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import power_when_on
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, RAY_COUNT
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.effort_limit import max_effort_slope
+from railjoule.core.physics.mesh_data import MeshData
 
 VALUE, BY_EFFORT, BY_SPEED, BY_BOTH = range(4)
 """Columns of a node: power [W] and its derivatives by effort [N] and speed [m/s]."""
@@ -30,7 +30,7 @@ SLOWEST_MS = 1e-3
 """Speed that stands for none [m/s]."""
 # Of energy per work, which tends to one at high speeds. Nearer to rest braking generates less than that, or draws, and
 # a ratio of two such numbers would scale it without bound
-LEAST_GAIN = 0.2
+MIN_GAIN = 0.2
 """Braking is scaled only at speeds from which on it generates at least so much energy per work."""
 
 
@@ -51,37 +51,37 @@ def lower_hull(x: FloatArray, y: FloatArray, count: int, hull: IntArray) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def envelope_steps(course: CourseData) -> tuple[float, float]:
+def envelope_steps(mesh: MeshData) -> tuple[float, float]:
     """Return the steps of effort [N], driving and braking alike, and of speed [m/s] of a table."""
-    effort = max(course.traction.constant_n, course.braking.constant_n) / (ENVELOPE_EFFORTS - 1)
-    return effort, math.sqrt(course.largest_speed2.max()) / (RAY_COUNT - 2)
+    effort = max(mesh.traction.constant_n, mesh.braking.constant_n) / (ENVELOPE_EFFORTS - 1)
+    return effort, math.sqrt(mesh.limit_speed2.max()) / (RAY_COUNT - 2)
 
 
 @njit(cache=True, error_model="numpy")
-def tabulate_envelope(course: CourseData, table: FloatArray) -> None:
+def tabulate_envelope(mesh: MeshData, table: FloatArray) -> None:
     """Fill the envelopes of driving and braking power.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : array of shape (2, RAY_COUNT, ENVELOPE_EFFORTS, 4)
         By side, speed and effort; the columns as numbered above.
     """
-    step, speed_step = envelope_steps(course)
+    step, speed_step = envelope_steps(mesh)
     slopes = np.empty((RAY_COUNT, 2))
     for side in range(2):
         for k in range(RAY_COUNT):
-            slopes[k] = _fill_effort_hull(course, side == 1, max(k * speed_step, SLOWEST_MS), step, table[side, k])
+            slopes[k] = _fill_effort_hull(mesh, side == 1, max(k * speed_step, SLOWEST_MS), step, table[side, k])
         _scale_to_convex(slopes, speed_step, side == 1, table[side])
 
 
 @njit(cache=True, error_model="numpy")
 def _fill_effort_hull(
-    course: CourseData, braking: bool, speed: float, step: float, nodes: FloatArray
+    mesh: MeshData, braking: bool, speed: float, step: float, nodes: FloatArray
 ) -> tuple[float, float]:
     """Fill the nodes of one speed; return the slope of the line from zero [W/N] and its derivative by speed."""
-    kind, parameters = course.drive_kind, course.drive_parameters
-    end, end_v = _largest(course.braking if braking else course.traction, speed)
+    kind, parameters = mesh.drive_kind, mesh.drive_parameters
+    end, end_v = max_effort_slope(mesh.braking if braking else mesh.traction, speed)
     if end < step:
         # The drive can do next to nothing here. A line to its limit would be as steep as its idle power is over that,
         # and the cubics would carry it on to the speeds beside
@@ -92,8 +92,8 @@ def _fill_effort_hull(
     x, terms, hull = np.empty(count), np.empty((count, 5)), np.empty(count, dtype=np.int64)
     for i in range(1, count):
         x[i] = end if i > last else i * step
-        found = _terms(power_when_on(kind, parameters, braking, x[i], speed))
-        terms[i, 0], terms[i, 1], terms[i, 2], terms[i, 3], terms[i, 4] = found
+        p, p_f, p_v, p_ff, p_fv, _ = power_when_on(kind, parameters, braking, x[i], speed)
+        terms[i, 0], terms[i, 1], terms[i, 2], terms[i, 3], terms[i, 4] = p, p_f, p_v, p_ff, p_fv
     # off at no effort
     x[0], terms[0] = 0.0, 0.0
     corners = lower_hull(x, terms[:, 0], count, hull)
@@ -105,29 +105,13 @@ def _fill_effort_hull(
         # where another line begins at that sample, it ends the first one as well
         most = min(touch + step, end) if hull[2] == hull[1] + 1 else touch
         y = min(max(y, touch - step, 1e-3 * step), most)
-        found = _terms(power_when_on(kind, parameters, braking, y, speed))
+        found = power_when_on(kind, parameters, braking, y, speed)
         if found[0] / y < slope:
             touch, slope, slope_v = y, found[0] / y, found[2] / y
     else:
         slope_v += (line[1] - slope) * end_v / touch
     _fill_nodes(nodes, step, x, terms, hull[:corners], (touch, slope, slope_v), (last, end_v))
     return slope, slope_v
-
-
-@njit(cache=True, error_model="numpy")
-def _terms(power: PowerTerms) -> tuple[float, float, float, float, float]:
-    """Return p, p_f, p_v, p_ff and p_fv: no node asks for more."""
-    return power[0], power[1], power[2], power[3], power[4]
-
-
-@njit(cache=True, error_model="numpy")
-def _largest(limit: EffortLimit, speed: float) -> tuple[float, float]:
-    """Return the largest effort [N] at a speed [m/s], and its derivative by that."""
-    if limit.table.shape[0] > 0 or limit.power_w / speed < limit.constant_n:
-        varying, by_speed, _ = limit_over_speed(limit, speed)
-        if varying < limit.constant_n:
-            return varying, by_speed
-    return limit.constant_n, 0.0
 
 
 @njit(cache=True, error_model="numpy")
@@ -152,7 +136,7 @@ def _fill_nodes(
     hull : array of shape (c,)
         Which of them lie on the lower convex hull.
     line : tuple
-        Where the line from zero touches the power [N], its slope and the slope's derivative by speed.
+        The effort at which the line from zero touches the power [N], its slope and the slope's derivative by speed.
     limit : tuple
         The last node up to the limit, and the derivative of the limit by speed.
     """
@@ -178,7 +162,7 @@ def _fill_nodes(
             p, p_f, p_v, _, p_fv = terms[j]
             nodes[j, VALUE], nodes[j, BY_EFFORT], nodes[j, BY_SPEED], nodes[j, BY_BOTH] = p, p_f, p_v, p_fv
         else:
-            # within a line between two samples: by the envelope theorem its ends move along with the power alone
+            # within a line between two samples: by the envelope theorem its ends move along with the power only
             a, b = hull[corner - 1], hull[corner]
             along, rise = (y - x[a]) / (x[b] - x[a]), (terms[b] - terms[a]) / (x[b] - x[a])
             nodes[j, VALUE], nodes[j, BY_EFFORT] = terms[a, 0] + rise[0] * (y - x[a]), rise[0]
@@ -202,7 +186,7 @@ def _scale_to_convex(slopes: FloatArray, step: float, braking: bool, nodes: Floa
     first = 1
     if braking:
         first = RAY_COUNT
-        while first > 1 and slopes[first - 1, 0] < -LEAST_GAIN * (first - 1) * step:
+        while first > 1 and slopes[first - 1, 0] < -MIN_GAIN * (first - 1) * step:
             first -= 1
     count = RAY_COUNT - first
     if count < 3:
@@ -230,17 +214,17 @@ def _scale_to_convex(slopes: FloatArray, step: float, braking: bool, nodes: Floa
 
 
 @njit(cache=True, error_model="numpy")
-def envelope_power(course: CourseData, table: FloatArray, effort: float, speed: float) -> PowerTerms:
+def envelope_power(mesh: MeshData, table: FloatArray, effort: float, speed: float) -> PowerTerms:
     """Return the power of the envelope [W] at an effort [N] and speed [m/s], and its derivatives.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     table : array of shape (RAY_COUNT, ENVELOPE_EFFORTS, 4)
         Of driving or braking.
     effort, speed : float
     """
-    df, dv = envelope_steps(course)
+    df, dv = envelope_steps(mesh)
     # not a number becomes a large negative integer: it must not lead out of the table
     j = max(min(int(effort / df), ENVELOPE_EFFORTS - 2), 0)
     k = max(min(int(speed / dv), RAY_COUNT - 2), 0)

@@ -3,7 +3,7 @@
 Scaled: efforts in shares of the largest tractive effort, energies in metres times that effort; speeds, times and
 lengths in SI. A cell has a tractive effort f, an electric braking effort x and a friction effort q, bound by
 x + q = f - D(w), where D is the net force that its change of speed squared needs. Without friction brakes x is no
-variable of its own. Where a drive may draw power to brake, psi stands for the larger of 0 and phi, the energy per
+variable of its own. If a drive may draw power to brake, psi stands for the larger of 0 and phi, the energy per
 metre that braking draws (negative where it generates).
 
 Constraints g >= 0 of a cell, each with a slack and a multiplier, and their derivatives by their own variable and
@@ -66,12 +66,12 @@ FLOOR, CEILING = range(2)
 speed v, that of braking by x and v, priced time and limits by v, and what the concave mean speed adds by each w."""
 CURVATURES = 9
 RAY_COUNT = 200
-"""Speeds of the table of a drive that takes power without effort."""
+"""Speeds of the table of a drive with idle losses."""
 # A cubic over a step misses a power whose second derivative jumps within it by a thirtieth of the jump times the step
 # squared: of losses that are a tenth of the power, a millionth of that. Twice as many take twice the time to fill.
 ENVELOPE_EFFORTS = 65
 """Efforts of the table of envelopes of a drive whose losses stand in a map."""
-# Slack and multiplier of the timetable stand apart from all rows: it couples all cells, so its step is solved for by a
+# Slack and multiplier of the timetable stand outside of all rows: it couples all cells, so its step is solved for by a
 # rank-one update of the tridiagonal system, never row by row.
 TIME_SLACK, TIME_MULTIPLIER = range(2)
 """Entries of `Work.time_step`."""
@@ -163,10 +163,10 @@ class Nodes(NamedTuple):
 class Work(NamedTuple):
     """All arrays of one solution.
 
-    `curvature` has shape (9, n), its rows as numbered above. Of a drive that takes power without effort, `rays` is the
-    table of `switching.tabulate_rays` or `envelope` that of `envelope.tabulate_envelope`, and `last_curvature`, shape
-    (6, n), is what the first six rows of `curvature` were an iteration ago.
-    `time_step` holds the steps of the timetable's slack and multiplier; `used` which rows occur at all.
+    `curvature` has shape (9, n), its rows as numbered above. Of a drive with idle losses, `rays` is the table of
+    `switching.tabulate_rays` or `envelope` that of `envelope.tabulate_envelope`, and `last_curvature`, shape (6, n),
+    has the first six rows of `curvature` an iteration ago. `time_step` holds the steps of the timetable's slack and
+    multiplier; `used` is 1 for the rows that occur at all.
     """
 
     cells: Cells
@@ -199,7 +199,7 @@ def _rows(count: int, length: int) -> Rows:
 
 @njit(cache=True)
 def allocate(n: int, envelope_efforts: int) -> Work:
-    """Return the zeroed work arrays of a course with `n` cells; all slacks are 1.
+    """Return the zeroed work arrays of a meshed line with `n` cells; all slacks are 1.
 
     The table of envelopes holds so many efforts, none where a drive has no use for it.
     """

@@ -20,34 +20,8 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.interior_point.layout import (
-    ACCELERATION,
-    BRAKING_CONSTANT,
-    BRAKING_OVER_SPEED,
-    BRAKING_POSITIVE,
-    BRAKING_VV,
-    BRAKING_XV,
-    BRAKING_XX,
-    CEILING,
-    DECELERATION,
-    DRAWN,
-    DRAWN_POSITIVE,
-    DRIVING_FF,
-    DRIVING_FV,
-    DRIVING_VV,
-    END_WW,
-    FAST,
-    FLOOR,
-    FRICTION_CONSTANT,
-    FRICTION_POSITIVE,
-    PRICED_VV,
-    START_WW,
-    TRACTION_CONSTANT,
-    TRACTION_OVER_SPEED,
-    TRACTION_POSITIVE,
-    Nodes,
-    Work,
-)
+from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.layout import FAST, Nodes, Work
 
 
 @njit(cache=True, fastmath=FAST)
@@ -94,57 +68,57 @@ def condense(work: Work, exact: bool) -> FloatArray:
         Weight on the mean speed squared in each cell.
     """
     rows, cells, curve = work.rows, work.cells, work.curvature
-    z, s = rows.multiplier, rows.slack
-    n = z.shape[1]
+    # what a slack that changes costs to second order
+    ratio = rows.multiplier / rows.slack
+    n = ratio.shape[1]
     on_speed = np.empty(n)
     for i in range(n):
-        alone = z[TRACTION_POSITIVE, i] / s[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i] / s[TRACTION_CONSTANT, i]
-        over = z[TRACTION_OVER_SPEED, i] / s[TRACTION_OVER_SPEED, i]
-        # f >= 0 and f <= 1 ask of f alone, slope 0; L(v) - f >= 0 has the slope -L'
-        limit_slope = -rows.by_speed[TRACTION_OVER_SPEED, i]
-        weight = alone + over
+        fixed = ratio[ix.TRACTION_POSITIVE, i] + ratio[ix.TRACTION_CONSTANT, i]
+        over = ratio[ix.TRACTION_OVER_SPEED, i]
+        # f >= 0 and f <= 1 depend on f only, slope 0; L(v) - f >= 0 has the slope -L'
+        limit_slope = -rows.by_speed[ix.TRACTION_OVER_SPEED, i]
+        weight = fixed + over
         slope = over * limit_slope / weight
-        remainder = alone * over / weight * limit_slope * limit_slope
+        remainder = fixed * over / weight * limit_slope * limit_slope
         # the cost need not be convex in effort and speed: only its positive part keeps the step a descent
-        ff, fv, vv = curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i]
+        ff, fv, vv = curve[ix.DRIVING_FF, i], curve[ix.DRIVING_FV, i], curve[ix.DRIVING_VV, i]
         if not exact:
             ff, fv, vv = positive_part(ff, fv, vv)
         cells.traction_weight[i], cells.traction_slope[i], on_speed[i] = add_curvature(
             weight, slope, remainder, ff, fv, vv
         )
-        alone = z[BRAKING_POSITIVE, i] / s[BRAKING_POSITIVE, i] + z[BRAKING_CONSTANT, i] / s[BRAKING_CONSTANT, i]
-        over = z[BRAKING_OVER_SPEED, i] / s[BRAKING_OVER_SPEED, i]
-        limit_slope = -rows.by_speed[BRAKING_OVER_SPEED, i]
-        weight = alone + over
+        fixed = ratio[ix.BRAKING_POSITIVE, i] + ratio[ix.BRAKING_CONSTANT, i]
+        over = ratio[ix.BRAKING_OVER_SPEED, i]
+        limit_slope = -rows.by_speed[ix.BRAKING_OVER_SPEED, i]
+        weight = fixed + over
         slope = over * limit_slope
-        remainder = alone * over * limit_slope * limit_slope
-        if work.used[DRAWN] > 0.0:
-            first = z[DRAWN_POSITIVE, i] / s[DRAWN_POSITIVE, i]
-            second = z[DRAWN, i] / s[DRAWN, i]
+        remainder = fixed * over * limit_slope * limit_slope
+        if work.used[ix.DRAWN] > 0.0:
+            first, second = ratio[ix.DRAWN_POSITIVE, i], ratio[ix.DRAWN, i]
             # psi is eliminated first: at its least, first psi^2 + second (psi + g_x x + g_v v)^2 is two springs in
             # series, the product over the sum, on (g_x x + g_v v)^2
             both = first * second / (first + second)
-            by_x, by_v = rows.by_effort[DRAWN, i], rows.by_speed[DRAWN, i]
+            by_x, by_v = rows.by_effort[ix.DRAWN, i], rows.by_speed[ix.DRAWN, i]
             cells.drawn_by_effort[i] = second / (first + second) * by_x
             cells.drawn_by_speed[i] = second / (first + second) * by_v
             weight += both * by_x * by_x
             slope += both * by_x * by_v
             # pairs of (by_x, by_v) with (1, 0) and with (1, limit_slope)
-            remainder += both * (alone * by_v * by_v + over * (by_v - by_x * limit_slope) ** 2)
+            remainder += both * (fixed * by_v * by_v + over * (by_v - by_x * limit_slope) ** 2)
         slope /= weight
         remainder /= weight
-        xx, xv, vv = curve[BRAKING_XX, i], curve[BRAKING_XV, i], curve[BRAKING_VV, i]
+        xx, xv, vv = curve[ix.BRAKING_XX, i], curve[ix.BRAKING_XV, i], curve[ix.BRAKING_VV, i]
         if not exact:
             xx, xv, vv = positive_part(xx, xv, vv)
         weight, slope, remainder = add_curvature(weight, slope, remainder, xx, xv, vv)
         cells.electric_weight[i], cells.braking_slope[i] = weight, slope
         cells.braking_weight[i] = weight
-        if work.used[FRICTION_POSITIVE] > 0.0:
-            q = z[FRICTION_POSITIVE, i] / s[FRICTION_POSITIVE, i] + z[FRICTION_CONSTANT, i] / s[FRICTION_CONSTANT, i]
+        if work.used[ix.FRICTION_POSITIVE] > 0.0:
+            q = ratio[ix.FRICTION_POSITIVE, i] + ratio[ix.FRICTION_CONSTANT, i]
             cells.friction_weight[i] = q
             # x + q is given by f and D, so the brakes share it like springs in series, too
             cells.braking_weight[i] = weight * q / (weight + q)
-        on_speed[i] += remainder + (curve[PRICED_VV, i] if exact else max(curve[PRICED_VV, i], 0.0))
+        on_speed[i] += remainder + (curve[ix.PRICED_VV, i] if exact else max(curve[ix.PRICED_VV, i], 0.0))
     return on_speed
 
 
@@ -187,9 +161,9 @@ def factor(work: Work, forced: bool, exact: bool) -> bool:
     """
     cells, nodes, rows, curve = work.cells, work.nodes, work.rows, work.curvature
     z, s = work.bounds.multiplier, work.bounds.slack
-    on_node = z[FLOOR] / s[FLOOR] + z[CEILING] / s[CEILING]
+    on_node = z[ix.FLOOR] / s[ix.FLOOR] + z[ix.CEILING] / s[ix.CEILING]
     on_speed = condense(work, exact)
-    limits_change = work.used[ACCELERATION] > 0.0 or work.used[DECELERATION] > 0.0
+    limits_change = work.used[ix.ACCELERATION] > 0.0 or work.used[ix.DECELERATION] > 0.0
     n = on_speed.shape[0]
     left = on_node[0]
     for i in range(n):
@@ -206,12 +180,12 @@ def factor(work: Work, forced: bool, exact: bool) -> bool:
         both = cells.traction_weight[i] * cells.braking_weight[i] / total
         # The mean speed is concave in w: a cost that falls with it curves these upwards, one that rises downwards. The
         # latter is left out, lest the step climb; whether the point is the best one is for the proof to say.
-        change, start, end = 0.0, max(curve[START_WW, i], 0.0), max(curve[END_WW, i], 0.0)
+        change, start, end = 0.0, max(curve[ix.START_WW, i], 0.0), max(curve[ix.END_WW, i], 0.0)
         if exact:
-            start, end = curve[START_WW, i], curve[END_WW, i]
+            start, end = curve[ix.START_WW, i], curve[ix.END_WW, i]
         if limits_change:
-            change = rows.multiplier[ACCELERATION, i] / rows.slack[ACCELERATION, i]
-            change += rows.multiplier[DECELERATION, i] / rows.slack[DECELERATION, i]
+            change = rows.multiplier[ix.ACCELERATION, i] / rows.slack[ix.ACCELERATION, i]
+            change += rows.multiplier[ix.DECELERATION, i] / rows.slack[ix.DECELERATION, i]
             change *= cells.inertia[i] * cells.inertia[i]
         m00, m01, m11, determinant = cell_block(c0, c1, both, u0, u1, on_speed[i], change, start, end)
         right = m11
@@ -257,7 +231,7 @@ def factor_with_fallback(work: Work, exact_first: bool) -> float:
     ----------
     work : Work
     exact_first : bool
-        Whether the exact curvatures are tried before their positive parts. Where a cost is bilinear in effort and speed
+        Whether the exact curvatures are tried before their positive parts. If a cost is bilinear in effort and speed,
         the positive part of a cell makes steps short that the rest of the problem would allow.
     """
     nodes = work.nodes

@@ -9,9 +9,10 @@ one plus a rank-one term (`newton`). Barrier weights are proportional to length,
 nothing else. The barrier never falls under a tenth of what the tolerance asks for: below that the residual of
 the dual is rounding noise, which grows.
 
-What the stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
+The stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
 limit of effort is violated by more than 1e-8, no timetable by more than 1e-9, and the dual residual is small or at
-its noise floor. Whether the point is the global optimum, `certificate` proves afterwards.
+its noise floor. `railjoule.core.bounds` proves how close the point is to the
+global optimum.
 """
 
 from typing import NamedTuple
@@ -21,31 +22,20 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import may_be_concave
+from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.cell import evaluate
-from railjoule.core.interior_point.layout import (
-    CEILING,
-    DRAWN,
-    DRAWN_POSITIVE,
-    ENVELOPE_EFFORTS,
-    FAST,
-    FLOOR,
-    FRICTION_POSITIVE,
-    TIME_MULTIPLIER,
-    TIME_SLACK,
-    Work,
-    allocate,
-)
+from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, FAST, Work, allocate
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.mesh_data import MeshData
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
-LARGEST_VIOLATION = 1e-8
+MAX_VIOLATION = 1e-8
 """Of a limit, in shares of the largest effort: well within the 1e-6 that a check allows."""
 # Stricter than limits of effort, as arrivals are compared in seconds: 1e-8 of an hour would be 36 microseconds.
-LARGEST_DELAY = 1e-9
+MAX_DELAY = 1e-9
 """By which share of its running time a run may be late."""
 # Once the gap is met, the residual of the dual falls for a few iterations more, unless it is rounding already: in one
 # case of ten with a tolerance of 1e-8. The multipliers that the proof takes are the better for each.
@@ -60,22 +50,18 @@ SHORT_STEPS_BEFORE_TIGHT = 3
 WHOLE_STEP, HALF_STEP = 0.99, 0.5
 # Mehrotra's centring is the cube of what the affine step leaves of the gap. At least half is kept after a step so short
 # that the affine direction is of no use, and never more than nine tenths, or the barrier would stand still.
-MOST_CENTRING, CAUTIOUS_CENTRING, USELESS_STEP = 0.9, 0.5, 0.1
-# all of the gap: then the barrier waits until the residual of the dual is no more than ten times that
-HELD_CENTRING = 1.0
-NOISY_HELD_RESIDUAL = 1e-4
-"""Instead of `NOISY_RESIDUAL` where the barrier waits for the residual: what is left of it is no noise."""
+MAX_CENTRING, CAUTIOUS_CENTRING, USELESS_STEP = 0.9, 0.5, 0.1
 # The share of the way to the nearest bound that a step takes: closer to 1 as the barrier falls, for the last iterations
 # to converge superlinearly.
 BOUND_SHARE = 0.995
 DUAL_SHARE = 0.1
 """Centring per unit of dual residual over gap: the barrier must not outrun the residual, which then becomes noise."""
-LEAST_BARRIER_SHARE = 0.1
+MIN_BARRIER_SHARE = 0.1
 """Of the barrier that the tolerance asks for: under it the residual is noise, eps z / s, which grows as it falls."""
 
 
 class Optimum(NamedTuple):
-    """What the method ends with, in SI: how it scales its numbers is its own affair.
+    """The result of the method, in SI.
 
     Parameters
     ----------
@@ -111,21 +97,21 @@ class Optimum(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def dual_residual(course: CourseData, work: Work) -> float:
+def dual_residual(mesh: MeshData, work: Work) -> float:
     """Return by how much the gradient of the Lagrangian fails to vanish, as an energy."""
     cells, rows, bounds = work.cells, work.rows, work.bounds
     total = 0.0
-    price = 1.0 - course.recuperation_factor
+    price = 1.0 - mesh.recuperation_factor
     for i in range(cells.traction.shape[0]):
         total += abs(cells.traction_gradient[i] - cells.force_price[i])
-        if work.used[FRICTION_POSITIVE] > 0.0:
+        if work.used[ix.FRICTION_POSITIVE] > 0.0:
             total += abs(cells.braking_gradient[i] + cells.force_price[i])
-        if work.used[DRAWN] > 0.0:
-            drawn = course.cell_length_m[i] * price - rows.multiplier[DRAWN, i] - rows.multiplier[DRAWN_POSITIVE, i]
+        if work.used[ix.DRAWN] > 0.0:
+            drawn = mesh.cell_length_m[i] * price - rows.multiplier[ix.DRAWN, i] - rows.multiplier[ix.DRAWN_POSITIVE, i]
             total += abs(drawn)
     for i in range(work.nodes.speed2.shape[0]):
         if work.nodes.free[i] > 0.0:
-            gradient = work.nodes.gradient[i] - bounds.multiplier[FLOOR, i] + bounds.multiplier[CEILING, i]
+            gradient = work.nodes.gradient[i] - bounds.multiplier[ix.FLOOR, i] + bounds.multiplier[ix.CEILING, i]
             total += abs(gradient) * work.nodes.speed2[i]
     for row in range(rows.slack.shape[0]):
         if work.used[row] > 0.0:
@@ -139,8 +125,8 @@ def _all_complementarity(
     work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float
 ) -> float:
     """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
-    total: float = (time_slack + point * work.time_step[TIME_SLACK]) * (
-        time_multiplier + multipliers * work.time_step[TIME_MULTIPLIER]
+    total: float = (time_slack + point * work.time_step[ix.TIME_SLACK]) * (
+        time_multiplier + multipliers * work.time_step[ix.TIME_MULTIPLIER]
     )
     total += complementarity(work.rows, work.used, point, multipliers)
     total += complementarity(work.bounds, np.ones(2), point, multipliers)
@@ -160,84 +146,77 @@ def _take_step(work: Work, point: float, multipliers: float, barrier: float, wid
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
 def minimise_energy(
-    course: CourseData,
+    mesh: MeshData,
     fastest: FloatArray,
     shortest_time: float,
     running_time: float,
     tolerance: float,
-    largest_iterations: int,
-    least_centring: float,
-    holds_barrier: bool,
+    max_iterations: int,
+    min_centring: float,
     exact_first: bool,
 ) -> Optimum:
-    """Return the optimum of a course.
+    """Return the optimum of a meshed line.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     fastest : array of shape (n + 1,)
         Squares of speed of the fastest run [m2/s2].
     shortest_time, running_time : float
         Time of that run, and time allowed without dwells [s]; the second must be larger.
     tolerance : float
         Wanted relative gap.
-    largest_iterations : int
-    least_centring : float
+    max_iterations : int
+    min_centring : float
         Lower bound of the centring; 0.2 ends the rare cycles that 1e-6 leaves.
-    holds_barrier : bool
-        Whether the barrier waits where the dual residual is far above the gap. Where curvatures are cut or jump,
-        Newton's steps converge slowly; a barrier that falls meanwhile leaves the point at limits far from the optimum.
     exact_first : bool
         Whether steps are taken with exact second derivatives where the problem is convex at the point, as in
         `factor_with_fallback`.
     """
-    scale = course.traction.constant_n
+    scale = mesh.traction.constant_n
     # where it is decided what the drive does, no power is tabulated
-    relaxed = course.machines_on.shape[0] == 0
-    efforts = ENVELOPE_EFFORTS if relaxed and may_be_concave(course.drive_kind) else 0
-    work = allocate(course.cell_length_m.shape[0], efforts)
-    most_cautious = HELD_CENTRING if holds_barrier else CAUTIOUS_CENTRING
-    most_centring = max(MOST_CENTRING, most_cautious)
-    noisy = NOISY_HELD_RESIDUAL if holds_barrier else NOISY_RESIDUAL
-    time_slack, time_multiplier, weights = prepare(course, scale, fastest, shortest_time, running_time, work)
-    length = course.cell_length_m.sum()
+    relaxed = mesh.mode.shape[0] == 0
+    efforts = ENVELOPE_EFFORTS if relaxed and may_be_concave(mesh.drive_kind) else 0
+    work = allocate(mesh.cell_length_m.shape[0], efforts)
+    time_slack, time_multiplier, weights = prepare(mesh, scale, fastest, shortest_time, running_time, work)
+    length = mesh.cell_length_m.sum()
     time_weight = TIME_WEIGHT * length
-    auxiliaries = course.auxiliary_power_w / scale
+    auxiliaries = mesh.auxiliary_power_w / scale
     step, iterations_close, short_steps, iteration = 1.0, 0, 0, 0
     status, energy, gap = ITERATIONS_EXCEEDED, 0.0, 1.0
-    while iteration < largest_iterations:
+    while iteration < max_iterations:
         before = energy
-        energy, gross, time, violation = evaluate(course, scale, time_multiplier + auxiliaries, work)
+        energy, gross, time, violation = evaluate(mesh, scale, time_multiplier + auxiliaries, work)
         energy += auxiliaries * time
         time_residual = running_time - time - time_slack
         delay = (time - running_time) / running_time
         product = _all_complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
         barrier = product / weights
-        reference = max(reference_energy(course, energy * scale, running_time) / scale, 0.01 * gross)
+        reference = max(reference_energy(mesh, energy * scale, running_time) / scale, 0.01 * gross)
         gap = product / reference
-        dual = (dual_residual(course, work) + time_multiplier * abs(time_residual)) / reference
-        if violation < LARGEST_VIOLATION and delay < LARGEST_DELAY and gap < 1.5 * tolerance:
+        dual = (dual_residual(mesh, work) + time_multiplier * abs(time_residual)) / reference
+        if violation < MAX_VIOLATION and delay < MAX_DELAY and gap < 1.5 * tolerance:
             iterations_close += 1
             # whole steps that change nothing any more: then what is left of the dual residual is noise, however large
             settled = step > WHOLE_STEP and abs(energy - before) < 0.1 * tolerance * reference
-            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < noisy or settled)
+            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < NOISY_RESIDUAL or settled)
             if patient or (gap < tolerance and dual < 10.0 * tolerance):
                 status = CONVERGED
                 break
-        least = min(barrier, LEAST_BARRIER_SHARE * tolerance * reference / weights)
+        least = min(barrier, MIN_BARRIER_SHARE * tolerance * reference / weights)
         response = factor_with_fallback(work, exact_first)
         if not np.isfinite(response):
             break  # no direction to step along: the point is returned with its gap, as not converged
-        set_direction(course, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
+        set_direction(mesh, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
         centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
         if dual > gap:
-            centring = max(centring, min(most_cautious, DUAL_SHARE * dual / gap))
-        centring = min(max(centring, least_centring), most_centring)
+            centring = max(centring, min(CAUTIOUS_CENTRING, DUAL_SHARE * dual / gap))
+        centring = min(max(centring, min_centring), MAX_CENTRING)
         if step < USELESS_STEP:
             centring = max(centring, CAUTIOUS_CENTRING)
         aim = max(centring * barrier, least)
-        set_direction(course, work, response, aim, True, time_slack, time_multiplier, time_residual, aim * time_weight)
+        set_direction(mesh, work, response, aim, True, time_slack, time_multiplier, time_residual, aim * time_weight)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, max(BOUND_SHARE, 1.0 - barrier))
         step = min(point, multipliers)
         if not np.isfinite(step + work.time_step.sum()):
@@ -247,9 +226,9 @@ def minimise_energy(
         # after a short step the target was not reached: pairs are kept around the barrier that there is
         centre = aim if step > HALF_STEP else max(barrier, least)
         _take_step(work, point, multipliers, centre, width)
-        time_slack += point * work.time_step[TIME_SLACK]
+        time_slack += point * work.time_step[ix.TIME_SLACK]
         central = centre * time_weight / time_slack
-        time_multiplier += multipliers * work.time_step[TIME_MULTIPLIER]
+        time_multiplier += multipliers * work.time_step[ix.TIME_MULTIPLIER]
         time_multiplier = min(max(time_multiplier, central / width), central * width)
         iteration += 1
     return Optimum(

@@ -8,33 +8,18 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import (
     generated_power,
+    has_idle_losses,
     has_standstill_brake,
-    jumps_at_no_effort,
     may_draw_while_braking,
 )
-from railjoule.core.interior_point.layout import (
-    ACCELERATION,
-    BRAKING_CONSTANT,
-    BRAKING_OVER_SPEED,
-    BRAKING_POSITIVE,
-    CEILING,
-    DECELERATION,
-    DRAWN,
-    DRAWN_POSITIVE,
-    FLOOR,
-    FRICTION_CONSTANT,
-    FRICTION_POSITIVE,
-    TRACTION_CONSTANT,
-    TRACTION_OVER_SPEED,
-    TRACTION_POSITIVE,
-    Work,
-)
+from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.layout import Work
 from railjoule.core.interior_point.switching import tabulate_hulls
 from railjoule.core.motion.passes import running_time as running_time_of
+from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.energy_per_metre import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -45,13 +30,13 @@ FIRST_BARRIER = 0.03
 # this share 10,000 random tasks, half of them with stops, all converge.
 TIME_WEIGHT = 0.2
 """Weight of the timetable in the barrier, as a share of the line's length."""
-MOST_SLACK = 1.0
+MAX_SLACK = 1.0
 """The start uses no more slack than this share of the shortest time, lest it creep where 1 / v and noise are large."""
 
 
 @njit(cache=True, error_model="numpy")
 def start_speeds(
-    course: CourseData, fastest: FloatArray, shortest_time: float, running_time: float, speed2: FloatArray
+    mesh: MeshData, fastest: FloatArray, shortest_time: float, running_time: float, speed2: FloatArray
 ) -> None:
     """Fill `speed2` with min(c fastest, cap); c and the cap give 90 % of the slack to the time, if it is not too much.
 
@@ -61,8 +46,8 @@ def start_speeds(
     # In a tight timetable half of the slack that is used goes to scaling; in a generous one scaling ends at
     # sqrt(0.85) of the speed and the cap does the rest, as capped runs resemble the optimum more. A tenth of the
     # slack is left over, so that the timetable, too, is strictly met.
-    h, fixed = course.cell_length_m, course.fixed_speed2
-    wanted = shortest_time + 0.9 * min(running_time - shortest_time, MOST_SLACK * shortest_time)
+    h, fixed = mesh.cell_length_m, mesh.fixed_speed2
+    wanted = shortest_time + 0.9 * min(running_time - shortest_time, MAX_SLACK * shortest_time)
     tight = (shortest_time / wanted) ** 2
     c = max(tight, 0.85)
     if tight > 0.85:
@@ -94,29 +79,29 @@ def start_speeds(
 
 
 @njit(cache=True)
-def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Work) -> None:
+def _use_limits(mesh: MeshData, scale: float, fastest: FloatArray, work: Work) -> None:
     """Mark the constraints that a run can reach, and give each its weight."""
-    h, weight = course.cell_length_m, work.rows.weight
-    traction, braking = course.traction, course.braking
-    kinked = may_draw_while_braking(course.drive_kind) and course.recuperation_factor < 1.0
-    kinked = kinked and not has_standstill_brake(course.drive_kind, course.drive_parameters)
+    h, weight = mesh.cell_length_m, work.rows.weight
+    traction, braking = mesh.traction, mesh.braking
+    kinked = may_draw_while_braking(mesh.drive_kind) and mesh.recuperation_factor < 1.0
+    kinked = kinked and not has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(h.shape[0]):
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
-        for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
+        for row in (ix.TRACTION_POSITIVE, ix.TRACTION_CONSTANT, ix.BRAKING_POSITIVE, ix.BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        powered = course.powered[i] >= 1.0
+        powered = mesh.supply_share[i] >= 1.0
         if powered and _binds(traction, top_speed):
-            weight[TRACTION_OVER_SPEED, i] = h[i]
+            weight[ix.TRACTION_OVER_SPEED, i] = h[i]
         if powered and _binds(braking, top_speed):
-            weight[BRAKING_OVER_SPEED, i] = h[i]
+            weight[ix.BRAKING_OVER_SPEED, i] = h[i]
         if kinked:
-            weight[DRAWN_POSITIVE, i] = weight[DRAWN, i] = h[i]
-        if course.friction_effort_n > 0.0:
-            weight[FRICTION_POSITIVE, i] = weight[FRICTION_CONSTANT, i] = h[i]
-        if course.max_acceleration_ms2 < np.inf:
-            weight[ACCELERATION, i] = h[i]
-        if course.max_deceleration_ms2 < np.inf:
-            weight[DECELERATION, i] = h[i]
+            weight[ix.DRAWN_POSITIVE, i] = weight[ix.DRAWN, i] = h[i]
+        if mesh.friction_effort_n > 0.0:
+            weight[ix.FRICTION_POSITIVE, i] = weight[ix.FRICTION_CONSTANT, i] = h[i]
+        if mesh.max_acceleration_ms2 < np.inf:
+            weight[ix.ACCELERATION, i] = h[i]
+        if mesh.max_deceleration_ms2 < np.inf:
+            weight[ix.DECELERATION, i] = h[i]
     for row in range(weight.shape[0]):
         work.used[row] = 1.0 if weight[row].max() > 0.0 else 0.0
 
@@ -131,13 +116,13 @@ def _binds(limit: EffortLimit, top_speed: float) -> bool:
 
 @njit(cache=True, error_model="numpy")
 def prepare(
-    course: CourseData, scale: float, fastest: FloatArray, shortest_time: float, running_time: float, work: Work
+    mesh: MeshData, scale: float, fastest: FloatArray, shortest_time: float, running_time: float, work: Work
 ) -> tuple[float, float, float]:
     """Fill the work arrays with a start; return slack and multiplier of the timetable, and the sum of weights.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     scale : float
         The effort that 1 stands for [N].
     fastest : array of shape (n + 1,)
@@ -146,26 +131,26 @@ def prepare(
         Time of the fastest run, and time allowed without dwells [s].
     work : Work
     """
-    h, nodes, bounds = course.cell_length_m, work.nodes, work.bounds
+    h, nodes, bounds = mesh.cell_length_m, work.nodes, work.bounds
     n, w = h.shape[0], work.nodes.speed2
-    start_speeds(course, fastest, shortest_time, running_time, w)
-    _use_limits(course, scale, fastest, work)
+    start_speeds(mesh, fastest, shortest_time, running_time, w)
+    _use_limits(mesh, scale, fastest, work)
     # where it is decided what the drive does, no power is a line: nothing would read the table
-    if jumps_at_no_effort(course.drive_kind) and course.machines_on.shape[0] == 0:
-        tabulate_hulls(course, work.rays, work.envelope)
+    if has_idle_losses(mesh.drive_kind) and mesh.mode.shape[0] == 0:
+        tabulate_hulls(mesh, work.rays, work.envelope)
     for i in range(n + 1):
-        nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0
+        nodes.free[i] = 1.0 if math.isnan(mesh.fixed_speed2[i]) else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])
-        nodes.ceiling[i] = course.largest_speed2[i]
+        nodes.ceiling[i] = mesh.limit_speed2[i]
         if nodes.free[i] > 0.0:
             length = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
-            bounds.slack[FLOOR, i] = w[i] - nodes.floor[i]
-            bounds.slack[CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
-            for side in (FLOOR, CEILING):
+            bounds.slack[ix.FLOOR, i] = w[i] - nodes.floor[i]
+            bounds.slack[ix.CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
+            for side in (ix.FLOOR, ix.CEILING):
                 bounds.weight[side, i] = length
                 bounds.multiplier[side, i] = FIRST_BARRIER * length / bounds.slack[side, i]
     used_time = running_time_of(h, w)
-    _start_cells(course, scale, work)
+    _start_cells(mesh, scale, work)
     time_weight = TIME_WEIGHT * h.sum()
     time_slack = max(running_time - used_time, 0.01 * (running_time - shortest_time))
     weights = work.rows.weight.sum() + bounds.weight.sum() + time_weight
@@ -173,43 +158,43 @@ def prepare(
 
 
 @njit(cache=True, error_model="numpy")
-def _start_cells(course: CourseData, scale: float, work: Work) -> None:
+def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
     """Put the efforts of the cells inside their intervals, and slacks and multipliers on the centre."""
-    h, w, rows, cells = course.cell_length_m, work.nodes.speed2, work.rows, work.cells
-    top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
-    inertia = course.half_inertia_kg / scale
+    h, w, rows, cells = mesh.cell_length_m, work.nodes.speed2, work.rows, work.cells
+    top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
+    inertia = mesh.half_inertia_kg / scale
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        cell = scaled_cell_of(course, i, scale)
+        cell = scaled_cell_of(mesh, i, scale)
         rise = cell.inertia * (w[i + 1] - w[i])
         force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf
-        if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
-            over_traction = limit_over_speed(course.traction, v)[0] / scale
-        if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
-            over_braking = limit_over_speed(course.braking, v)[0] / scale
-        electric = min(cell.powered * top_braking, over_braking)
+        if rows.weight[ix.TRACTION_OVER_SPEED, i] > 0.0:
+            over_traction = limit_over_speed(mesh.traction, v)[0] / scale
+        if rows.weight[ix.BRAKING_OVER_SPEED, i] > 0.0:
+            over_braking = limit_over_speed(mesh.braking, v)[0] / scale
+        electric = min(cell.supply_share * top_braking, over_braking)
         low = max(force, 0.0)
         # a tenth into the interval: most of an optimal run coasts or uses little effort
-        f = low + 0.1 * max(min(cell.powered, over_traction, electric + top_friction + force) - low, 0.0)
+        f = low + 0.1 * max(min(cell.supply_share, over_traction, electric + top_friction + force) - low, 0.0)
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
-        power = generated_power(course.drive_kind, course.drive_parameters, max(x, 0.0) * scale, v)
+        power = generated_power(mesh.drive_kind, mesh.drive_parameters, max(x, 0.0) * scale, v)
         generated = energy_per_metre(power, v)[0] / scale
-        drawn = max(-generated, 0.0) + 1e-2 if rows.weight[DRAWN, i] > 0.0 else 0.0
+        drawn = max(-generated, 0.0) + 1e-2 if rows.weight[ix.DRAWN, i] > 0.0 else 0.0
         cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
-        rows.slack[TRACTION_POSITIVE, i] = f
-        rows.slack[TRACTION_CONSTANT, i] = cell.powered - f
-        rows.slack[TRACTION_OVER_SPEED, i] = over_traction - f
-        rows.slack[BRAKING_POSITIVE, i] = x
-        rows.slack[BRAKING_CONSTANT, i] = cell.powered * top_braking - x
-        rows.slack[BRAKING_OVER_SPEED, i] = over_braking - x
-        rows.slack[DRAWN_POSITIVE, i] = drawn
-        rows.slack[DRAWN, i] = drawn + generated
-        rows.slack[FRICTION_POSITIVE, i] = b - x
-        rows.slack[FRICTION_CONSTANT, i] = top_friction - b + x
-        rows.slack[ACCELERATION, i] = 2.0 * inertia * course.max_acceleration_ms2 - rise
-        rows.slack[DECELERATION, i] = 2.0 * inertia * course.max_deceleration_ms2 + rise
+        rows.slack[ix.TRACTION_POSITIVE, i] = f
+        rows.slack[ix.TRACTION_CONSTANT, i] = cell.supply_share - f
+        rows.slack[ix.TRACTION_OVER_SPEED, i] = over_traction - f
+        rows.slack[ix.BRAKING_POSITIVE, i] = x
+        rows.slack[ix.BRAKING_CONSTANT, i] = cell.supply_share * top_braking - x
+        rows.slack[ix.BRAKING_OVER_SPEED, i] = over_braking - x
+        rows.slack[ix.DRAWN_POSITIVE, i] = drawn
+        rows.slack[ix.DRAWN, i] = drawn + generated
+        rows.slack[ix.FRICTION_POSITIVE, i] = b - x
+        rows.slack[ix.FRICTION_CONSTANT, i] = top_friction - b + x
+        rows.slack[ix.ACCELERATION, i] = 2.0 * inertia * mesh.max_acceleration_ms2 - rise
+        rows.slack[ix.DECELERATION, i] = 2.0 * inertia * mesh.max_deceleration_ms2 + rise
     for row in range(rows.slack.shape[0]):
         for i in range(h.shape[0]):
             used = rows.weight[row, i] > 0.0

@@ -4,29 +4,10 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.interior_point.layout import (
-    ACCELERATION,
-    BRAKING_CONSTANT,
-    BRAKING_OVER_SPEED,
-    BRAKING_POSITIVE,
-    CEILING,
-    DECELERATION,
-    DRAWN,
-    DRAWN_POSITIVE,
-    FAST,
-    FLOOR,
-    FRICTION_CONSTANT,
-    FRICTION_POSITIVE,
-    TIME_MULTIPLIER,
-    TIME_SLACK,
-    TRACTION_CONSTANT,
-    TRACTION_OVER_SPEED,
-    TRACTION_POSITIVE,
-    Rows,
-    Work,
-)
+from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.layout import FAST, Rows, Work
 from railjoule.core.interior_point.newton import back_substitute
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 # From Mehrotra's corrector the product of the two predictor steps can exceed the target by orders where one pair is
 # nearly active; unbounded it pushes other pairs off the centre. 10 leaves the corrector as it is in ordinary
@@ -61,34 +42,34 @@ def set_targets(rows: Rows, used: FloatArray, barrier: float, second_order: bool
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def set_right_side(course: CourseData, work: Work) -> None:
+def set_right_side(mesh: MeshData, work: Work) -> None:
     """Fill the right-hand sides of the efforts, and that of the nodes into `nodes.speed2_step`."""
-    h, cells, rows, used = course.cell_length_m, work.cells, work.rows, work.used
+    h, cells, rows, used = mesh.cell_length_m, work.cells, work.rows, work.used
     right, rhs, bounds = work.nodes.speed2_step, work.rows.rhs, work.bounds
     for i in range(right.shape[0]):
-        right[i] = bounds.rhs[FLOOR, i] + bounds.multiplier[FLOOR, i]
-        right[i] -= bounds.rhs[CEILING, i] + bounds.multiplier[CEILING, i]
-    friction = used[FRICTION_POSITIVE] > 0.0
+        right[i] = bounds.rhs[ix.FLOOR, i] + bounds.multiplier[ix.FLOOR, i]
+        right[i] -= bounds.rhs[ix.CEILING, i] + bounds.multiplier[ix.CEILING, i]
+    friction = used[ix.FRICTION_POSITIVE] > 0.0
     for i in range(h.shape[0]):
-        over = rhs[TRACTION_OVER_SPEED, i]
-        traction = rhs[TRACTION_POSITIVE, i] - rhs[TRACTION_CONSTANT, i] - over
+        over = rhs[ix.TRACTION_OVER_SPEED, i]
+        traction = rhs[ix.TRACTION_POSITIVE, i] - rhs[ix.TRACTION_CONSTANT, i] - over
         traction -= cells.traction_gradient[i]
-        speed = over * rows.by_speed[TRACTION_OVER_SPEED, i] - cells.speed_gradient[i]
-        over = rhs[BRAKING_OVER_SPEED, i]
-        electric = rhs[BRAKING_POSITIVE, i] - rhs[BRAKING_CONSTANT, i] - over
+        speed = over * rows.by_speed[ix.TRACTION_OVER_SPEED, i] - cells.speed_gradient[i]
+        over = rhs[ix.BRAKING_OVER_SPEED, i]
+        electric = rhs[ix.BRAKING_POSITIVE, i] - rhs[ix.BRAKING_CONSTANT, i] - over
         electric -= cells.braking_gradient[i]
-        speed += over * rows.by_speed[BRAKING_OVER_SPEED, i]
-        if used[DRAWN] > 0.0:
-            over = rhs[DRAWN, i]
-            price = h[i] * (1.0 - course.recuperation_factor)
-            drawn = over + rhs[DRAWN_POSITIVE, i] - price
-            drawn += rows.multiplier[DRAWN, i] + rows.multiplier[DRAWN_POSITIVE, i]
+        speed += over * rows.by_speed[ix.BRAKING_OVER_SPEED, i]
+        if used[ix.DRAWN] > 0.0:
+            over = rhs[ix.DRAWN, i]
+            price = h[i] * (1.0 - mesh.recuperation_factor)
+            drawn = over + rhs[ix.DRAWN_POSITIVE, i] - price
+            drawn += rows.multiplier[ix.DRAWN, i] + rows.multiplier[ix.DRAWN_POSITIVE, i]
             cells.drawn_right[i] = drawn
-            electric += over * rows.by_effort[DRAWN, i] - cells.drawn_by_effort[i] * drawn
-            speed += over * rows.by_speed[DRAWN, i] - cells.drawn_by_speed[i] * drawn
+            electric += over * rows.by_effort[ix.DRAWN, i] - cells.drawn_by_effort[i] * drawn
+            speed += over * rows.by_speed[ix.DRAWN, i] - cells.drawn_by_speed[i] * drawn
         braking = electric
         if friction:
-            q = rhs[FRICTION_POSITIVE, i] - rhs[FRICTION_CONSTANT, i] + cells.force_price[i]
+            q = rhs[ix.FRICTION_POSITIVE, i] - rhs[ix.FRICTION_CONSTANT, i] + cells.force_price[i]
             cells.friction_right[i] = q
             # Minimising W_x (dx + s dv)^2 / 2 + W_q dq^2 / 2 - R_x dx - R_q dq with dx + dq = db leaves the weight
             # W_x W_q / (W_x + W_q) and R_b = (R_x W_q + R_q W_x) / (W_x + W_q) on db; what R_x does to dv stays.
@@ -104,7 +85,7 @@ def set_right_side(course: CourseData, work: Work) -> None:
         u0, u1 = cells.speed_by_start[i], cells.speed_by_end[i]
         right[i] += coupling * cells.coupling_start[i] - braking * cells.force_by_start[i] + speed * u0
         right[i + 1] += coupling * cells.coupling_end[i] - braking * cells.force_by_end[i] + speed * u1
-    for row, sign in ((ACCELERATION, -1.0), (DECELERATION, 1.0)):
+    for row, sign in ((ix.ACCELERATION, -1.0), (ix.DECELERATION, 1.0)):
         if used[row] > 0.0:
             for i in range(h.shape[0]):
                 change = sign * cells.inertia[i] * (rhs[row, i] + rows.multiplier[row, i])
@@ -118,7 +99,7 @@ def set_right_side(course: CourseData, work: Work) -> None:
 def expand(work: Work) -> None:
     """Recover the steps of efforts, slacks and multipliers from those of the nodes."""
     cells, rows, used, step = work.cells, work.rows, work.used, work.nodes.speed2_step
-    friction = used[FRICTION_POSITIVE] > 0.0
+    friction = used[ix.FRICTION_POSITIVE] > 0.0
     for i in range(cells.traction.shape[0]):
         dv = cells.speed_by_start[i] * step[i] + cells.speed_by_end[i] * step[i + 1]
         coupling = cells.coupling_start[i] * step[i] + cells.coupling_end[i] * step[i + 1]
@@ -137,25 +118,25 @@ def expand(work: Work) -> None:
             db, slope = dx, cells.braking_slope[i] * dv
             dx = cells.friction_weight[i] * (db + slope) + electric - cells.friction_right[i]
             dx = dx / (cells.electric_weight[i] + cells.friction_weight[i]) - slope
-            rows.slack_step[FRICTION_POSITIVE, i] = rows.residual[FRICTION_POSITIVE, i] + db - dx
-            rows.slack_step[FRICTION_CONSTANT, i] = rows.residual[FRICTION_CONSTANT, i] - db + dx
+            rows.slack_step[ix.FRICTION_POSITIVE, i] = rows.residual[ix.FRICTION_POSITIVE, i] + db - dx
+            rows.slack_step[ix.FRICTION_CONSTANT, i] = rows.residual[ix.FRICTION_CONSTANT, i] - db + dx
         cells.traction_step[i], cells.braking_step[i] = df, dx
-        for row, sign in ((TRACTION_POSITIVE, 1.0), (TRACTION_CONSTANT, -1.0)):
+        for row, sign in ((ix.TRACTION_POSITIVE, 1.0), (ix.TRACTION_CONSTANT, -1.0)):
             rows.slack_step[row, i] = rows.residual[row, i] + sign * df
-        for row, sign in ((BRAKING_POSITIVE, 1.0), (BRAKING_CONSTANT, -1.0)):
+        for row, sign in ((ix.BRAKING_POSITIVE, 1.0), (ix.BRAKING_CONSTANT, -1.0)):
             rows.slack_step[row, i] = rows.residual[row, i] + sign * dx
-        for row, effort in ((TRACTION_OVER_SPEED, df), (BRAKING_OVER_SPEED, dx)):
+        for row, effort in ((ix.TRACTION_OVER_SPEED, df), (ix.BRAKING_OVER_SPEED, dx)):
             if rows.weight[row, i] > 0.0:
                 rows.slack_step[row, i] = rows.residual[row, i] - effort + rows.by_speed[row, i] * dv
-        if used[DRAWN] > 0.0:
-            weight = rows.multiplier[DRAWN, i] / rows.slack[DRAWN, i]
-            weight += rows.multiplier[DRAWN_POSITIVE, i] / rows.slack[DRAWN_POSITIVE, i]
+        if used[ix.DRAWN] > 0.0:
+            weight = rows.multiplier[ix.DRAWN, i] / rows.slack[ix.DRAWN, i]
+            weight += rows.multiplier[ix.DRAWN_POSITIVE, i] / rows.slack[ix.DRAWN_POSITIVE, i]
             drawn = cells.drawn_right[i] / weight - cells.drawn_by_effort[i] * dx - cells.drawn_by_speed[i] * dv
             cells.drawn_step[i] = drawn
-            rows.slack_step[DRAWN_POSITIVE, i] = rows.residual[DRAWN_POSITIVE, i] + drawn
-            generated = rows.by_effort[DRAWN, i] * dx + rows.by_speed[DRAWN, i] * dv
-            rows.slack_step[DRAWN, i] = rows.residual[DRAWN, i] + drawn + generated
-        for row, sign in ((ACCELERATION, -1.0), (DECELERATION, 1.0)):
+            rows.slack_step[ix.DRAWN_POSITIVE, i] = rows.residual[ix.DRAWN_POSITIVE, i] + drawn
+            generated = rows.by_effort[ix.DRAWN, i] * dx + rows.by_speed[ix.DRAWN, i] * dv
+            rows.slack_step[ix.DRAWN, i] = rows.residual[ix.DRAWN, i] + drawn + generated
+        for row, sign in ((ix.ACCELERATION, -1.0), (ix.DECELERATION, 1.0)):
             if used[row] > 0.0:
                 change = sign * cells.inertia[i] * (step[i + 1] - step[i])
                 rows.slack_step[row, i] = rows.residual[row, i] + change
@@ -163,8 +144,8 @@ def expand(work: Work) -> None:
     for i in range(step.shape[0]):
         if work.nodes.free[i] > 0.0:
             moved = work.nodes.speed2[i] + step[i]
-            bounds.slack_step[FLOOR, i] = moved - work.nodes.floor[i] - bounds.slack[FLOOR, i]
-            bounds.slack_step[CEILING, i] = work.nodes.ceiling[i] - moved - bounds.slack[CEILING, i]
+            bounds.slack_step[ix.FLOOR, i] = moved - work.nodes.floor[i] - bounds.slack[ix.FLOOR, i]
+            bounds.slack_step[ix.CEILING, i] = work.nodes.ceiling[i] - moved - bounds.slack[ix.CEILING, i]
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -181,7 +162,7 @@ def set_multiplier_steps(rows: Rows, used: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def set_direction(
-    course: CourseData,
+    mesh: MeshData,
     work: Work,
     response: float,
     barrier: float,
@@ -195,7 +176,7 @@ def set_direction(
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     work : Work
         Factored.
     response : float
@@ -210,11 +191,11 @@ def set_direction(
     nodes, step = work.nodes, work.nodes.speed2_step
     set_targets(work.rows, work.used, barrier, second_order)
     set_targets(work.bounds, np.ones(2), barrier, second_order)
-    set_right_side(course, work)
+    set_right_side(mesh, work)
     back_substitute(nodes, step)
     along = np.sum(nodes.time_gradient * step)
     if second_order:
-        product = work.time_step[TIME_SLACK] * work.time_step[TIME_MULTIPLIER]
+        product = work.time_step[ix.TIME_SLACK] * work.time_step[ix.TIME_MULTIPLIER]
         time_aim -= min(max(product, -LONGEST_CORRECTION * time_aim), LONGEST_CORRECTION * time_aim)
     # the timetable couples all cells: a rank-one term, solved by Sherman and Morrison's formula
     weight = time_multiplier / time_slack
@@ -222,8 +203,8 @@ def set_direction(
     price_step /= 1.0 + weight * response
     for i in range(step.shape[0]):
         step[i] = (step[i] - nodes.time_response[i] * price_step) * nodes.free[i]
-    work.time_step[TIME_SLACK] = response * price_step - along + time_residual
-    work.time_step[TIME_MULTIPLIER] = price_step
+    work.time_step[ix.TIME_SLACK] = response * price_step - along + time_residual
+    work.time_step[ix.TIME_MULTIPLIER] = price_step
     expand(work)
     set_multiplier_steps(work.rows, work.used)
     set_multiplier_steps(work.bounds, np.ones(2))
@@ -245,8 +226,8 @@ def _steepest(rows: Rows, used: FloatArray) -> tuple[float, float]:
 def longest_steps(work: Work, time_slack: float, time_multiplier: float, fraction: float) -> tuple[float, float]:
     """Return the longest steps of point and multipliers, at most 1, that stop at `fraction` of the way to a bound."""
     by_rows, by_bounds = _steepest(work.rows, work.used), _steepest(work.bounds, np.ones(2))
-    slack = min(by_rows[0], by_bounds[0], work.time_step[TIME_SLACK] / time_slack)
-    multiplier = min(by_rows[1], by_bounds[1], work.time_step[TIME_MULTIPLIER] / time_multiplier)
+    slack = min(by_rows[0], by_bounds[0], work.time_step[ix.TIME_SLACK] / time_slack)
+    multiplier = min(by_rows[1], by_bounds[1], work.time_step[ix.TIME_MULTIPLIER] / time_multiplier)
     # the floor's slack need not be exact yet, so w itself is kept above zero
     speed2 = 0.0
     for i in range(work.nodes.speed2.shape[0]):

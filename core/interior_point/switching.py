@@ -1,10 +1,10 @@
-"""Drives that take power without effort when they are on, and none when they are off: power jumps at zero effort.
+"""Drives with idle losses when they are on, and none when they are off: power jumps at zero effort.
 
-Where a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
+If a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
 share of the cell in which it is on: up to the effort of least power per effort it is on for a part of the cell with
 that one, a straight line through zero, and above it all the time. That is the convex hull of zero and the power p of a
-drive that is on, if p is convex in the effort. The same holds for braking and what it generates. Of a map nobody knows
-that p is convex: `envelope` has the table for it.
+drive that is on, if p is convex in the effort. The same holds for braking and the power that it generates. Nothing
+ensures that the power of a map is convex: `envelope` has the table for it.
 """
 
 import math
@@ -12,21 +12,21 @@ import math
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, may_be_concave, smooth_power_when_on
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.envelope import envelope_power, tabulate_envelope
 from railjoule.core.interior_point.layout import RAY_COUNT
-from railjoule.core.physics.course_data import BRAKING, DRIVING, CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort_slope
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, MeshData
 
 # Line energy over work that an effort costs where a drive is off. Marginal energies of drives are about 1 / efficiency,
 # so below ten wherever a run would use an effort: an optimum buys none, if the decision to be off leaves it a choice.
-# Where it does not, the problem stays solvable, and its run uses effort where it was to be off; a larger price would
-# only spread the problem's numbers further apart.
+# Otherwise the problem stays solvable, and its run uses effort in cells that were to be off; a larger price would only
+# widen the range of the problem's numbers.
 FORBIDDING_PRICE = 10.0
 # Second derivatives by effort are cut to this many times slope over effort: at a pull-out torque they have no limit.
 # A Newton step against that slope is then no shorter than a hundredth of the effort; with less it would overshoot where
 # losses are truly steep, with more it would stand still at the pull-out.
-GREATEST_CURVATURE = 100.0
+MAX_CURVATURE = 100.0
 # where a search for a tangent begins, on the way from the anchor, and by what its steps widen until they bracket it
 FIRST_FRACTION, WIDENING = 0.1, 2.0
 NARROWINGS = 60
@@ -36,7 +36,7 @@ EXACT = 1e-6
 # at the power there. Right as long as the tangent point falls by less than 30 % from the one speed to the other.
 CLEARLY_LESS = 0.7
 # efforts below it do not lower the cut of second derivatives any further: at zero it would leave none [N]
-LEAST_EFFORT_N = 1.0
+MIN_EFFORT_N = 1.0
 # of one line in a table of rays
 POINT, SLOPE, SLOPE_BY_SPEED = range(3)
 SLOWEST_MS = 1e-3
@@ -61,7 +61,7 @@ def tangent(
         Effort of the anchor and the end of the search [N]; from zero to the largest effort or the other way round. The
         end is returned if no tangent lies between.
     guess : float
-        Where to begin [N]; zero if nothing is known.
+        First guess [N]; zero if nothing is known.
     """
     # a bracket that may run either way: its inner end is the one at the anchor
     inner, outer = anchor, end
@@ -144,18 +144,14 @@ def hull_power(
     guess : float
         The effort of least power per effort at about this speed [N]; zero if nothing is known.
     """
-    largest, largest_v = limit.constant_n, 0.0
-    if limit.table.shape[0] > 0 or limit.power_w / speed < largest:
-        varying, varying_v, _ = limit_over_speed(limit, speed)
-        if varying < largest:
-            largest, largest_v = varying, varying_v
+    largest, max_v = max_effort_slope(limit, speed)
     if effort > CLEARLY_LESS * guess:
         power = smooth_power_when_on(kind, parameters, braking, effort, speed)
         # beyond the tangent point the power is its own hull
         if effort >= largest or effort * power[1] >= power[0]:
             return _with_limited_curvature(power, effort), guess
     point, power = tangent(kind, parameters, braking, speed, 0.0, largest, min(guess, largest))
-    return tangent_line(power, 0.0, point, largest_v if point >= largest else 0.0, effort), point
+    return tangent_line(power, 0.0, point, max_v if point >= largest else 0.0, effort), point
 
 
 @njit(cache=True)
@@ -188,7 +184,7 @@ def hull_with_standstill_brake(
 def _with_limited_curvature(power: PowerTerms, effort: float) -> PowerTerms:
     """Return a power whose second derivatives are no larger than an iteration can use."""
     p, p_f, p_v, p_ff, p_fv, p_vv = power
-    greatest = GREATEST_CURVATURE * abs(p_f) / effort
+    greatest = MAX_CURVATURE * abs(p_f) / effort
     if abs(p_ff) <= greatest:
         return power
     cut = greatest / abs(p_ff)
@@ -196,34 +192,34 @@ def _with_limited_curvature(power: PowerTerms, effort: float) -> PowerTerms:
 
 
 @njit(cache=True, error_model="numpy")
-def ray_step(course: CourseData) -> float:
+def ray_step(mesh: MeshData) -> float:
     """Return the step of speed of a table of rays [m/s]."""
-    step: float = math.sqrt(course.largest_speed2.max()) / (RAY_COUNT - 2)
+    step: float = math.sqrt(mesh.limit_speed2.max()) / (RAY_COUNT - 2)
     return step
 
 
 @njit(cache=True, error_model="numpy")
-def tabulate_hulls(course: CourseData, rays: FloatArray, envelope: FloatArray) -> None:
-    """Fill that one of two tables that the drive of a course needs; arguments as `switched_powers` has them."""
-    if may_be_concave(course.drive_kind):
-        tabulate_envelope(course, envelope)
+def tabulate_hulls(mesh: MeshData, rays: FloatArray, envelope: FloatArray) -> None:
+    """Fill that one of two tables that the drive of a meshed line needs; arguments as `switched_powers` has them."""
+    if may_be_concave(mesh.drive_kind):
+        tabulate_envelope(mesh, envelope)
     else:
-        tabulate_rays(course, rays)
+        tabulate_rays(mesh, rays)
 
 
 @njit(cache=True, error_model="numpy")
-def tabulate_rays(course: CourseData, rays: FloatArray) -> None:
+def tabulate_rays(mesh: MeshData, rays: FloatArray) -> None:
     """Fill the lines from zero that touch the power of a drive, over speed.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     rays : array of shape (2, RAY_COUNT, 3)
         Driving and braking: effort that the line touches [N], its slope [W/N] and the slope's derivative by speed.
     """
-    kind, parameters, step = course.drive_kind, course.drive_parameters, ray_step(course)
+    kind, parameters, step = mesh.drive_kind, mesh.drive_parameters, ray_step(mesh)
     for side in range(2):
-        limit, point = course.traction if side == 0 else course.braking, 0.0
+        limit, point = mesh.traction if side == 0 else mesh.braking, 0.0
         for k in range(RAY_COUNT):
             # at no effort the hull is its line; the point at one speed is the guess at the next
             power, point = hull_power(kind, parameters, side == 1, limit, 0.0, max(k * step, SLOWEST_MS), point)
@@ -232,13 +228,13 @@ def tabulate_rays(course: CourseData, rays: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy")
 def tabulated_power(
-    course: CourseData, braking: bool, rays: FloatArray, effort: float, speed: float
+    mesh: MeshData, braking: bool, rays: FloatArray, effort: float, speed: float
 ) -> tuple[PowerTerms, float]:
     """Return the power of a drive that is switched at will [W] with its derivatives, and the effort that it touches.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
     braking : bool
         Whether it brakes.
     rays : array of shape (RAY_COUNT, 3)
@@ -246,13 +242,13 @@ def tabulated_power(
     effort, speed : float
         Mean effort over the cell [N] and speed [m/s].
     """
-    step = ray_step(course)
+    step = ray_step(mesh)
     # not a number becomes a large negative integer: it must not lead out of the table
     k = max(min(int(speed / step), RAY_COUNT - 2), 0)
     x = speed / step - k
     point = rays[k, POINT] + x * (rays[k + 1, POINT] - rays[k, POINT])
     if effort >= point:
-        power = smooth_power_when_on(course.drive_kind, course.drive_parameters, braking, effort, speed)
+        power = smooth_power_when_on(mesh.drive_kind, mesh.drive_parameters, braking, effort, speed)
         return _with_limited_curvature(power, effort), point
     # Hermite's cubic: the slope and its derivative are continuous over speed, as Newton's rule needs them
     first, second = step * rays[k, SLOPE_BY_SPEED], step * rays[k + 1, SLOPE_BY_SPEED]
@@ -266,7 +262,7 @@ def tabulated_power(
 
 @njit(cache=True)
 def switched_powers(
-    course: CourseData,
+    mesh: MeshData,
     cell: int,
     rays: FloatArray,
     envelope: FloatArray,
@@ -278,8 +274,8 @@ def switched_powers(
 
     Parameters
     ----------
-    course : CourseData
-        Its `machines_on` tells what is decided of each cell, if anything.
+    mesh : MeshData
+        Its `mode` holds the decision of each cell, if there is one.
     cell : int
     rays : array of shape (2, RAY_COUNT, 3)
         As tabulated.
@@ -290,37 +286,37 @@ def switched_powers(
     speed : float
         Its mean speed [m/s].
     """
-    if course.machines_on.shape[0] > 0:
-        return _decided_powers(course, course.machines_on[cell], traction, braking, speed)
-    if may_be_concave(course.drive_kind):
-        taken = envelope_power(course, envelope[0], traction, speed)
-        return taken, _reversed(envelope_power(course, envelope[1], braking, speed))
-    taken, _ = tabulated_power(course, False, rays[0], traction, speed)
-    power, point = tabulated_power(course, True, rays[1], braking, speed)
-    if power[1] >= 0.0 and has_standstill_brake(course.drive_kind, course.drive_parameters):
+    if mesh.mode.shape[0] > 0:
+        return _decided_powers(mesh, mesh.mode[cell], traction, braking, speed)
+    if may_be_concave(mesh.drive_kind):
+        taken = envelope_power(mesh, envelope[0], traction, speed)
+        return taken, _reversed(envelope_power(mesh, envelope[1], braking, speed))
+    taken, _ = tabulated_power(mesh, False, rays[0], traction, speed)
+    power, point = tabulated_power(mesh, True, rays[1], braking, speed)
+    if power[1] >= 0.0 and has_standstill_brake(mesh.drive_kind, mesh.drive_parameters):
         power, _ = hull_with_standstill_brake(
-            course.drive_kind, course.drive_parameters, course.braking, braking, speed, point
+            mesh.drive_kind, mesh.drive_parameters, mesh.braking, braking, speed, point
         )
     return taken, _reversed(power)
 
 
 @njit(cache=True)
 def _decided_powers(
-    course: CourseData, mode: float, traction: float, braking: float, speed: float
+    mesh: MeshData, mode: int, traction: float, braking: float, speed: float
 ) -> tuple[PowerTerms, PowerTerms]:
     """Return the same in a cell where it is decided what the drive does.
 
-    Weak braking generates less than the machines take: only the true power tells, as in driving, whether they had
-    better be off. Off, they generate nothing, and brake at no power only where another brake stands in for them.
+    Weak braking generates less than the drive takes: only the true power shows, as in driving, whether it had better
+    be off. Off, it generates nothing, and brakes at no power only where another brake stands in for it.
     """
-    kind, parameters = course.drive_kind, course.drive_parameters
+    kind, parameters = mesh.drive_kind, mesh.drive_parameters
     taken, power = _forbidden_power(traction, speed), _forbidden_power(braking, speed)
-    if mode == DRIVING:
+    if mode == DRIVE:
         true = smooth_power_when_on(kind, parameters, False, traction, speed)
-        taken = _with_limited_curvature(true, max(traction, LEAST_EFFORT_N))
-    if mode == BRAKING:
+        taken = _with_limited_curvature(true, max(traction, MIN_EFFORT_N))
+    if mode == BRAKE:
         true = smooth_power_when_on(kind, parameters, True, braking, speed)
-        power = _with_limited_curvature(true, max(braking, LEAST_EFFORT_N))
+        power = _with_limited_curvature(true, max(braking, MIN_EFFORT_N))
     elif has_standstill_brake(kind, parameters):
         power = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     return taken, _reversed(power)
@@ -328,7 +324,7 @@ def _decided_powers(
 
 @njit(cache=True)
 def _forbidden_power(effort: float, speed: float) -> PowerTerms:
-    """Return what an effort costs where it is decided that there is none [W], with its derivatives."""
+    """Return the cost of an effort in a cell that is decided to have none [W], with its derivatives."""
     price = FORBIDDING_PRICE
     return price * effort * speed, price * speed, price * effort, 0.0, price, 0.0
 
@@ -344,7 +340,7 @@ def _reversed(power: PowerTerms) -> PowerTerms:
 def keep_larger_curvature(curvature: FloatArray, last: FloatArray) -> None:
     """Replace curvatures of driving and braking that fell since the last iteration by those that they had then.
 
-    Where second derivatives jump, as at the effort of least power per effort, Newton's steps would lead from one side
+    If second derivatives jump, as at the effort of least power per effort, Newton's steps would lead from one side
     to the other and back for ever; with the larger curvature of the two they do not overshoot.
 
     Parameters
@@ -352,7 +348,7 @@ def keep_larger_curvature(curvature: FloatArray, last: FloatArray) -> None:
     curvature : array of shape (9, n)
         As in `layout.Work`.
     last : array of shape (6, n)
-        What its first rows were; brought up to date.
+        Its first rows an iteration ago; brought up to date.
     """
     for i in range(curvature.shape[1]):
         for first in (0, 3):

@@ -1,9 +1,9 @@
 """A task as a search for limits sees it, and one evaluation of it.
 
 The ideal regulators brake or coast within cells, so that every vector of limits has a factor with which its trip takes
-the allowed time. The printed relay has none that does so exactly: its time jumps by some hundredths of a second with
-its switches. Its vectors begin where the ideal regulator that brakes keeps the time, and are scaled by its own runs
-until one ends shortly before the window of (14) does.
+the allowed time. The literal regulator has none that does so exactly: its time jumps by some hundredths of a second
+with its switches. Its vectors begin where the ideal regulator that brakes keeps the time, and are scaled by its own
+runs until one ends shortly before the window of (14) does.
 
 Source: Shtompel, Khvorost 2025, (14), (15).
 """
@@ -11,6 +11,7 @@ Source: Shtompel, Khvorost 2025, (14), (15).
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,11 +20,11 @@ from railjoule.core.limit_search.projection import scale_to_time
 from railjoule.core.limit_search.regulation import Regulation, regulation_of
 from railjoule.core.limit_search.trip import trip
 from railjoule.core.limit_search.whole_cells import trip_cost, trip_over_cells
-from railjoule.core.motion.course import Course
+from railjoule.core.motion.meshed_line import MeshedLine
 
 CUTS_PER_CELL = 8
 """A trip has room for so many nodes a cell; a regulator changes its effort two or three times within one at most."""
-LEAST_SECTION_M = 1.0
+MIN_SECTION_M = 1.0
 """A section that the search may move is never shorter."""
 
 
@@ -51,11 +52,35 @@ class Evaluation:
     energy_j: float
 
 
+class SetSpeedRun(NamedTuple):
+    """A run under set speeds of sections.
+
+    Parameters
+    ----------
+    mesh : MeshedLine
+        Over its own nodes, with its dwells.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    boundaries_m : array of shape (k - 1,)
+        Between them [m].
+    switches : int
+        Changes of the literal regulator between driving, no effort and braking; 0 with other regulators.
+    """
+
+    mesh: MeshedLine
+    speed2: FloatArray
+    limits_ms: FloatArray
+    boundaries_m: FloatArray
+    switches: int = 0
+
+
 RelayDrive = Callable[[FloatArray, FloatArray], tuple[float, float]]
-"""Time [s] and net energy at the line [J] of the printed relay's run under limits [m/s] with boundaries [m]."""
+"""Time [s] and net energy at the line [J] of the literal regulator's run under limits [m/s] with boundaries [m]."""
 WINDOW_END_SHARE = 1e-3
 """A run of the relay is late enough where it ends by less than this share of its time before the window does."""
-MOST_RELAY_RUNS = 8
+MAX_RELAY_RUNS = 8
 # At constant speed time falls by the factor by which limits rise, less where acceleration takes most of the time. The
 # slope between two runs is not trusted beyond these bounds, as times of close runs differ only by their switches.
 STEEPEST, FLATTEST = 2.0, 0.2
@@ -63,7 +88,7 @@ STEEPEST, FLATTEST = 2.0, 0.2
 
 @dataclass(frozen=True, eq=False)
 class RelayRuns:
-    """Runs of the printed relay within a window of time.
+    """Runs of the literal regulator within a window of time.
 
     Parameters
     ----------
@@ -77,7 +102,7 @@ class RelayRuns:
     latest_s: float
     drive: RelayDrive
 
-    def fit_window(self, ideal: Evaluation, least_ms: float, most_ms: float) -> Evaluation:
+    def fit_window(self, ideal: Evaluation, min_ms: float, most_ms: float) -> Evaluation:
         """Return an evaluation of an ideal regulator with its limits scaled until the relay's own run fits the window.
 
         The energy is infinite where no factor was found.
@@ -85,8 +110,8 @@ class RelayRuns:
         best = replace(ideal, running_time_s=np.inf, energy_j=np.inf)
         aim_s = self.latest_s * (1 - 0.5 * WINDOW_END_SHARE)
         x, slope, before = 0.0, -1.0, None
-        for _ in range(MOST_RELAY_RUNS):
-            limits = np.clip(ideal.limits_ms * math.exp(x), least_ms, most_ms)
+        for _ in range(MAX_RELAY_RUNS):
+            limits = np.clip(ideal.limits_ms * math.exp(x), min_ms, most_ms)
             time, energy = self.drive(limits, ideal.boundaries_m)
             if self.earliest_s < time < self.latest_s and energy < best.energy_j:
                 best = replace(ideal, limits_ms=limits, running_time_s=time, energy_j=energy)
@@ -107,65 +132,65 @@ class LimitProblem:
 
     Parameters
     ----------
-    course : Course
-        What the train obeys.
+    mesh : MeshedLine
+        Train and line.
     regulation : Regulation
         The same for its regulator.
-    least_ms, most_ms : float
+    min_ms, most_ms : float
         Between which limits stay [m/s].
     running_time_s : float
         The longest time that a trip may take [s].
     relay : RelayRuns, optional
-        The printed relay, where vectors are judged by its runs.
+        The literal regulator, where vectors are judged by its runs.
     """
 
-    course: Course
+    mesh: MeshedLine
     regulation: Regulation
-    least_ms: float
+    min_ms: float
     most_ms: float
     running_time_s: float
     relay: RelayRuns | None = None
 
     def evaluate(self, stage: str, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
-        """Return what becomes of limits [m/s] and boundaries [m], scaled until the trip takes the allowed time."""
+        """Return the trip under limits [m/s] and boundaries [m], scaled until it takes the allowed time."""
         scaled, time, energy, _ = scale_to_time(
-            self.course.data, self.regulation, boundaries_m, limits_ms, self.least_ms, self.most_ms, self.running_time_s
+            self.mesh.data, self.regulation, boundaries_m, limits_ms, self.min_ms, self.most_ms, self.running_time_s
         )
         # the scaling meets the time to 1e-9 where any factor does; what it misses by more has none
         late = time > self.running_time_s * (1 + 1e-6)
         found = Evaluation(
             stage, limits_ms, scaled, boundaries_m, time, np.inf if late else self._with_auxiliaries(time, energy)
         )
-        return found if late or self.relay is None else self.relay.fit_window(found, self.least_ms, self.most_ms)
+        return found if late or self.relay is None else self.relay.fit_window(found, self.min_ms, self.most_ms)
 
     def as_given(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return the trip under limits [m/s] as they are, whatever its time."""
-        time, energy = trip_cost(self.course.data, self.regulation, boundaries_m, limits_ms)
+        time, energy = trip_cost(self.mesh.data, self.regulation, boundaries_m, limits_ms)
         return Evaluation("given", limits_ms, limits_ms, boundaries_m, time, self._with_auxiliaries(time, energy))
 
-    def over(self, course: Course, whole_cells: bool = False) -> "LimitProblem":
+    def over(self, mesh: MeshedLine, whole_cells: bool = False) -> "LimitProblem":
         """Return the same problem over another mesh; with `whole_cells` its trips are runs over that mesh."""
-        regulation = regulation_of(course, self.regulation.deceleration_ms2, self.regulation.brakes)
-        return replace(self, course=course, regulation=regulation._replace(whole_cells=whole_cells))
+        regulation = regulation_of(mesh, self.regulation.deceleration_ms2, self.regulation.brakes)
+        return replace(self, mesh=mesh, regulation=regulation._replace(whole_cells=whole_cells))
 
     def nodes_of(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return places [m] and squares of speed [m2/s2] of a trip, cut wherever its regulator changes its effort.
 
         A trip that fails ends where it does.
         """
-        most = CUTS_PER_CELL * (self.course.cell_count + len(limits_ms)) + CUTS_PER_CELL
+        most = CUTS_PER_CELL * (self.mesh.cell_count + len(limits_ms)) + CUTS_PER_CELL
         position, speed2 = np.empty(most), np.empty(most)
         drive = trip_over_cells if self.regulation.whole_cells else trip
-        nodes, _, _ = drive(self.course.data, self.regulation, boundaries_m, limits_ms, position, speed2)
+        nodes, _, _ = drive(self.mesh.data, self.regulation, boundaries_m, limits_ms, position, speed2)
         return frozen_array(position[:nodes]), frozen_array(speed2[:nodes])
 
     def _with_auxiliaries(self, time_s: float, energy_j: float) -> float:
-        dwell = float(self.course.dwell_s.sum())
-        return energy_j + self.course.data.auxiliary_power_w * (time_s + dwell)
+        dwell = float(self.mesh.dwell_s.sum())
+        return energy_j + self.mesh.data.auxiliary_power_w * (time_s + dwell)
 
 
 def limit_problem(
-    course: Course, stop_deceleration_ms2: float, brakes: bool, least_ms: float, most_ms: float, running_time_s: float
+    mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool, min_ms: float, most_ms: float, running_time_s: float
 ) -> LimitProblem:
-    """Return the problem of a course; `brakes`: whether its regulator brakes for sections or coasts."""
-    return LimitProblem(course, regulation_of(course, stop_deceleration_ms2, brakes), least_ms, most_ms, running_time_s)
+    """Return the problem of a meshed line; `brakes`: whether its regulator brakes for sections or coasts."""
+    return LimitProblem(mesh, regulation_of(mesh, stop_deceleration_ms2, brakes), min_ms, most_ms, running_time_s)

@@ -8,13 +8,13 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.limit_search.regulation import Regulation
 from railjoule.core.limit_search.whole_cells import trip_cost
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 EXACT = 1e-9
 """How close a trip comes to its time, as a share: a millionth of a second of a quarter of an hour."""
 # as many halvings bring any bracket below rounding
-MOST_TRIPS = 60
-MOST_REPEATS = 4
+MAX_TRIPS = 60
+MAX_REPEATS = 4
 """After so many secants on one side of the time the bracket is halved."""
 # At constant speed time falls by the factor by which limits rise. A step goes this many times as far, so that it ends
 # beyond the time: two trips on either side of it make a bracket, two on the same side do not.
@@ -28,17 +28,17 @@ NARROWEST = 1e-13
 
 
 @njit(cache=True)
-def _scaled(limits_ms: FloatArray, logarithm: float, least_ms: float, most_ms: float) -> FloatArray:
-    return np.minimum(np.maximum(limits_ms * math.exp(logarithm), least_ms), most_ms)
+def _scaled(limits_ms: FloatArray, logarithm: float, min_ms: float, most_ms: float) -> FloatArray:
+    return np.minimum(np.maximum(limits_ms * math.exp(logarithm), min_ms), most_ms)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def scale_to_time(
-    course: CourseData,
+    mesh: MeshData,
     regulation: Regulation,
     borders_m: FloatArray,
     limits_ms: FloatArray,
-    least_ms: float,
+    min_ms: float,
     most_ms: float,
     running_time_s: float,
 ) -> tuple[FloatArray, float, float, int]:
@@ -46,9 +46,9 @@ def scale_to_time(
 
     Parameters
     ----------
-    course, regulation, borders_m, limits_ms
+    mesh, regulation, borders_m, limits_ms
         As in `railjoule.core.limit_search.trip.trip`.
-    least_ms, most_ms : float
+    min_ms, most_ms : float
         Between which limits stay [m/s].
     running_time_s : float
         The time [s].
@@ -62,15 +62,15 @@ def scale_to_time(
     trips : int
         How many were driven.
     """
-    low, high = math.log(least_ms / limits_ms.max()), math.log(most_ms / limits_ms.min())
+    low, high = math.log(min_ms / limits_ms.max()), math.log(most_ms / limits_ms.min())
     x = min(max(0.0, low), high)
     width, trips, last_side, repeats = FIRST_WIDENING, 0, 0, 0
     late_known = early_known = False
     late = early = excess = 0.0
     found, time, energy = limits_ms, math.inf, math.inf
-    for _ in range(MOST_TRIPS):
-        found = _scaled(limits_ms, x, least_ms, most_ms)
-        time, energy = trip_cost(course, regulation, borders_m, found)
+    for _ in range(MAX_TRIPS):
+        found = _scaled(limits_ms, x, min_ms, most_ms)
+        time, energy = trip_cost(mesh, regulation, borders_m, found)
         trips += 1
         excess = math.log(time / running_time_s)
         # at an end of what limits may be, no other factor brings the time closer
@@ -89,7 +89,7 @@ def scale_to_time(
         last_side = side
         if late_known and early_known:
             # a secant does not leave limits under which the train stands, or a range of them that hardly bind
-            share = 0.5 if late == math.inf or repeats >= MOST_REPEATS else late / (late - early)
+            share = 0.5 if late == math.inf or repeats >= MAX_REPEATS else late / (late - early)
             x = low + (high - low) * share
         elif side > 0:
             x = min(x + (OVERSHOOT * excess + width if excess < math.inf else STANDING_WIDENING), high)
@@ -101,7 +101,7 @@ def scale_to_time(
             break
     if excess > EXACT and early_known:
         # time jumps where a train just passes a hill, or stands: the run that arrives is the early one
-        found = _scaled(limits_ms, high, least_ms, most_ms)
-        time, energy = trip_cost(course, regulation, borders_m, found)
+        found = _scaled(limits_ms, high, min_ms, most_ms)
+        time, energy = trip_cost(mesh, regulation, borders_m, found)
         trips += 1
     return found, time, energy, trips

@@ -1,8 +1,8 @@
-"""What a regulator obeys: the line's own limits and stops with the braking curves before them, and section limits.
+"""Limits for a regulator: those of line and stops with the braking curves before them, and set speeds of sections.
 
-Limits of sections hold for the front of the train. Those of the line are kept at any price, by braking ahead at a
-constant deceleration, no more than a braking curve of the vehicle has anywhere; a regulator that brakes keeps those of
-the sections alike, one that coasts does not brake for them.
+Set speeds hold for the front of the train. Limits of the line are kept in any case, by braking ahead at a constant
+deceleration, no more than a braking curve of the vehicle has anywhere; a regulator that brakes keeps the set speeds in
+the same way, a coasting one does not brake for them.
 """
 
 from typing import NamedTuple
@@ -11,13 +11,13 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.motion.course import Course
+from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.motion.passes import entering_speed2_under_brakes
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 
 
 class Regulation(NamedTuple):
-    """A course as a regulator sees it; n cells.
+    """A meshed line as a regulator sees it; n cells.
 
     Parameters
     ----------
@@ -44,19 +44,19 @@ class Regulation(NamedTuple):
     whole_cells: bool = False
 
 
-def regulation_of(course: Course, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
-    """Return what a course asks of a regulator that `brakes` for sections or coasts."""
-    data = course.data
-    bound = data.largest_speed2.copy()
+def regulation_of(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
+    """Return the limits of a meshed line for a regulator that `brakes` for sections or coasts."""
+    data = mesh.data
+    bound = data.limit_speed2.copy()
     fixed = data.fixed_speed2 >= 0
     bound[fixed] = np.minimum(bound[fixed], data.fixed_speed2[fixed])
     # the start's speed is given: the train does not brake for it
-    bound[0] = data.largest_speed2[0]
+    bound[0] = data.limit_speed2[0]
     return Regulation(
-        position_m=course.position_m,
-        top_speed2=course.cell_limit_ms**2,
+        position_m=mesh.position_m,
+        top_speed2=mesh.cell_limit_ms**2,
         bound_speed2=bound,
-        deceleration_ms2=min(stop_deceleration_ms2, data.max_deceleration_ms2, course.permitted_deceleration_ms2),
+        deceleration_ms2=min(stop_deceleration_ms2, data.max_deceleration_ms2, mesh.permitted_deceleration_ms2),
         brakes=brakes,
     )
 
@@ -72,16 +72,16 @@ def section_at(borders_m: FloatArray, place_m: float) -> int:
 
 @njit(cache=True, error_model="numpy")
 def braking_curves(
-    course: CourseData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
+    mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the squares of speed from which braking ahead still keeps all limits, and how they fall in each cell.
 
     Parameters
     ----------
-    course : CourseData
-        What the train obeys.
+    mesh : MeshData
+        Train and line.
     regulation : Regulation
-        The same for a regulator.
+        Their limits for a regulator.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
     limits_ms : array of shape (k,)
@@ -98,14 +98,14 @@ def braking_curves(
     curve, fall = np.empty(n + 1), np.empty(n)
     curve[n] = regulation.bound_speed2[n]
     section = limits_ms.shape[0] - 1
-    # backwards, as what a place allows depends on what lies ahead alone
+    # backwards, as the speed at a place depends only on the limits ahead
     if regulation.brakes:
         curve[n] = min(curve[n], limits_ms[section] * limits_ms[section])
     for i in range(n - 1, -1, -1):
-        h = course.cell_length_m[i]
+        h = mesh.cell_length_m[i]
         # v^2 changes by 2 a h over a cell
         steepest = curve[i + 1] + 2.0 * regulation.deceleration_ms2 * h
-        reached = entering_speed2_under_brakes(course, i, curve[i + 1], steepest)
+        reached = entering_speed2_under_brakes(mesh, i, curve[i + 1], steepest)
         # down a hill too steep for its brakes the train must enter a cell slower than it leaves it
         fall[i] = (reached - curve[i + 1]) / h if reached >= 0.0 else 0.0
         end, value = regulation.position_m[i + 1], curve[i + 1]

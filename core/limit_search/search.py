@@ -21,18 +21,18 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
+from railjoule.core.limit_search.problem import MIN_SECTION_M, Evaluation, LimitProblem
 
-SAMPLES_PER_SECTION, MOST_SAMPLES = 64, 256
-REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS, STARTS = 60, 240, 2
-"""What a search may look at, options of ours for a search of less than a second; a test holds what it finds for two
-sections against 800 ratios of their limits."""
+SAMPLES_PER_SECTION, MAX_SAMPLES = 64, 256
+REFINEMENTS_PER_DIMENSION, MAX_REFINEMENTS, STARTS = 60, 240, 2
+"""Numbers of evaluations, chosen for a search of less than a second; a test compares its result for two sections with
+800 ratios of their limits."""
 RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
-"""Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of ours."""
+"""Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of railjoule."""
 # any number that no trip needs
 INFEASIBLE_J = 1e30
 RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
-"""Where the simplex ends, in logarithms of ratios and as a share of the energy."""
+"""Tolerances of the simplex, in logarithms of ratios and as a share of the energy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +44,7 @@ class LimitSearch:
     evaluations : tuple of Evaluation
         Everything it looked at, in order.
     best : Evaluation
-        What costs least of it.
+        The one of least energy.
     runs : tuple of LimitSearch
         The searches of the inter-station runs, where each was searched by itself; the evaluations are then theirs.
     """
@@ -87,9 +87,9 @@ def search_limits(
     sections = len(boundaries_m) + 1
     moved = len(boundaries_m) if free_boundaries else 0
     found: list[Evaluation] = []
-    count = min(SAMPLES_PER_SECTION * sections, MOST_SAMPLES) if sections > 1 else 1
+    count = min(SAMPLES_PER_SECTION * sections, MAX_SAMPLES) if sections > 1 else 1
     for point in weyl_points(count, sections + moved):
-        limits = problem.least_ms + point[:sections] * (problem.most_ms - problem.least_ms)
+        limits = problem.min_ms + point[:sections] * (problem.most_ms - problem.min_ms)
         borders = _borders_at(problem, point[sections:]) if moved else boundaries_m
         found.append(problem.evaluate("sample", limits, borders))
     directions = np.eye(sections)[1:]
@@ -98,7 +98,7 @@ def search_limits(
         by_run = np.equal.outer(np.arange(1, start.run_numbers[-1] + 1), start.run_numbers).astype(float)
         _refine(problem, found, min(found, key=_energy), by_run, 0)
     # with more directions a simplex would not even be complete
-    if 1 < sections + moved < MOST_REFINEMENTS:
+    if 1 < sections + moved < MAX_REFINEMENTS:
         # a simplex that has shrunk beside the best gets a second start from there, where there is more than one way
         for _ in range(1 if sections + moved == 2 else STARTS):
             _refine(problem, found, min(found, key=_energy), directions, moved)
@@ -122,11 +122,11 @@ def _energy(evaluation: Evaluation) -> float:
 
 def _borders_at(problem: LimitProblem, shares: FloatArray) -> FloatArray:
     """Return rising borders [m] at shares of the line, in any order, none closer than the shortest section."""
-    first, last = problem.course.position_m[[0, -1]]
+    first, last = problem.mesh.position_m[[0, -1]]
     borders = np.sort(first + shares * (last - first))
     for index in range(len(borders)):
-        least = (borders[index - 1] if index else first) + LEAST_SECTION_M
-        borders[index] = min(max(borders[index], least), last - LEAST_SECTION_M * (len(borders) - index))
+        least = (borders[index - 1] if index else first) + MIN_SECTION_M
+        borders[index] = min(max(borders[index], least), last - MIN_SECTION_M * (len(borders) - index))
     return borders
 
 
@@ -139,7 +139,7 @@ def _refine(
     """
     if not np.isfinite(start.energy_j):
         return
-    first, last = problem.course.position_m[[0, -1]]
+    first, last = problem.mesh.position_m[[0, -1]]
     # a factor that all limits share is undone when they are scaled to the time
     count = len(directions)
     shares = (start.boundaries_m - first) / (last - first) if moved else np.empty(0)
@@ -157,6 +157,6 @@ def _refine(
         "initial_simplex": np.vstack([origin, origin + np.diag(steps)]),
         "xatol": RATIO_EXACT,
         "fatol": ENERGY_EXACT * start.energy_j,
-        "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MOST_REFINEMENTS),
+        "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MAX_REFINEMENTS),
     }
     scipy.optimize.minimize(cost, origin, method="Nelder-Mead", options=options)

@@ -7,7 +7,7 @@ is constant; a cell in which the regulator changes its effort is cut there, so t
 limits and borders. Its efforts may pass their limits by some thousandths in the cells that are cut, which a search does
 not mind; `railjoule.core.limit_search.whole_cells` makes a run of it.
 
-Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is ours.
+Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is railjoule's.
 """
 
 import math
@@ -17,20 +17,20 @@ from railjoule.core.compiled import njit
 from railjoule.core.limit_search.regulation import Regulation, braking_curves, section_at
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, part_of_cell, shared_by_cells
 
 # Share by which a square of speed may miss its limit and still be at it: more than what cuts and the fixed point of a
 # cell leave, or the regulator would change its effort again and again beside its mark.
 ROUNDING = 1e-7
-LEAST_SHARE = 1e-7
+MIN_SHARE = 1e-7
 """A cut this close to the end of a cell, as a share of it, is none."""
 CORRECTIONS, EXACT_CUT = 4, 1e-10
 HOLD = 3
 """A control beside those of `railjoule.core.motion.cell_step`."""
 # A regulator changes its effort two or three times within a cell at most; a trip with one that would go on for longer
 # counts as one that does not arrive.
-MOST_CUTS = 12
+MAX_CUTS = 12
 SLOWEST2 = 0.1**2
 """Square of the speed of 0.1 m/s [m2/s2], below which bounds count no run between its stops."""
 
@@ -85,7 +85,7 @@ def _next(
     end2: float,
     fall: float,
 ) -> tuple[float, float]:
-    """Return what share of a cell the regulator goes on as it does now, and the square of speed after it.
+    """Return the share of a cell in which the regulator keeps its control, and the square of speed after it.
 
     `wanted2` is the limit of the section, `top2` that of the line, `end2` the braking curve at the end of the cell.
     """
@@ -116,13 +116,13 @@ def _next(
     if share < 1.0:
         share, after = _cut(cell, train, traction, braking, speed2, control, share, level2, 0.0)
     if after <= start2 + (end2 - start2) * share + small:
-        return (1.0, after) if share >= 1.0 - LEAST_SHARE else (share, after)
+        return (1.0, after) if share >= 1.0 - MIN_SHARE else (share, after)
     # from here on the braking curve is lower than where the control leads
     if speed2 >= start2 - small:
         return 1.0, end2
     # the part s at which speed2 + s (after - speed2) / share meets start2 + s (end2 - start2)
     share = (start2 - speed2) / ((after - speed2) / share + start2 - end2)
-    if share >= 1.0 - LEAST_SHARE:
+    if share >= 1.0 - MIN_SHARE:
         return 1.0, end2
     if control == HOLD:
         return share, speed2 + (after - speed2) * share
@@ -131,7 +131,7 @@ def _next(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def trip(
-    course: CourseData,
+    mesh: MeshData,
     regulation: Regulation,
     borders_m: FloatArray,
     limits_ms: FloatArray,
@@ -142,14 +142,14 @@ def trip(
 
     Parameters
     ----------
-    course, regulation : CourseData, Regulation
-        What the train obeys.
+    mesh, regulation : MeshData, Regulation
+        Train and line, and their limits for the regulator.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
     limits_ms : array of shape (k,)
         Of the sections [m/s].
     position_m, speed2 : array of shape (m,)
-        What is filled; empty if nobody asks for it.
+        Filled; empty where they are not needed.
 
     Returns
     -------
@@ -157,23 +157,23 @@ def trip(
         How many nodes the trip has, its time [s], infinite where it comes to a stand, and its line energy without
         auxiliaries [J].
     """
-    curve, fall = braking_curves(course, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = shared_by_cells(course)
+    curve, fall = braking_curves(mesh, regulation, borders_m, limits_ms)
+    train, traction, braking, drive = shared_by_cells(mesh)
     record = position_m.shape[0] > 0
     sections = limits_ms.shape[0]
-    w = max(course.fixed_speed2[0], 0.0)
+    w = max(mesh.fixed_speed2[0], 0.0)
     section = section_at(borders_m, regulation.position_m[0])
     time = energy = 0.0
     nodes = 1
     if record:
         position_m[0], speed2[0] = regulation.position_m[0], w
     for i in range(regulation.top_speed2.shape[0]):
-        whole = cell_of(course, i)
+        whole = cell_of(mesh, i)
         place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
         done = False
-        for _ in range(MOST_CUTS + sections):
+        for _ in range(MAX_CUTS + sections):
             until, until2 = end, curve[i + 1]
             limit2, top2 = limits_ms[section] * limits_ms[section], regulation.top_speed2[i]
             if section < sections - 1 and borders_m[section] < end:

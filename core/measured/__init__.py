@@ -1,6 +1,6 @@
 """Measured runs: a recorder's file becomes a trajectory over the line of a scenario, beside its optimum.
 
-Read `table` first, which knows a file's columns, then `recording`, which checks it row by row, then `place`, which
+Read `table` first, which reads a file's columns, then `recording`, which checks it row by row, then `place`, which
 finds where on the line it lies, then `run`; `run_table` makes a plain table of it.
 """
 

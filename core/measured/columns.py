@@ -1,14 +1,14 @@
-"""Which column of a recorder's file holds what, in which unit: by its name, by a preset, or as the user says."""
+"""Quantity and unit of each column of a recorder's file: by its name, by a preset, or from the user."""
 
 import re
-import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.columns import same_name
 from railjoule.core.imports.numbers import M_PER_MILE
+from railjoule.core.imports.units import plain, stated_unit
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 CLOCK = "clock"
@@ -31,10 +31,8 @@ UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
 )
 """Quantities of a recorder, and what one of each unit is in SI."""
 PRESSURES = ("bar", "kPa", "Pa")
-SPELLINGS: Mapping[str, str] = MappingProxyType(
-    {"kmh": "km/h", "kph": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "seconds": "s"}
-)
-"""Units as names of columns spell them; 'ms' of a time is a millisecond."""
+SPELLINGS = {"time": {"sec": "s", "seconds": "s"}}
+"""Of units in names of columns, beside those of speeds in other tables."""
 NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
     {
         "time": (
@@ -88,7 +86,7 @@ NEEDED_UNITS = (
     *("speed", "effort", "tractive_effort", "braking_effort", "power", "energy"),
     *("line_current", "line_voltage"),
 )
-"""Quantities whose unit nothing else tells; times count as seconds, positions as metres, brakes as on above 0."""
+"""Quantities whose unit must be known; times count as seconds, positions as metres, brakes as on above 0."""
 LONGEST_GAP_S = 600.0
 BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*")
 """A name, and its unit in brackets."""
@@ -97,19 +95,7 @@ USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a file.
-
-    Parameters
-    ----------
-    quantity : str
-        One of `UNITS`.
-    header : str
-        Its name in the file.
-    unit : str
-        One of the quantity's.
-    is_assumed : bool
-        Whether nobody says that it is in this unit.
-    """
+    """A column of a file with its quantity and unit, of `UNITS`; assumed if nothing names the unit."""
 
     quantity: str
     header: str
@@ -118,7 +104,7 @@ class Column:
 
     @property
     def factor(self) -> float:
-        """What one of its unit is in SI."""
+        """The SI value of one of its unit."""
         return UNITS[self.quantity][self.unit]
 
 
@@ -161,14 +147,14 @@ class RecorderFormat:
     preset : str
         One of `PRESETS`.
     columns, units : mapping of str to str
-        Names of columns and units by quantity, as the user says; they go before preset and names. A name may have its
-        unit behind it, as 'v [m/s]'.
+        Names of columns and units by quantity from the user; they precede preset and names. A name may end with its
+        unit, as 'v [m/s]'.
     longest_gap_s : float
-        For how long samples may be missing [s]: what happened meanwhile is interpolated.
+        Maximum time without samples [s]: the speed in between is interpolated.
     assumed : mapping of str to str
-        Units by quantity that are taken, and told, where nothing tells one.
+        Units by quantity that are assumed, with a note, if nothing names one.
     encoding : str
-        Code page of files that are not UTF-8; empty where it is to be found.
+        Code page of files that are not UTF-8; empty if it is to be found.
     """
 
     preset: str = "generic"
@@ -180,15 +166,13 @@ class RecorderFormat:
 
     def require_known(self) -> None:
         """Raise RecordingError if the preset, a quantity or a unit is unknown, or the gap no length of time."""
-        if self.preset not in PRESETS:
-            raise RecordingError(f"--preset {self.preset}: must be one of {', '.join(PRESETS)}.")
-        for option, given in (("--column", self.columns), ("--unit", self.units)):
-            for quantity in given:
-                if quantity not in UNITS:
-                    raise RecordingError(f"{option} {quantity}: must be one of {', '.join(UNITS)}.")
-        for quantity, unit in self.units.items():
-            if unit not in UNITS[quantity]:
-                raise RecordingError(f"--unit {quantity}={unit}: must be one of {', '.join(UNITS[quantity])}.")
+        checks: list[tuple[str, str, Iterable[str]]] = [("--preset ", self.preset, PRESETS)]
+        checks += [("--column ", quantity, UNITS) for quantity in self.columns]
+        checks += [("--unit ", quantity, UNITS) for quantity in self.units]
+        checks += [(f"--unit {quantity}=", unit, UNITS.get(quantity, ())) for quantity, unit in self.units.items()]
+        for option, given, known in checks:
+            if given not in known:
+                raise RecordingError(f"{option}{given}: must be one of {', '.join(known)}.")
         if not 0 < self.longest_gap_s <= LONGEST_GAP_S:
             raise RecordingError(
                 f"--longest-gap {self.longest_gap_s:g}: must be above 0 and at most {LONGEST_GAP_S:g} s."
@@ -199,68 +183,57 @@ GENERIC = RecorderFormat()
 
 
 def preset_of(headers: Sequence[str]) -> str:
-    """Return the known program whose columns a file has; 'generic' where it has those of none."""
+    """Recognise a known program by the columns of its file; 'generic' if there is none."""
     return next((name for name, marks in MARKS.items() if set(marks) <= set(headers)), "generic")
 
 
 def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
-    """Return the columns among some names that hold anything known; an empty unit where the name tells none.
-
-    Parameters
-    ----------
-    headers : sequence of str
-        Names of columns.
-    form : RecorderFormat
-        How the recorder writes.
-    """
-    named = {quantity: _named(headers, told) for quantity, told in form.columns.items()}
+    """Recognise columns by their names; their unit is empty if the name contains none."""
+    named = {quantity: _named(headers, words) for quantity, words in form.columns.items()}
     columns = [
-        Column(quantity, header, unit or _unit_in(header, quantity) or "")
+        Column(quantity, header, unit or _unit_in(header, quantity))
         for quantity, (header, unit) in named.items()
         if header is not None
     ]
     preset = form.preset if form.preset != "generic" else preset_of(headers)
     if preset != "generic":
         return columns + [known for known in PRESETS[preset] if known.header in headers and known.quantity not in named]
-    taken = {header for header, _ in named.values()}
-    for header in headers:
-        quantity = _quantity_of(header)
-        if quantity is not None and quantity not in named and header not in taken:
-            columns.append(Column(quantity, header, _unit_in(header, quantity) or ""))
-    return columns + _plain_line_columns(headers, taken | {column.header for column in columns}, columns)
-
-
-def _plain_line_columns(headers: Sequence[str], taken: set[str | None], columns: Sequence[Column]) -> list[Column]:
-    """Return current and voltage by names that do not name the line; none where one is missing or a power is there."""
+    free = [header for header in headers if header not in {column.header for column in columns}]
+    columns += [
+        Column(quantity, header, _unit_in(header, quantity))
+        for header in free
+        # a name matches as a whole, and no name has two quantities: 'brake_pressure_bar' is no 'brake' in another unit
+        for quantity, names in NAMES.items()
+        if quantity not in named and _has_name(header, quantity, names)
+    ]
     known = {column.quantity for column in columns}
-    if known & {"power", "energy"}:
-        return []
-    plain = [
-        Column(quantity, header, _known_unit(_words(header)[1], quantity) or "")
+    taken = {column.header for column in columns}
+    plain_columns = [
+        Column(quantity, header, _known_unit(_words(header)[1], quantity))
         for quantity, names in PLAIN_NAMES.items()
         if quantity not in known
-        for header in headers
+        for header in free
         if header not in taken and _has_name(header, quantity, names)
     ]
-    return plain if known | {column.quantity for column in plain} >= PLAIN_NAMES.keys() else []
+    # current and voltage only count together, and beside a measured power they may be those of a motor
+    is_needed = not known & {"power", "energy"}
+    is_whole = known | {column.quantity for column in plain_columns} >= PLAIN_NAMES.keys()
+    return columns + (plain_columns if is_needed and is_whole else [])
 
 
-def _named(headers: Sequence[str], told: str) -> tuple[str | None, str]:
-    """Return the column that a user names, None where there is none, and the unit in brackets behind its name."""
-    match = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]", told)
-    for name, unit in ((told, ""), *([(match[1], match[2])] if match else [])):
-        for header in headers:
-            if header == name:
-                return header, unit
+def _named(headers: Sequence[str], words: str) -> tuple[str | None, str]:
+    """Find the column that a user names, None if there is none, and the unit in brackets behind its name."""
+    match = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]", words)
+    for name, unit in ((words, ""), *([(match[1], match[2])] if match else [])):
         # a name in other letters would be nothing but signs to `same_name`, and like any other such name
         alike = [header for header in headers if name.isascii() and same_name(header, name)]
-        if alike:
-            return alike[0], unit
+        if name in headers or alike:
+            return name if name in headers else alike[0], unit
     return None, ""
 
 
 def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> list[Column]:
-    """Return the columns of a file that hold anything known, each with its unit.
+    """Recognise the columns of a file, each with its unit.
 
     Parameters
     ----------
@@ -276,14 +249,13 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
         quantity, or a unit is missing.
     """
     has = f"the file has {', '.join(headers)}"[:200]
-    for quantity, told in form.columns.items():
-        header, unit = _named(headers, told)
+    for quantity, words in form.columns.items():
+        header, unit = _named(headers, words)
         if header is None:
-            raise RecordingError(f"{source}: there is no column {told!r} for {quantity}; {has}.")
+            raise RecordingError(f"{source}: there is no column {words!r} for {quantity}; {has}.")
         if unit and not _known_unit(unit, quantity):
-            raise RecordingError(
-                f"{source}: {quantity} = {told!r}: the unit must be one of {', '.join(UNITS[quantity])}."
-            )
+            known = ", ".join(UNITS[quantity])
+            raise RecordingError(f"{source}: {quantity} = {words!r}: the unit must be one of {known}.")
     columns: dict[str, Column] = {}
     for column in recognised(headers, form):
         if column.quantity in columns:
@@ -292,10 +264,12 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
                 f"{column.quantity}; choose one by --column {column.quantity}=NAME."
             )
         columns[column.quantity] = _with_unit(column, form, source)
-    if "speed" not in columns or not {"time", "position"} & columns.keys():
-        missing = "speed" if "speed" not in columns else "time"
-        words = "speed" if missing == "speed" else "time or position"
-        raise RecordingError(f"{source}: no column holds the {words}; {has}. Name it by --column {missing}=NAME.")
+    for missing, words, quantities in (
+        ("speed", "speed", {"speed"}),
+        ("time", "time or position", {"time", "position"}),
+    ):
+        if not quantities & columns.keys():
+            raise RecordingError(f"{source}: no column holds the {words}; {has}. Name it by --column {missing}=NAME.")
     if "effort" in columns and {"tractive_effort", "braking_effort"} & columns.keys():
         raise RecordingError(
             f"{source}: column {columns['effort'].header!r} holds the effort of driving and braking, and another one "
@@ -305,22 +279,21 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
 
 
 def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
-    quantity = column.quantity
-    told = form.units.get(quantity) or _known_unit(column.unit, quantity)
-    strange = unknown_unit(column.header, quantity) if not told else ""
-    if strange:
+    quantity, header = column.quantity, column.header
+    stated = form.units.get(quantity) or _known_unit(column.unit, quantity)
+    strange = unknown_unit(header, quantity)
+    unit = stated or form.assumed.get(quantity) or USUAL_UNITS.get(quantity)
+    if unit is None or (strange and not stated):
         choices = " or ".join(f"--unit {quantity}={unit}" for unit in UNITS[quantity])
-        raise RecordingError(f"{source}: the unit {strange!r} of column {column.header!r} is not known; add {choices}.")
-    assumed = form.assumed.get(quantity) or USUAL_UNITS.get(quantity)
-    unit = told or assumed
-    if unit is None:
-        choices = " or ".join(f"--unit {quantity}={unit}" for unit in UNITS[quantity])
-        raise RecordingError(f"{source}: column {column.header!r} tells no unit; add {choices}.")
-    return Column(quantity, column.header, unit, is_assumed=not told)
+        doubt = (
+            f"the unit {strange!r} of column {header!r} is not known" if strange else f"column {header!r} tells no unit"
+        )
+        raise RecordingError(f"{source}: {doubt}; add {choices}.")
+    return Column(quantity, header, unit, is_assumed=not stated)
 
 
 def unknown_unit(header: str, quantity: str) -> str:
-    """Return what stands in brackets behind the name of a column, if it is no unit of its quantity; else nothing."""
+    """Extract the text in brackets behind the name of a column if it is no unit of its quantity; else an empty one."""
     match = BRACKETS.fullmatch(header)
     if match is None or quantity == "brake" or not re.search("[a-z]", match[2].lower()):
         return ""
@@ -329,42 +302,32 @@ def unknown_unit(header: str, quantity: str) -> str:
 
 
 def _words(header: str) -> tuple[str, str]:
-    """Return the name and what may be the unit of a column, such as 'speed' and 'km/h' of 'Speed [km/h]'."""
+    """Split a column's name from the word that may be its unit, such as 'speed' and 'km/h' of 'Speed [km/h]'."""
     match = BRACKETS.fullmatch(header)
-    if match:
-        return _plain(match[1]), match[2]
-    return _plain(header), _plain(header).rpartition("_")[2]
-
-
-def _plain(name: str) -> str:
-    """Return a name in small letters, without accents, and with one sign between its words."""
-    letters = (letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
-    return re.sub(r"[\s\-.'\u2019]+", "_", "".join(letters).strip().lower())
-
-
-def _quantity_of(header: str) -> str | None:
-    # a name matches as a whole, and no name has two quantities: 'brake_pressure_bar' is no 'brake' in another unit
-    return next((quantity for quantity, names in NAMES.items() if _has_name(header, quantity, names)), None)
+    # in small letters, without accents, and with one sign between words
+    name = re.sub(r"[\s\-.'\u2019]+", "_", plain((match[1] if match else header).strip()))
+    return name, match[2] if match else name.rpartition("_")[2]
 
 
 def _has_name(header: str, quantity: str, names: Sequence[str]) -> bool:
     name, unit = _words(header)
-    return name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity) is not None)
+    return name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity) != "")
 
 
-def _unit_in(header: str, quantity: str) -> str | None:
-    """Return the unit that the name of a column tells, if it tells one."""
-    if _plain(header) in NAMES[quantity]:
-        return "s" if _plain(header) == "seconds" else None
-    return _known_unit(_words(header)[1], quantity)
+def _unit_in(header: str, quantity: str) -> str:
+    """Return the unit in the name of a column; empty if it has none."""
+    name, unit = _words(header)
+    is_only_name = name in NAMES[quantity] and BRACKETS.fullmatch(header) is None
+    return _known_unit(unit, quantity) if not is_only_name else "s" if name == "seconds" else ""
 
 
 def has_plain_name(column: Column) -> bool:
-    """Return whether the name of a column of the line's current or voltage does not name the line."""
+    """Tell whether the name of a column of the line's current or voltage does not name the line."""
     return _has_name(column.header, column.quantity, PLAIN_NAMES.get(column.quantity, ()))
 
 
-def _known_unit(word: str, quantity: str) -> str | None:
-    by_spelling = {unit.lower(): unit for unit in UNITS[quantity]}
-    # 'ms' is a millisecond of a time, and metres per second of a speed
-    return by_spelling.get(word.lower()) or by_spelling.get(SPELLINGS.get(word.lower(), ""))
+def _known_unit(word: str, quantity: str) -> str:
+    """Look up a unit by its spelling; empty if it is unknown."""
+    by_spelling = {**SPELLINGS.get(quantity, {}), **{unit.lower(): unit for unit in UNITS[quantity]}}
+    unit = by_spelling.get(word.lower()) or (stated_unit(word, "limits") if quantity == "speed" else None)
+    return unit if unit is not None and unit in UNITS[quantity] else ""

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
-from railjoule.core.line_current import power_of_line_current_w
+from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.recording import Recording
 
 UNIT_FACTOR = 3.0
@@ -15,52 +15,44 @@ SIGN = "regenerated current counts as negative"
 NO_SIGN = "the current is never negative: nothing went back, or the recorder leaves out its sign"
 
 
-def with_line_power(recording: Recording, line_voltage_v: float | None) -> Recording:
-    """Return a recording whose line current has become its electric power, and a sentence that says so.
+def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Recording:
+    """Compute the electric power of a recording from its line current, with a note.
 
-    A measured power and an energy meter go before it; the current is then not used, and that is told.
+    A measured power and an energy meter precede it; the current is then not used.
 
     Parameters
     ----------
     recording : Recording
-        What the recorder wrote.
+        The recording.
     line_voltage_v : float or None
-        That of the vehicle, where the file has no voltage [V].
+        Voltage of the vehicle's line, for a file without a voltage [V].
 
     Raises
     ------
     RecordingError
         If the measured voltage is none of a line of this voltage.
     """
-    current, voltage = recording.line_current_a, recording.line_voltage_v
+    current, voltage, power = recording.supply_current_a, recording.line_voltage_v, recording.power_w
     if current is None:
         return recording
-    without = replace(recording, line_current_a=None, line_voltage_v=None)
-    if recording.power_w is not None or recording.energy_j is not None:
-        what = "power" if recording.power_w is not None else "energy meter"
-        return _told(without, f"The line current is not used: the file has the {what}.")
-    if voltage is None and line_voltage_v is None:
-        return _told(
-            without,
-            "The line current gives no power: the file has no line voltage, and the vehicle no line_voltage_v.",
-        )
-    if voltage is not None:
+    if power is not None or recording.energy_j is not None:
+        note = f"The line current is not used: the file has the {'energy meter' if power is None else 'power'}."
+    elif voltage is not None:
         _require_unit(recording.name, voltage, line_voltage_v)
-    by = "the line voltage" if voltage is not None else f"the vehicle's line_voltage_v of {line_voltage_v:g} V"
-    sentence = f"The electric power is the line current times {by}; {sign_words(current)}."
-    return _told(replace(without, power_w=power_of_line_current_w(current, _known(voltage, line_voltage_v))), sentence)
+        power = power_of_supply_current_w(current, voltage)
+        note = f"The electric power is the line current times the line voltage; {sign_words(current)}."
+    elif line_voltage_v is not None:
+        power = power_of_supply_current_w(current, line_voltage_v)
+        by = f"the vehicle's line_voltage_v of {line_voltage_v:g} V"
+        note = f"The electric power is the line current times {by}; {sign_words(current)}."
+    else:
+        note = "The line current gives no power: the file has no line voltage, and the vehicle no line_voltage_v."
+    return replace(recording, power_w=power, supply_current_a=None, line_voltage_v=None, notes=(*recording.notes, note))
 
 
 def sign_words(current_a: FloatArray) -> str:
     """Return how the sign of a line current counts, or that it has none, as the end of a sentence."""
     return SIGN if float(np.nanmin(current_a, initial=0.0)) < 0 else NO_SIGN
-
-
-def _known(voltage_v: FloatArray | None, of_vehicle_v: float | None) -> FloatArray | float:
-    if voltage_v is not None:
-        return voltage_v
-    assert of_vehicle_v is not None
-    return of_vehicle_v
 
 
 def _require_unit(name: str, voltage_v: FloatArray, of_vehicle_v: float | None) -> None:
@@ -74,7 +66,3 @@ def _require_unit(name: str, voltage_v: FloatArray, of_vehicle_v: float | None) 
             f"{name}: the line voltage is about {usual:.5g} V, but the vehicle's line_voltage_v is {of_vehicle_v:g} V; "
             "is it in another unit (--unit line_voltage=...), or another vehicle?"
         )
-
-
-def _told(recording: Recording, sentence: str) -> Recording:
-    return replace(recording, notes=(*recording.notes, sentence))

@@ -1,11 +1,12 @@
-"""Where on its line a measured run began, and by which factor its odometer is off.
+"""The place of a measured run on its line, and the factor by which its odometer is off.
 
 A run that is as long as the line lies on all of it. Of a shorter one every place along the line is tried, and judged by
-what the run knows of the line: it stands at stations, keeps to speed limits, and where efforts are measured the work at
+the knowledge in the run: it stands at stations, keeps to speed limits, and where efforts are measured the work at
 the wheels that neither the speed nor the resistance takes has gone into height. All three are sums over distance, so
 that no speed is differentiated.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,11 +16,12 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.measured.recording import Recording
 from railjoule.core.motion.line_profile import height_profile, section_borders, speed_limit_at
 from railjoule.core.physics.resistance import resistance_coefficients, total_weight_kn
-from railjoule.core.scenario import Line, Scenario
+from railjoule.core.scenario import Line, Scenario, Section, Station
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, Stretch
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # worn wheels are 3 to 4 % smaller than new ones
-LARGEST_SCALE = 0.05
+MAX_SCALE = 0.05
 """By which share an odometer may be off."""
 WHOLE_LINE_SHARE = 0.02
 """A run that is longer than the line by less is one over all of it, as is one that is shorter and from rest to rest."""
@@ -38,18 +40,9 @@ AMBIGUOUS = 9.0
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a run lies on its line.
+    """The place of a run on its line [m], in running order, and the sentence on how it was found.
 
-    Parameters
-    ----------
-    start_m, end_m : float
-        Where it begins and ends [m], in running order.
-    scale : float
-        Distances on the line over those by the recorder's speed.
-    line_m : float
-        Length of the whole line [m].
-    how : str
-        How it was found, in a sentence.
+    `scale` is distances on the line over those by the recorder's speed.
     """
 
     start_m: float
@@ -65,7 +58,7 @@ class Placement:
 
 
 def place_on_line(recording: Recording, scenario: Scenario, start_m: float | None = None) -> Placement:
-    """Return where a run lies on the line of a scenario.
+    """Find the place of a run on the line of a scenario.
 
     Parameters
     ----------
@@ -74,7 +67,7 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
     scenario : Scenario
         Line and vehicle.
     start_m : float, optional
-        Where it begins [m], if that is known.
+        Its begin [m], if that is known.
 
     Raises
     ------
@@ -99,10 +92,10 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
         )
     else:
         placement = _searched(recording, scenario, line, length)
-    if abs(placement.scale - 1) > LARGEST_SCALE:
+    if abs(placement.scale - 1) > MAX_SCALE:
         raise RecordingError(
             f"{recording.name}: the speeds cover {covered:.5g} m where the line has "
-            f"{placement.end_m - placement.start_m:.5g} m; they may differ by at most {100 * LARGEST_SCALE:g} %."
+            f"{placement.end_m - placement.start_m:.5g} m; they may differ by at most {100 * MAX_SCALE:g} %."
         )
     return placement
 
@@ -211,5 +204,66 @@ def _climb_by_work(
     pull = effort - (constant + linear * speed_ms + quadratic * speed_ms**2)
     work = np.append(0.0, np.cumsum(0.5 * (pull[1:] + pull[:-1]) * np.diff(covered_m)))
     kinetic = 0.5 * scenario.vehicle.total_inertia_kg * (speed_ms**2 - speed_ms[0] ** 2)
-    climb: FloatArray = (work - kinetic) / (total_weight_kn(scenario.vehicle) * N_PER_KN)
-    return climb
+    return np.asarray((work - kinetic) / (total_weight_kn(scenario.vehicle) * N_PER_KN))
+
+
+# a border that rounding puts beside an end would make a section of nothing
+SHORTEST_PIECE_M = 1e-6
+
+
+def part_of_line(line: Line, start_m: float, end_m: float, stops: Sequence[Station]) -> Line:
+    """Return the part of a line between two places.
+
+    Parameters
+    ----------
+    line : Line
+        In running order.
+    start_m, end_m : float
+        Ends of the part [m].
+    stops : sequence of Station
+        The stops of the part, in its own metres; they stand for those of the line.
+    """
+    length = end_m - start_m
+    fixed = [stop.position_m for stop in stops] + [0.0, length]
+    points = [
+        point.model_copy(update={"position_m": point.position_m - start_m})
+        for point in line.passing_points
+        if min(abs(point.position_m - start_m - place) for place in fixed) >= SHORTEST_DISTANCE_M
+        and start_m < point.position_m < end_m
+    ]
+    return line.model_copy(
+        update={
+            "preset": None,
+            "sections": tuple(_sections_between(line, start_m, end_m)),
+            "speed_limits": _stretches_between(line.speed_limits, start_m, end_m),
+            "neutral_sections": _stretches_between(line.neutral_sections, start_m, end_m),
+            "stations": tuple(stops),
+            "passing_points": tuple(points),
+        }
+    )
+
+
+def _stretches_between(stretches: Sequence[Stretch], start_m: float, end_m: float) -> tuple[Stretch, ...]:
+    """Cut stretches to the part between two places, in metres from the first."""
+    return tuple(
+        # made again, as a copy is not checked
+        type(one)(
+            **{
+                **one.model_dump(),
+                "from_m": max(one.from_m - start_m, 0.0),
+                "to_m": min(one.to_m - start_m, end_m - start_m),
+            }
+        )
+        for one in stretches
+        if one.from_m < end_m - SHORTEST_PIECE_M and one.to_m > start_m + SHORTEST_PIECE_M
+    )
+
+
+def _sections_between(line: Line, start_m: float, end_m: float) -> list[Section]:
+    borders = section_borders(line)
+    kept = []
+    for section, begins, ends in zip(line.sections, borders[:-1], borders[1:], strict=True):
+        length = float(np.minimum(ends, end_m) - np.maximum(begins, start_m))
+        if length > SHORTEST_PIECE_M:
+            kept.append(section.model_copy(update={"length_m": length}))
+    return kept

@@ -9,30 +9,37 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
-from railjoule.core.imports.source_file import SourceFile, counted
+from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.measured.columns import GENERIC, UNITS, RecorderFormat
-from railjoule.core.measured.position import FALLING, direction_of, readable_position, require_rising
-from railjoule.core.measured.speed_error import (
-    LARGEST_CHANGE_MS2,
-    impossible_change,
+from railjoule.core.measured.speed import (
     noise_deviation,
     quantisation,
     standing_samples,
     standstill_ms,
 )
-from railjoule.core.measured.table import Table, read_table, recorder_cells
+from railjoule.core.measured.table import (
+    FALLING,
+    Table,
+    direction_of,
+    impossible_change_words,
+    read_table,
+    readable_position,
+    recorder_cells,
+    require_rising,
+)
+from railjoule.core.scenario._sentences import counted
 from railjoule.core.units import MS_PER_KMH
 
 FEWEST_SAMPLES = 10
 """Fewer show no course of a speed."""
 SHORTEST_RUN_S = 1.0
 """Shorter runs are those whose times are in another unit."""
-LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
+MAX_SPEED_MS = 600.0 * MS_PER_KMH
 """As of the vehicles of a scenario."""
-LARGEST_VOLTAGE_V = 100_000.0
+MAX_VOLTAGE_V = 100_000.0
 """As of `vehicle.line_voltage_v`."""
 GAP_STEPS = 3.0
-"""Samples farther apart than so many usual steps leave a gap."""
+"""Steps longer than so many usual ones are gaps."""
 SAME_STEP = 0.002
 """By which share a step that is found from rounded values may be off."""
 ROUNDING_MS = 1e-6
@@ -49,29 +56,22 @@ class Recording:
     name : str
         The file.
     time_s, speed_ms : array of shape (n,)
-        Time from the first sample [s], samples at rest moved to where the motion begins or ends, and speed [m/s].
+        Time from the first sample, samples at rest moved to where the motion begins or ends, and speed.
     clock_s : array of shape (n,)
-        Time as written, on the same scale [s].
-    position_m : array of shape (n,) or None
-        What the odometer says [m].
-    effort_n : array of shape (n,) or None
-        Effort at the wheels, braking negative [N]; NaN where it is not known.
+        Time as written, on the same scale.
+    position_m, effort_n, power_w, energy_j, supply_current_a, line_voltage_v : array of shape (n,) or None
+        Odometer, effort at the wheels (braking negative), power and current taken from the line (negative if energy
+        goes back), energy meter, line voltage; NaN if not known, None if not recorded.
     brake_applied : array of bool of shape (n,) or None
-        Where a brake works that the effort does not count.
-    power_w : array of shape (n,) or None
-        Power taken from the line, negative where energy goes back [W]; NaN where it is not known.
-    energy_j : array of shape (n,) or None
-        What the energy meter says [J].
-    line_current_a, line_voltage_v : array of shape (n,) or None
-        Current taken from the line, negative where energy goes back [A], and its voltage [V]; NaN where not known.
+        Whether a brake works that the effort does not count.
     speed_step_ms : float
-        In such steps the speed is given [m/s]; 0 where it has none.
+        Step in which the speed is given; 0 if it has none.
     speed_noise_ms : float
-        Standard deviation of its errors beyond those of the steps [m/s].
+        Standard deviation of its errors beyond those of the steps.
     gap_s : array of shape (n - 1,)
-        For how long samples are missing after each sample [s]; 0 where none are.
+        Time without samples after each sample; 0 if none are missing.
     notes : tuple of str
-        What was skipped, changed or missing, in sentences.
+        Rows and values that were skipped, changed or missing, in sentences.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Recording:
     brake_applied: BoolArray | None
     power_w: FloatArray | None
     energy_j: FloatArray | None
-    line_current_a: FloatArray | None
+    supply_current_a: FloatArray | None
     line_voltage_v: FloatArray | None
     speed_step_ms: float
     speed_noise_ms: float
@@ -97,7 +97,7 @@ class Recording:
 
     @property
     def rests(self) -> bool:
-        """Whether the train begins and ends at rest, as far as the speed tells."""
+        """Whether the train begins and ends at rest, by its speed."""
         return bool(max(self.speed_ms[0], self.speed_ms[-1]) <= standstill_ms(self.speed_noise_ms))
 
     @property
@@ -144,10 +144,14 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     if rows < FEWEST_SAMPLES:
         raise RecordingError(f"{source}: {rows} rows, but a run needs at least {FEWEST_SAMPLES}.")
     notes = list(table.notes)
-    step = _speed_step_ms(table)
+    factor = table.columns["speed"].factor
+    step = quantisation(table.values["speed"] / factor) * factor
     noise = noise_deviation(table.values["speed"], step)
-    _require_speeds(table, -standstill_ms(noise))
-    _require_voltages(table)
+    # a sensor may show a speed below 0 at standstill
+    _require_within(table, "speed", -standstill_ms(noise), MAX_SPEED_MS)
+    _require_within(table, "line_voltage", 0.0, MAX_VOLTAGE_V)
+    if not np.any(table.values["speed"] > 0):
+        raise RecordingError(f"{source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
     table = _without_repeats(table, notes)
     has_time = "time" in table.values
     if has_time:
@@ -162,7 +166,10 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         raise RecordingError(
             f"{source}: the rows cover {time[-1]:.3g} s only; is the time in another unit (--unit time=...)?"
         )
-    _require_steady(table, time)
+    if words := impossible_change_words(table, time):
+        raise RecordingError(
+            f"{source}: {words}: the recorder was reset, or a unit (--unit time=..., speed=...) is another one."
+        )
     table = _with_corrected_speeds(table, time if has_time else None, step, noise, notes)
     gaps = _gaps(table, time, form, notes)
     first, last = _moving_part(table, time, notes)
@@ -184,7 +191,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         brake_applied=None if brake is None else brake > 0,
         power_w=values.get("power"),
         energy_j=values.get("energy"),
-        line_current_a=values.get("line_current"),
+        supply_current_a=values.get("line_current"),
         line_voltage_v=values.get("line_voltage"),
         speed_step_ms=step,
         speed_noise_ms=noise,
@@ -238,11 +245,6 @@ def effort_of(values: Mapping[str, FloatArray]) -> FloatArray | None:
     return driving if braking is None else driving - np.abs(braking)
 
 
-def _speed_step_ms(table: Table) -> float:
-    factor = table.columns["speed"].factor
-    return quantisation(table.values["speed"] / factor) * factor
-
-
 def _with_corrected_speeds(
     table: Table, time_s: FloatArray | None, step_ms: float, noise_ms: float, notes: list[str]
 ) -> Table:
@@ -279,32 +281,17 @@ def step_words(step_ms: float) -> str:
     return f"{step_ms:.3g} m/s"
 
 
-def _require_speeds(table: Table, lowest_ms: float) -> None:
-    """Refuse a speed below 0 by more than a sensor shows at standstill, or one that no train has."""
-    speed = table.values["speed"]
-    for row in np.flatnonzero(speed < lowest_ms)[:1]:
-        raise RecordingError(f"{table.source}: {table.told('speed', row)} must be at least 0.")
-    for row in np.flatnonzero(speed > LARGEST_SPEED_MS)[:1]:
-        column = table.columns["speed"]
-        bound = LARGEST_SPEED_MS / column.factor
+def _require_within(table: Table, quantity: str, lowest: float, largest: float) -> None:
+    """Raise RecordingError if a value lies outside bounds; the sentence names 0 as the lower one."""
+    values = table.values.get(quantity, np.zeros(0))
+    for row in np.flatnonzero(values < lowest)[:1]:
+        raise RecordingError(f"{table.source}: {table.shown(quantity, row)} must be at least 0.")
+    for row in np.flatnonzero(values > largest)[:1]:
+        column = table.columns[quantity]
+        bound = f"{largest / column.factor:.5g} {column.unit}" if quantity == "speed" else f"{largest / 1e3:g} kV"
         raise RecordingError(
-            f"{table.source}: {table.told('speed', row)} must be at most {bound:.5g} {column.unit}; is it in another "
-            "unit (--unit speed=...)?"
-        )
-    if not np.any(speed > 0):
-        raise RecordingError(f"{table.source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
-
-
-def _require_voltages(table: Table) -> None:
-    voltage = table.values.get("line_voltage")
-    if voltage is None:
-        return
-    for row in np.flatnonzero(voltage < 0)[:1]:
-        raise RecordingError(f"{table.source}: {table.told('line_voltage', row)} must be at least 0.")
-    for row in np.flatnonzero(voltage > LARGEST_VOLTAGE_V)[:1]:
-        raise RecordingError(
-            f"{table.source}: {table.told('line_voltage', row)} must be at most {LARGEST_VOLTAGE_V / 1e3:g} kV; is it "
-            "in another unit (--unit line_voltage=...)?"
+            f"{table.source}: {table.shown(quantity, row)} must be at most {bound}; is it in another unit (--unit "
+            f"{quantity}=...)?"
         )
 
 
@@ -337,24 +324,11 @@ def time_of_positions(table: Table) -> FloatArray:
     both = speed[1:] + speed[:-1]
     for row in np.flatnonzero((both <= 0) & (lengths > 0))[:1]:
         raise RecordingError(
-            f"{table.source}: {table.told('speed', row + 1)} and in the row before, but the position changes: without "
+            f"{table.source}: {table.shown('speed', row + 1)} and in the row before, but the position changes: without "
             "a column of time it is not known how long that took."
         )
     steps = np.divide(2 * lengths, both, out=np.zeros(len(both)), where=both > 0)
     return np.append(0.0, np.cumsum(steps))
-
-
-def _require_steady(table: Table, time_s: FloatArray) -> None:
-    """Refuse a jump of speed that no train does."""
-    found = impossible_change(time_s, table.values["speed"])
-    if found is not None:
-        row, later = found
-        before = table.told("speed", row).partition(" = ")[2]
-        raise RecordingError(
-            f"{table.source}: {table.told('speed', later)} follows {before} after {time_s[later] - time_s[row]:.4g} s, "
-            f"but no train changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2: the recorder was reset, or a "
-            "unit (--unit time=..., speed=...) is another one."
-        )
 
 
 def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:

@@ -9,14 +9,13 @@ from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.energy import Energy
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured.columns import GENERIC, RecorderFormat
-from railjoule.core.measured.line_power import with_line_power
-from railjoule.core.measured.part_of_line import part_of_line
-from railjoule.core.measured.place import Placement, place_on_line
-from railjoule.core.measured.recording import Recording, load_recording, step_words
-from railjoule.core.measured.smoothing import LEAST_STEP_MS, smoothed_speed
-from railjoule.core.motion import Course, build_course
+from railjoule.core.measured.line_power import with_supply_power
+from railjoule.core.measured.place import Placement, part_of_line, place_on_line
+from railjoule.core.measured.recording import Recording, distance_m, load_recording, step_words
+from railjoule.core.measured.speed import MIN_STEP_MS, smoothed_speed
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.course_data import cell_of, electric_limit_n, tractive_limit_n, train_of
+from railjoule.core.physics.mesh_data import cell_of, electric_limit_n, tractive_limit_n, train_of
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
@@ -34,29 +33,14 @@ UNIT_FACTOR = 3.0
 
 @dataclass(frozen=True, eq=False)
 class MeasuredRun:
-    """A recording on its line.
+    """A recording on its line: n samples.
 
-    Parameters
-    ----------
-    recording : Recording
-        What the recorder wrote; of a line current its power.
-    placement : Placement
-        Where on the line it lies.
-    scenario : Scenario
-        The part of the line that it covers, in its time, with its stops and the speeds at its ends.
-    modelled : Trajectory
-        Efforts and energies by the scenario's model at the measured speeds; its account closes.
-    measured : Trajectory or None
-        With the measured effort and power where they are known; what its account does not explain is a loss named
-        'unexplained'. None where neither was measured.
-    speed_ms : array of shape (n,)
-        Speeds of the samples, smoothed and to the line's scale [m/s].
-    position_m : array of shape (n,)
-        Places of the samples on the part of the line [m].
-    contradictions : tuple of str
-        Where the measured speed takes more effort than the scenario's vehicle has, in sentences.
-    notes : tuple of str
-        All that was changed on the way, in sentences; contradictions are among them.
+    `recording` has the power of a line current. `scenario` is the covered part of the line, in its time, with its stops
+    and the speeds at its ends. `modelled` has efforts and energies by the scenario's model at the measured
+    speeds; its energy balance closes. `measured` has the measured effort and power where they are known, with the rest
+    of its balance as a loss named 'unexplained'; None if neither was measured. `speed_ms` (smoothed and to the line's
+    scale) and `position_m` (on the part of the line) have the shape (n,). `contradictions` are sentences on measured
+    speeds that need more effort than the scenario's vehicle has; `notes` contain them and all changes on the way.
     """
 
     recording: Recording
@@ -115,18 +99,18 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
     Parameters
     ----------
     recording : Recording
-        What the recorder wrote.
+        The recording.
     scenario : Scenario
         Vehicle and line.
     start_m : float, optional
-        Where on the line it begins [m], in running order; found where absent.
+        Its begin on the line [m], in running order; by default it is found.
 
     Raises
     ------
     RecordingError
         If its place cannot be found, or an effort or an energy is none that this train has.
     """
-    recording = with_line_power(recording, scenario.vehicle.line_voltage_v)
+    recording = with_supply_power(recording, scenario.vehicle.line_voltage_v)
     return run_at(recording, scenario, place_on_line(recording, scenario, start_m))
 
 
@@ -143,7 +127,7 @@ def run_at(recording: Recording, scenario: Scenario, placement: Placement, passe
         How often the speed is smoothed.
     """
     speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
-    raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)
+    raw, step = speed, max(placement.scale * recording.speed_step_ms, MIN_STEP_MS)
     noise = placement.scale * recording.speed_noise_ms
     for _ in range(passes):
         # the pull needs speeds and places, which are better known after each pass
@@ -152,13 +136,13 @@ def run_at(recording: Recording, scenario: Scenario, placement: Placement, passe
         speed, position = _to_scale(recording, placement, smooth)
     own = _own_scenario(recording, scenario, placement, speed, position)
     kept, dwell = _nodes(recording, speed)
-    course = replace(build_course(own, position_m=position[kept]), dwell_s=dwell)
-    node_speed2 = _with_coasting(course, speed[kept] ** 2, coasts[kept[:-1]], COASTING_SHARE * step)
-    _require_units(recording, course)
-    beyond = tuple(_beyond(course, node_speed2))
-    notes = (*recording.notes, placement.how, *_told(recording, placement, smooth - raw), *beyond)
-    modelled = make_trajectory(own, course, MEASURED, node_speed2, notes=notes)
-    measured = _with_measured(modelled, recording, course)
+    mesh = replace(build_meshed_line(own, position_m=position[kept]), dwell_s=dwell)
+    node_speed2 = _with_coasting(mesh, speed[kept] ** 2, coasts[kept[:-1]], COASTING_SHARE * step)
+    _require_units(recording, mesh)
+    beyond = tuple(_beyond(mesh, node_speed2))
+    notes = (*recording.notes, placement.how, *_smoothing_notes(recording, placement, smooth - raw), *beyond)
+    modelled = make_trajectory(own, mesh, MEASURED, node_speed2, notes=notes)
+    measured = _with_measured(modelled, recording, mesh)
     return MeasuredRun(
         recording,
         placement,
@@ -174,7 +158,7 @@ def run_at(recording: Recording, scenario: Scenario, placement: Placement, passe
 
 def _to_scale(recording: Recording, placement: Placement, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return speeds [m/s] that cover just the part of the line, and the places that they reach [m]."""
-    covered = np.append(0.0, np.cumsum(0.5 * (speed_ms[1:] + speed_ms[:-1]) * np.diff(recording.time_s)))
+    covered = distance_m(recording.time_s, speed_ms)
     scale = (placement.end_m - placement.start_m) / float(covered[-1])
     return scale * speed_ms, scale * covered
 
@@ -182,19 +166,19 @@ def _to_scale(recording: Recording, placement: Placement, speed_ms: FloatArray) 
 def _pull_ms2(own: Scenario, speed_ms: FloatArray, position_m: FloatArray) -> FloatArray:
     """Return resistance, gradient and curve between samples over inertia [m/s2]; 0 where the train stands."""
     moves = np.diff(position_m) > 0
-    course = build_course(own, position_m=position_m[np.append(True, moves)])
+    mesh = build_meshed_line(own, position_m=position_m[np.append(True, moves)])
     # a cell begins at the last of the samples at its place, whose speed is that of all of them
     starts, ends = speed_ms[:-1][moves] ** 2, speed_ms[1:][moves] ** 2
-    inertia = 2 * course.data.half_inertia_kg
-    acceleration = 0.5 * (ends - starts) / course.data.cell_length_m
+    inertia = 2 * mesh.data.half_inertia_kg
+    acceleration = 0.5 * (ends - starts) / mesh.data.cell_length_m
     pull = np.zeros(len(moves))
-    pull[moves] = course.force_between_n(starts, ends) / inertia - acceleration
+    pull[moves] = mesh.force_between_n(starts, ends) / inertia - acceleration
     return pull
 
 
-def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within_ms: float) -> FloatArray:
+def _with_coasting(mesh: MeshedLine, speed2: FloatArray, coasts: BoolArray, within_ms: float) -> FloatArray:
     """Return squares of speed at the nodes that coast exactly where the train coasts, as far as that stays close."""
-    data, exact = course.data, np.array(speed2)
+    data, exact = mesh.data, np.array(speed2)
     train = train_of(data)
     for cell in np.flatnonzero(coasts).tolist():
         after = exit_speed2(cell_of(data, cell), train, data.traction, data.braking, exact[cell], COAST)
@@ -203,7 +187,7 @@ def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within
     return exact
 
 
-def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
+def _smoothing_notes(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
     notes, smoothed = [], f"smoothed by {float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean"
     if recording.speed_noise_ms > 0:
         noise_kmh = recording.speed_noise_ms / MS_PER_KMH
@@ -223,7 +207,7 @@ def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> 
 def _own_scenario(
     recording: Recording, scenario: Scenario, placement: Placement, speed_ms: FloatArray, position_m: FloatArray
 ) -> Scenario:
-    """Return the scenario of the run alone: its part of the line, its time, its stops."""
+    """Make the scenario of the run: its part of the line, its time, its stops."""
     line = scenario.line.in_running_order()
     length = placement.end_m - placement.start_m
     stops = [
@@ -241,9 +225,8 @@ def _own_scenario(
 
 
 def _station_name(line: Line, place_m: float) -> str:
-    named = [(abs(station.position_m - place_m), station.name) for station in line.stations]
-    distance, name = min(named, default=(np.inf, ""))
-    return name if distance <= NEAR_STATION_M else ""
+    near = [(abs(station.position_m - place_m), station.name) for station in line.stations]
+    return min([one for one in near if one[0] <= NEAR_STATION_M], default=(0.0, ""))[1]
 
 
 def _stops(recording: Recording, speed_ms: FloatArray, position_m: FloatArray) -> list[tuple[float, float]]:
@@ -259,8 +242,7 @@ def _stops(recording: Recording, speed_ms: FloatArray, position_m: FloatArray) -
 
 
 def _standing(speed_ms: FloatArray) -> BoolArray:
-    standing: BoolArray = (speed_ms[1:] == 0) & (speed_ms[:-1] == 0)
-    return standing
+    return np.asarray((speed_ms[1:] == 0) & (speed_ms[:-1] == 0))
 
 
 def _nodes(recording: Recording, speed_ms: FloatArray) -> tuple[BoolArray, FloatArray]:
@@ -273,9 +255,9 @@ def _nodes(recording: Recording, speed_ms: FloatArray) -> tuple[BoolArray, Float
     return kept, dwell.astype(float)
 
 
-def _require_units(recording: Recording, course: Course) -> None:
+def _require_units(recording: Recording, mesh: MeshedLine) -> None:
     """Refuse efforts and energies that this train cannot have."""
-    data = course.data
+    data = mesh.data
     largest = max(data.traction.constant_n, data.braking.constant_n + data.friction_effort_n)
     if recording.effort_n is not None:
         reached = float(np.nanmax(np.abs(recording.effort_n), initial=0.0))
@@ -296,25 +278,25 @@ def _require_units(recording: Recording, course: Course) -> None:
             )
 
 
-def _beyond(course: Course, speed2: FloatArray) -> list[str]:
+def _beyond(mesh: MeshedLine, speed2: FloatArray) -> list[str]:
     """Return a sentence if the model's train could not have driven so."""
-    force, speed = course.net_force_n(speed2), np.sqrt(speed2)
+    force, speed = mesh.net_force_n(speed2), np.sqrt(speed2)
     mean = 0.5 * (speed[1:] + speed[:-1])
-    over = force - tractive_limit_n(course.data, mean)
-    under = -force - electric_limit_n(course.data, mean) - course.data.friction_effort_n
-    told = []
+    over = force - tractive_limit_n(mesh.data, mean)
+    under = -force - electric_limit_n(mesh.data, mean) - mesh.data.friction_effort_n
+    sentences = []
     for excess, what in ((over, "tractive effort"), (under, "braking effort")):
         worst = int(np.argmax(excess))
         # a few per cent are noise of the speed
-        if excess[worst] > 0.1 * course.data.traction.constant_n:
-            told.append(
-                f"At {course.position_m[worst]:.0f} m the measured speed takes {excess[worst] / N_PER_KN:.3g} kN more "
+        if excess[worst] > 0.1 * mesh.data.traction.constant_n:
+            sentences.append(
+                f"At {mesh.position_m[worst]:.0f} m the measured speed takes {excess[worst] / N_PER_KN:.3g} kN more "
                 f"{what} than the scenario's vehicle has."
             )
-    return told
+    return sentences
 
 
-def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -> Trajectory | None:
+def _with_measured(modelled: Trajectory, recording: Recording, mesh: MeshedLine) -> Trajectory | None:
     """Return a run with measured efforts and powers in place of the modelled ones, where there are any."""
     effort, power = _of_cells(recording.effort_n), _of_cells(recording.power_w)
     if effort is None and power is None:
@@ -327,12 +309,12 @@ def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -
     mean_speed = 0.5 * (modelled.speed_ms[1:] + modelled.speed_ms[:-1])
     effort = np.where(mean_speed > 0, effort, 0.0)
     driven, braked = np.maximum(effort, 0.0), np.maximum(-effort, 0.0)
-    electric = np.minimum(braked, modelled.largest_braking_n - course.data.friction_effort_n)
-    # a recorder that tells of a brake beside the effort leaves open how strong it was: the model fills it in
+    electric = np.minimum(braked, modelled.max_braking_n - mesh.data.friction_effort_n)
+    # a recorder of a brake beside the effort leaves open how strong it was: the model fills it in
     unmeasured = 0.0 if recording.brake_applied is None else modelled.friction_braking_n
     friction = np.maximum(braked - electric, unmeasured)
-    auxiliary = course.data.auxiliary_power_w
-    by_model = course.drive.line_power_w(driven - electric, np.maximum(mean_speed, 1e-9)) * (mean_speed > 0) + auxiliary
+    auxiliary = mesh.data.auxiliary_power_w
+    by_model = mesh.drive.supply_power_w(driven - electric, np.maximum(mean_speed, 1e-9)) * (mean_speed > 0) + auxiliary
     line_power = np.where(np.isnan(power), by_model, power)
     duration = np.diff(modelled.time_s)
     return replace(
@@ -340,11 +322,11 @@ def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -
         tractive_effort_n=frozen_array(driven),
         electric_braking_n=frozen_array(electric),
         friction_braking_n=frozen_array(friction),
-        line_power_w=frozen_array(line_power),
-        line_energy_j=frozen_array(np.append(0.0, np.cumsum(line_power * duration))),
+        supply_power_w=frozen_array(line_power),
+        supply_energy_j=frozen_array(np.append(0.0, np.cumsum(line_power * duration))),
         current_a=None,
-        line_current_a=None,
-        energy=_measured_energy(modelled, course, driven, electric, friction, line_power - auxiliary),
+        supply_current_a=None,
+        energy=_measured_energy(modelled, mesh, driven, electric, friction, line_power - auxiliary),
     )
 
 
@@ -369,11 +351,11 @@ def _mean_by_cell(
 
 def _measured_energy(
     modelled: Trajectory,
-    course: Course,
+    mesh: MeshedLine,
     driven: FloatArray,
     electric: FloatArray,
     friction: FloatArray,
-    line_power_w: FloatArray,
+    supply_power_w: FloatArray,
 ) -> Energy:
     """Return the account of measured efforts and powers; what no model explains is a part of its own."""
     duration, account = np.diff(modelled.time_s), modelled.energy
@@ -381,11 +363,11 @@ def _measured_energy(
     moving = mean_speed > 0
     losses = {
         kind: float(np.where(moving, power, 0.0) @ duration)
-        for kind, power in course.drive.losses_w(driven - electric, np.maximum(mean_speed, 1e-9)).items()
+        for kind, power in mesh.drive.losses_w(driven - electric, np.maximum(mean_speed, 1e-9)).items()
     }
     losses["friction_brakes"] = float(friction @ np.diff(modelled.position_m))
-    traction = float(np.maximum(line_power_w, 0.0) @ duration)
-    recuperated = float(np.maximum(-line_power_w, 0.0) @ duration)
+    traction = float(np.maximum(supply_power_w, 0.0) @ duration)
+    recuperated = float(np.maximum(-supply_power_w, 0.0) @ duration)
     known = account.running_resistance_j + account.curve_resistance_j + account.kinetic_j + account.potential_j
     losses["unexplained"] = traction - recuperated - known - sum(losses.values())
     return replace(account, traction_j=traction, recuperated_j=recuperated, losses_j=losses)

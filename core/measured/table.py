@@ -1,21 +1,21 @@
-"""A recorder's file as columns of numbers: which row has the names, decimal comma, clock times, rows without values."""
+"""A recorder's file as columns of numbers: header row, decimal comma, clock times, rows without values, positions."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from itertools import chain
 from types import MappingProxyType
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
-from railjoule.core.imports.cells import Cell, CellTable, read_cells
-from railjoule.core.imports.encoding import encoding_mentioned
+from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
-from railjoule.core.imports.source_file import SourceFile, counted, shown_list
+from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.measured.columns import (
     CLOCK,
     GENERIC,
@@ -25,13 +25,14 @@ from railjoule.core.measured.columns import (
     has_plain_name,
     recognised,
 )
-from railjoule.core.scenario._sentences import show
+from railjoule.core.measured.speed import MAX_CHANGE_MS2, impossible_change
+from railjoule.core.scenario._sentences import counted, show, shown_list
 from railjoule.core.units import plain_number
 
 S_PER_DAY = 86_400.0
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 NO_VALUES = ("", "nan", "null", "na", "n/a", "-")
-"""What stands in a cell without a value."""
+"""Texts of a cell without a value."""
 NEVER_EMPTY = ("time", "position", "speed")
 """A row without these is no sample; a row without an effort or a power is one without that."""
 TIME_OF_DAY = r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d{1,9})?))?(?: ?([AaPp])\.?[Mm]\.?)?"
@@ -41,25 +42,14 @@ EPOCH_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType(
 )
 """Between which numbers a time since 1970 lies in such units, from 1973 to 5138; below the first it is one in s."""
 DAY_FIRST = re.compile(rf"(\d{{1,2}})[./](\d{{1,2}})[./](\d{{4}})[ T]+({TIME_OF_DAY})")
-MOST_ROWS_TOLD = 5
+MAX_ROWS_SHOWN = 5
 
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """The known columns of a file with n rows, in SI.
+    """The known columns of a file with n rows by quantity, in SI; NaN if a cell is empty.
 
-    Parameters
-    ----------
-    source : str
-        The file.
-    columns : mapping of str to Column
-        Those that are used, by quantity.
-    values : mapping of str to array of shape (n,)
-        Their values in SI, by quantity; NaN where a cell is empty.
-    rows : tuple of int
-        The row of the file where each of them stands, as a spreadsheet counts.
-    notes : tuple of str
-        What was skipped, assumed or changed, in sentences.
+    `rows` are the numbers of the rows in the file, as a spreadsheet counts.
     """
 
     source: str
@@ -68,15 +58,19 @@ class Table:
     rows: tuple[int, ...]
     notes: tuple[str, ...]
 
-    def told(self, quantity: str, row: int) -> str:
-        """Return a value as the file has it, such as 'speed = 41.5 km/h in row 12'."""
+    def shown(self, quantity: str, row: int) -> str:
+        """Format a value as the file has it, such as 'speed = 41.5 km/h in row 12'."""
         column = self.columns[quantity]
         value = plain_number(float(self.values[quantity][row]) / column.factor, 6)
         unit = "s" if column.unit == CLOCK else column.unit
         return f"{column.header} = {value} {unit} in row {self.rows[row]}"
 
+    def shown_value(self, quantity: str, row: int) -> str:
+        """Format a value without its name, such as '41.5 km/h in row 12'."""
+        return self.shown(quantity, row).partition(" = ")[2]
+
     def at(self, kept: Sequence[bool] | np.ndarray) -> "Table":
-        """Return the rows that are kept."""
+        """Select rows."""
         chosen = np.flatnonzero(kept)
         return replace(
             self,
@@ -132,7 +126,7 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
     with encoding_mentioned(cells.findings):
         found = find_columns(cells.header, form, source)
     columns = [_with_clock(column, cells, form) for column in found]
-    notes = [without_name(told, source) for told in (*(one.sentence for one in cells.findings), *cells.unused)]
+    notes = [without_name(words, source) for words in (*(one.sentence for one in cells.findings), *cells.unused)]
     notes += [
         f"No unit is named for {column.header!r}: taken as {column.unit}."
         for column in columns
@@ -142,14 +136,15 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
     unused = [name for name in cells.header if name not in [column.header for column in columns]]
     if unused:
         notes.append(f"Columns not used: {shown_list(unused)}.")
-    values = _numbers(cells, columns)
+    decimals = _decimals([one for one in columns if one.unit != CLOCK], cells)
+    values = {one.quantity: _column(one, cells, decimals.get(one.quantity, ".")) for one in columns}
     table = Table(source, {one.quantity: one for one in columns}, values, tuple(number for number, _ in cells.rows), ())
     table = _whole_rows(table, notes)
     return replace(table, values=_past_midnight(table, notes), notes=tuple(notes))
 
 
 def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
-    """Return a column of times with the unit that its cells show, where nobody says otherwise."""
+    """Give a column of times the unit that its cells show, unless the user or its name states one."""
     if column.quantity != "time" or "time" in form.units:
         return column
     unit = unit_of_times(cells, column.header)
@@ -157,15 +152,7 @@ def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Colum
 
 
 def unit_of_times(cells: CellTable, header: str) -> str:
-    """Return the unit that the cells of a column of times show: times of day, or a time since 1970; else an empty one.
-
-    Parameters
-    ----------
-    cells : CellTable
-        The table.
-    header : str
-        Its column.
-    """
+    """Recognise the unit of a column of times by its cells: a time of day or since 1970; empty for others."""
     first = next((text for _, cell in cells.column(header) if (text := text_of_cell(cell))), "")
     if ":" in first:
         return CLOCK
@@ -174,42 +161,30 @@ def unit_of_times(cells: CellTable, header: str) -> str:
     return ""
 
 
-def _numbers(cells: CellTable, columns: Sequence[Column]) -> dict[str, FloatArray]:
-    """Return all columns as numbers in SI; NaN where a cell is empty."""
-    decimals = _decimals({one.quantity: cells.column(one.header) for one in columns if one.unit != CLOCK}, cells)
-    return {column.quantity: _column(column, cells, decimals.get(column.quantity, ".")) for column in columns}
-
-
-def _decimals(columns: Mapping[str, Sequence[tuple[int, Cell]]], cells: CellTable) -> dict[str, Decimal]:
-    """Return the decimal sign of each quantity: one for the file, or where it mixes them one for each column."""
-
-    def sign_of(some: Iterable[tuple[int, Cell]]) -> Decimal:
-        return decimal_of(some, cells.separator, cells.source)[0]
-
+def _decimals(columns: Sequence[Column], cells: CellTable) -> dict[str, Decimal]:
+    """Find the decimal sign of each quantity: one for the file, or if it mixes them one for each column."""
+    pairs = {one.quantity: cells.column(one.header) for one in columns}
     with suppress(ScenarioError):
-        return dict.fromkeys(columns, sign_of(pair for pairs in columns.values() for pair in pairs))
-    return {quantity: sign_of(pairs) for quantity, pairs in columns.items()}
+        return dict.fromkeys(pairs, decimal_of(chain.from_iterable(pairs.values()), cells.separator, cells.source)[0])
+    return {quantity: decimal_of(some, cells.separator, cells.source)[0] for quantity, some in pairs.items()}
 
 
 def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
+    """Convert a column to SI; NaN if a cell is empty."""
     values = np.full(len(cells.rows), np.nan)
     for index, (row, cell) in enumerate(cells.column(column.header)):
         if text_of_cell(cell).lower() in NO_VALUES:
             continue
         try:
-            values[index] = _number(cell, column, decimal)
+            if column.unit == CLOCK:
+                values[index] = _clock(text_of_cell(cell))
+            elif column.quantity == "position":
+                values[index] = position_of(cell, column.unit, decimal)
+            else:
+                values[index] = number_of(cell, decimal) * column.factor
         except ValueError as error:
             raise RecordingError(f"{cells.source}, row {row}: {column.header} = {show(cell)} {error}.") from None
     return values
-
-
-def _number(cell: Cell, column: Column, decimal: Decimal) -> float:
-    """Return the value of a cell in SI; raises ValueError, with the end of a sentence, if it holds none."""
-    if column.unit == CLOCK:
-        return _clock(text_of_cell(cell))
-    if column.quantity == "position":
-        return position_of(cell, column.unit, decimal)
-    return number_of(cell, decimal) * column.factor
 
 
 def _whole_rows(table: Table, notes: list[str]) -> Table:
@@ -219,7 +194,7 @@ def _whole_rows(table: Table, notes: list[str]) -> Table:
     empty = np.flatnonzero(~whole).tolist()
     if empty:
         names = " or ".join(table.columns[quantity].header for quantity in needed)
-        rows = shown_list([str(table.rows[row]) for row in empty], MOST_ROWS_TOLD)
+        rows = shown_list([str(table.rows[row]) for row in empty], MAX_ROWS_SHOWN)
         are = "is" if len(empty) == 1 else "are"
         notes.append(f"{counted(len(empty), 'row')} without {names} {are} left out: {rows}.")
         table = table.at(whole)
@@ -249,13 +224,13 @@ def _clock(text: str) -> float:
         return _seconds(*match.groups())
     if match := DAY_FIRST.fullmatch(text):
         first, second, year, _, *clock = match.groups()
-        # differences alone count: which of the two is the day matters at midnight alone
+        # only differences count: which of the two is the day only matters at midnight
         day, month = (int(first), int(second)) if int(second) <= 12 else (int(second), int(first))
         with suppress(ValueError):
             return (datetime(int(year), month, day, tzinfo=UTC) - EPOCH).total_seconds() + _seconds(*clock)
     with suppress(ValueError, OverflowError):
         moment = datetime.fromisoformat(text)
-        # differences alone count, and every zone has the same
+        # only differences count, and every zone has the same
         return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
     raise ValueError("must be a time, as 10:15:30, 10:15:30 PM or 2026-01-31T10:15:30")
 
@@ -268,3 +243,73 @@ def _seconds(hours: str, minutes: str, seconds: str | None, half: str | None) ->
         # 12 AM is midnight, 12 PM is noon
         hour = hour % NOON_H + (NOON_H if half.lower() == "p" else 0)
     return 3600.0 * hour + 60.0 * int(minutes) + float((seconds or "0").replace(",", "."))
+
+
+FALLING = "Positions fall: the train runs in falling chainage, counted from the first row."
+MAX_NOISE_SHARE = 0.02
+"""Of the distance: positions that leave the speeds by more, as a root mean square, were reset."""
+
+
+def direction_of(table: Table) -> int:
+    """Return -1 for a train that runs in falling chainage, else 1: in falling chainage most steps fall."""
+    steps = np.sign(np.diff(table.values["position"]))
+    return -1 if float(np.sum(steps)) < 0 and table.values["position"][-1] < table.values["position"][0] else 1
+
+
+def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
+    """Raise RecordingError if a time, or a position in the direction of the run, goes back."""
+    direction = direction_of(table) if quantity == "position" else 1
+    difference = direction * np.diff(table.values[quantity])
+    for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
+        bound = ("at least" if direction > 0 else "at most") if may_stay else "above"
+        raise RecordingError(
+            f"{table.source}: {table.shown(quantity, row + 1)} must be {bound} that of the row before, "
+            f"{table.shown_value(quantity, row)}: the rows are not in order, or the recorder was reset."
+        )
+
+
+def impossible_change_words(table: Table, time_s: FloatArray) -> str:
+    """Describe a change of speed that no train can do, as the begin of a sentence; empty if there is none."""
+    found = impossible_change(time_s, table.values["speed"])
+    if found is None:
+        return ""
+    row, later = found
+    return (
+        f"{table.shown('speed', later)} follows {table.shown_value('speed', row)} after "
+        f"{time_s[later] - time_s[row]:.4g} s, but no train changes its speed by more than {MAX_CHANGE_MS2:g} m/s2"
+    )
+
+
+def readable_position(table: Table, covered_m: FloatArray, notes: list[str]) -> FloatArray | None:
+    """Return the distance by the odometer since the first row [m], without steps back; None where it cannot be read.
+
+    Parameters
+    ----------
+    table : Table
+        The rows of the run, with a position.
+    covered_m : array of shape (n,)
+        Distance by the speeds [m].
+    notes : list of str
+        Receives a sentence where the position goes back.
+    """
+    position: FloatArray = direction_of(table) * (table.values["position"] - table.values["position"][0])
+    steps = np.diff(position)
+    back = np.flatnonzero(steps < 0)
+    if not len(back):
+        return position
+    name, worst = table.columns["position"].header, int(np.argmin(steps))
+    # the speeds have the shape of the distance, the positions its size
+    basis = np.column_stack([np.ones(len(covered_m)), covered_m])
+    (offset, factor), *_ = np.linalg.lstsq(basis, position, rcond=None)
+    noise = float(np.sqrt(np.mean((position - offset - factor * covered_m) ** 2)))
+    if noise > MAX_NOISE_SHARE * covered_m[-1]:
+        notes.append(
+            f"{name} is not used: it goes back by {-steps[worst]:.4g} m in row {table.rows[worst + 1]}. Distances "
+            "follow from speed and time."
+        )
+        return None
+    notes.append(
+        f"{name} goes back in {counted(len(back), 'row')}, by up to {-steps[worst]:.3g} m: its noise of {noise:.2g} m "
+        "is averaged out with the speeds."
+    )
+    return np.asarray(factor * covered_m)

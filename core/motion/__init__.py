@@ -1,6 +1,6 @@
 """Motion of a train over a line: mesh, running resistance, forces of the line, limits, fastest passes."""
 
-from railjoule.core.motion.course import Course, build_course
-from railjoule.core.motion.passes import greatest_speeds, running_time
+from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
+from railjoule.core.motion.passes import max_speeds, running_time
 
-__all__ = ["Course", "build_course", "greatest_speeds", "running_time"]
+__all__ = ["MeshedLine", "build_meshed_line", "max_speeds", "running_time"]

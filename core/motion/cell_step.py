@@ -1,4 +1,4 @@
-"""One cell of a course: the speed that a control leads to, and what it costs to go from one speed to another."""
+"""One cell of a meshed line: the speed that a control leads to, and what it costs to go from one speed to another."""
 
 import math
 
@@ -6,12 +6,12 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, reached_speed2
-from railjoule.core.physics.course_data import Train
 from railjoule.core.physics.effort_limit import EffortLimit, supplied_effort
+from railjoule.core.physics.mesh_data import Train
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
 # A step of the fixed point shrinks its error by what effort and resistance change over what the change of speed takes.
-# Where that is much, near rest, twelve steps left efforts up to 6e-5 above their limits; forty leave rounding.
+# Near rest, where that is much, twelve steps left efforts up to 6e-5 above their limits; forty leave rounding.
 STEPS = 40
 EXACT = 1e-13
 # of the largest tractive effort: above what the fixed point and the solver's 1e-8 leave, too little to save any energy
@@ -33,9 +33,9 @@ def exit_speed2(
         v = max(mean_speed(entry, math.sqrt(max(leaving_speed2, 0.0))), NEARLY_AT_REST_MS)
         force = 0.0
         if control == FULL_TRACTION:
-            force = supplied_effort(traction, cell.powered, v)
+            force = supplied_effort(traction, cell.supply_share, v)
         elif control == FULL_BRAKE:
-            force = -(supplied_effort(braking, cell.powered, v) + train.friction_effort_n)
+            force = -(supplied_effort(braking, cell.supply_share, v) + train.friction_effort_n)
         before = leaving_speed2
         leaving_speed2 = reached_speed2(cell, entering_speed2, v, force)
         change = leaving_speed2 - before
@@ -67,4 +67,4 @@ def cell_cost(
         return math.inf, math.inf, False
     account = account_of_cell(cell, train, traction, braking, drive, entering_speed2, leaving_speed2)
     allowed = account.excess_n <= ALLOWED_EXCESS * traction.constant_n
-    return account.line_power_w * account.duration_s, account.duration_s, allowed
+    return account.supply_power_w * account.duration_s, account.duration_s, allowed

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray, midpoints
 from railjoule.core.scenario import Line
 
 
 def section_borders(line: Line) -> FloatArray:
-    """Return where the sections of a line in running order begin and end [m]; shape (sections + 1,)."""
+    """Return the borders of the sections of a line in running order [m]; shape (sections + 1,)."""
     return np.append(0.0, np.cumsum([section.length_m for section in line.sections]))
 
 
@@ -30,7 +30,7 @@ def speed_limit_at(line: Line, position_m: FloatArray, lasts_m: float = 0.0) -> 
     lasts_m : float
         How far beyond its end each limit still holds [m].
     """
-    # inner borders alone: a place before or beyond the line belongs to its first or last section
+    # only inner borders: a place before or beyond the line belongs to its first or last section
     section = np.searchsorted(section_borders(line)[1:-1], position_m)
     limit = np.array([section.speed_limit_kmh or np.inf for section in line.sections])[section]
     stretches = _stretches(line, lasts_m)
@@ -47,7 +47,7 @@ def speed_limit_at(line: Line, position_m: FloatArray, lasts_m: float = 0.0) -> 
 
 
 def limit_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
-    """Return where limits beside those of the sections begin and end [m]; arguments as `speed_limit_at`."""
+    """Return the ends of limits beside those of the sections [m]; arguments as `speed_limit_at`."""
     return np.unique(_stretches(line, lasts_m)[:, :2])
 
 
@@ -76,7 +76,7 @@ def _stretches(line: Line, lasts_m: float) -> FloatArray:
     """Return from and to [m] and limit [km/h] of all limits that the sections do not tell; shape (k, 3)."""
     rows = [(limit.from_m, limit.to_m + lasts_m, limit.limit_kmh) for limit in line.speed_limits]
     if lasts_m > 0:
-        # what a section's limit leaves for the cars behind: within the section its own border tells it
+        # the part of a section's limit that is left for the cars behind, beyond the end of the section
         ends = section_borders(line)[1:]
         rows += [
             (float(end), float(end) + lasts_m, section.speed_limit_kmh)
@@ -97,18 +97,18 @@ def limit_steps(line: Line, max_speed_kmh: float = np.inf, lasts_m: float = 0.0)
     line : Line
         In running order.
     max_speed_kmh : float
-        What limits the speed where the line does not [km/h].
+        Limit of the speed where the line has none [km/h].
     lasts_m : float
         As in `speed_limit_at`.
 
     Returns
     -------
     borders_m : array of shape (k + 1,)
-        Where they begin and end [m].
+        Their borders [m].
     limit_kmh : array of shape (k,)
         Their limits [km/h].
     """
     borders = np.union1d(section_borders(line), limit_borders(line, lasts_m))
-    limits = np.minimum(speed_limit_at(line, 0.5 * (borders[1:] + borders[:-1]), lasts_m), max_speed_kmh)
+    limits = np.minimum(speed_limit_at(line, midpoints(borders), lasts_m), max_speed_kmh)
     first = np.append(True, limits[1:] != limits[:-1])
     return np.append(borders[:-1][first], borders[-1]), limits[first]

@@ -90,14 +90,14 @@ def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 
         )
 
 
-def enough_words(line: Line, most_cells: int, crossings: int = 0, lasts_m: float = 0.0) -> str:
+def enough_words(line: Line, max_cells: int, crossings: int = 0, lasts_m: float = 0.0) -> str:
     """Return the end of a sentence about too many cells: from which `solver.mesh_m` on there are few enough.
 
     Parameters
     ----------
     line : Line
         In running order.
-    most_cells, crossings : int
+    max_cells, crossings : int
         Cells allowed, and those that the cars of the train add.
     lasts_m : float
         As in `line_borders`.
@@ -105,8 +105,8 @@ def enough_words(line: Line, most_cells: int, crossings: int = 0, lasts_m: float
     # each station has two sides that are graded, both ends of the line together two
     stops = len(line.inner_stations) + 1
     unavoidable = len(line_borders(line, lasts_m)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
-    if most_cells > unavoidable:
-        enough_m = rounded_up(line.length_m / (most_cells - unavoidable))
+    if max_cells > unavoidable:
+        enough_m = rounded_up(line.length_m / (max_cells - unavoidable))
         if enough_m <= LONGEST_CELL_M:
             return f". Use {enough_m:g} m or more."
     return f", and sections, limits and stops of the line alone make {unavoidable:,}."

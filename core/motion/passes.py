@@ -1,12 +1,12 @@
 """The greatest speed at every place, by one pass forward and one backward over the mesh.
 
-Problem: among all runs that keep every limit, the one that is fastest everywhere at once. Forward, each cell
+Problem: among all runs that keep every limit, the one that is fastest everywhere. Forward, each cell
 starts from the greatest speed reached so far and uses full effort; backward, each cell ends at the greatest
 speed allowed there and brakes fully. Both steps are exact for the mesh.
 
 Limits of acceleration and deceleration bound speeds from the other side as well: uphill, full effort may not keep
 the deceleration small enough, downhill, full braking not the acceleration. The speeds above which that happens are
-taken off first; then the passes settle at once, unless no speed is slow enough.
+taken off first; then one pass each way is enough, unless no speed is slow enough.
 """
 
 import math
@@ -24,14 +24,14 @@ from railjoule.core.physics.cell import (
     mean_speed_slope,
     needed_force,
 )
-from railjoule.core.physics.course_data import CourseData, cell_of
-from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, limit_over_speed, supplied_limit
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, max_effort_slope, supplied_limit
+from railjoule.core.physics.mesh_data import MeshData, cell_of
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
 # one pass each way settles all but limits of acceleration and deceleration that bound each other; those need a few
-MOST_PASSES = 50
-# bisection alone would be at rounding by then
+MAX_PASSES = 50
+# even bisection would be at rounding by then
 ROOT_STEPS = 80
 EXACT = 1e-13
 
@@ -53,18 +53,12 @@ def _excess(
         value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
     else:
         value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
-    # most cells are slow enough for the constant limit: no look at the other
-    if limit.power_w < np.inf or limit.table.shape[0] > 0:
-        effort, effort_slope, _ = limit_over_speed(limit, v)
-        if effort < limit.constant_n:
-            return value - effort, slope - effort_slope * v_slope
-    return value - limit.constant_n, slope
+    effort, effort_slope = max_effort_slope(limit, v)
+    return value - effort, slope - effort_slope * v_slope
 
 
 @njit(cache=True)
-def _greatest_reachable(
-    limit: EffortLimit, friction: float, cell: Cell, known: float, bound: float, sign: float
-) -> float:
+def _max_reachable(limit: EffortLimit, friction: float, cell: Cell, known: float, bound: float, sign: float) -> float:
     """Return the greatest speed squared up to `bound` at the unknown end of a cell; negative if there is none.
 
     Arguments as in `_excess`: Newton's rule, kept inside a bracket. The excess rises with the unknown, but where the
@@ -97,9 +91,7 @@ def _greatest_reachable(
 
 
 @njit(cache=True)
-def _greatest_steady(
-    limit: EffortLimit, friction: float, cell: Cell, bound: float, change: float, sign: float
-) -> float:
+def _max_steady(limit: EffortLimit, friction: float, cell: Cell, bound: float, change: float, sign: float) -> float:
     """Return the greatest speed squared up to `bound` from which the effort keeps the speed squared within `change`.
 
     Arguments as in `_excess`: at the known end the speed squared is the result, at the other end less by `change`.
@@ -117,68 +109,65 @@ def _greatest_steady(
 
 
 @njit(cache=True)
-def _take_off_unsteady(course: CourseData, speed2: FloatArray) -> None:
+def _take_off_unsteady(mesh: MeshData, speed2: FloatArray) -> None:
     """Lower `speed2` to where full effort keeps the deceleration, and full braking the acceleration, within limits."""
-    traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
-    friction = course.friction_effort_n
-    for i in range(course.cell_length_m.shape[0]):
-        cell = cell_of(course, i)
-        if course.max_deceleration_ms2 < np.inf:
-            change = 2.0 * course.max_deceleration_ms2 * cell.length_m
-            speed2[i] = _greatest_steady(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], change, 1.0)
-        if course.max_acceleration_ms2 < np.inf:
-            change = 2.0 * course.max_acceleration_ms2 * cell.length_m
-            speed2[i + 1] = _greatest_steady(
-                supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], change, -1.0
+    traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
+    friction = mesh.friction_effort_n
+    for i in range(mesh.cell_length_m.shape[0]):
+        cell = cell_of(mesh, i)
+        if mesh.max_deceleration_ms2 < np.inf:
+            change, limit = (
+                2.0 * mesh.max_deceleration_ms2 * cell.length_m,
+                supplied_limit(traction, cell.supply_share),
             )
+            speed2[i] = _max_steady(limit, 0.0, cell, speed2[i], change, 1.0)
+        if mesh.max_acceleration_ms2 < np.inf:
+            change, limit = (
+                2.0 * mesh.max_acceleration_ms2 * cell.length_m,
+                supplied_limit(braking, cell.supply_share),
+            )
+            speed2[i + 1] = _max_steady(limit, friction, cell, speed2[i + 1], change, -1.0)
 
 
 @njit(cache=True)
-def _forward(course: CourseData, speed2: FloatArray) -> int:
-    """Lower `speed2` to what full effort reaches; return the cell that cannot be passed, or MOVED."""
-    traction = borrowed_limit(course.traction)
-    for i in range(course.cell_length_m.shape[0]):
-        cell = cell_of(course, i)
-        # v^2 rises by 2 a h over a cell
-        bound = min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * cell.length_m)
-        reached = _greatest_reachable(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], bound, 1.0)
+def _pass_cells(mesh: MeshData, speed2: FloatArray, is_braking: bool) -> int:
+    """Lower `speed2` to what full effort reaches, or backwards in time to what full braking can still slow down.
+
+    Return the cell that cannot be passed, or MOVED. Backwards the known end of a cell is the one that the train leaves.
+    """
+    limit, friction, sign = borrowed_limit(mesh.traction), 0.0, 1.0
+    max_change, n = 2.0 * mesh.max_acceleration_ms2, mesh.cell_length_m.shape[0]
+    if is_braking:
+        limit, friction, sign = borrowed_limit(mesh.braking), mesh.friction_effort_n, -1.0
+        max_change = 2.0 * mesh.max_deceleration_ms2
+    for number in range(n):
+        i = n - 1 - number if is_braking else number
+        known, other = (i + 1, i) if is_braking else (i, i + 1)
+        cell = cell_of(mesh, i)
+        # v^2 changes by 2 a h over a cell
+        bound = min(speed2[other], speed2[known] + max_change * cell.length_m)
+        supplied = supplied_limit(limit, cell.supply_share)
+        reached = _max_reachable(supplied, friction, cell, speed2[known], bound, sign)
         # rest is an end where a stop is prescribed, and nowhere else
-        if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[i + 1] != 0.0):
+        if reached < 0.0 or (reached <= 0.0 and mesh.fixed_speed2[other] != 0.0):
             return i
-        speed2[i + 1] = reached
+        speed2[other] = reached
     return MOVED
 
 
 @njit(cache=True)
-def entering_speed2_under_brakes(
-    course: CourseData, number: int, leaving_speed2: float, largest_speed2: float
-) -> float:
-    """Return the greatest square of speed, up to `largest_speed2`, at the start of a cell that full braking leaves.
+def entering_speed2_under_brakes(mesh: MeshData, number: int, leaving_speed2: float, limit_speed2: float) -> float:
+    """Return the greatest square of speed, up to `limit_speed2`, at the start of a cell that full braking leaves.
 
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
-    cell, friction = cell_of(course, number), course.friction_effort_n
-    braking = supplied_limit(course.braking, cell.powered)
-    return _greatest_reachable(braking, friction, cell, leaving_speed2, largest_speed2, -1.0)
-
-
-@njit(cache=True)
-def _backward(course: CourseData, speed2: FloatArray) -> int:
-    """Lower `speed2` to what full braking can still slow down; return the cell that cannot be passed, or MOVED."""
-    braking, friction = borrowed_limit(course.braking), course.friction_effort_n
-    for i in range(course.cell_length_m.shape[0] - 1, -1, -1):
-        cell = cell_of(course, i)
-        bound = min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * cell.length_m)
-        # the same backwards in time: the known end is the leaving one
-        entered = _greatest_reachable(supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], bound, -1.0)
-        if entered < 0.0 or (entered <= 0.0 and course.fixed_speed2[i] != 0.0):
-            return i
-        speed2[i] = entered
-    return MOVED
+    cell, friction = cell_of(mesh, number), mesh.friction_effort_n
+    braking = supplied_limit(mesh.braking, cell.supply_share)
+    return _max_reachable(braking, friction, cell, leaving_speed2, limit_speed2, -1.0)
 
 
 @njit(cache=True, nogil=True)
-def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
+def max_speeds(mesh: MeshData) -> tuple[FloatArray, int, bool]:
     """Return the greatest feasible squares of speed, the obstacle and whether it was met while braking.
 
     Returns
@@ -190,24 +179,22 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
     braking : bool
         Whether that cell asks for more braking, not more traction.
     """
-    nodes = course.largest_speed2.shape[0]
-    speed2 = course.largest_speed2.copy()
+    nodes = mesh.limit_speed2.shape[0]
+    speed2 = mesh.limit_speed2.copy()
     for i in range(nodes):
-        if course.fixed_speed2[i] >= 0.0:
-            speed2[i] = min(course.fixed_speed2[i], speed2[i])
-    _take_off_unsteady(course, speed2)
-    once = course.max_deceleration_ms2 == np.inf and course.max_acceleration_ms2 == np.inf
+        if mesh.fixed_speed2[i] >= 0.0:
+            speed2[i] = min(mesh.fixed_speed2[i], speed2[i])
+    _take_off_unsteady(mesh, speed2)
+    once = mesh.max_deceleration_ms2 == np.inf and mesh.max_acceleration_ms2 == np.inf
     before = np.empty(nodes)
-    for _ in range(MOST_PASSES):
+    for _ in range(MAX_PASSES):
         copy_rows(speed2, before)
-        obstacle = _forward(course, speed2)
-        if obstacle != MOVED:
-            return speed2, obstacle, False
-        obstacle = _backward(course, speed2)
-        if obstacle != MOVED:
-            return speed2, obstacle, True
+        for is_braking in (False, True):
+            obstacle = _pass_cells(mesh, speed2, is_braking)
+            if obstacle != MOVED:
+                return speed2, obstacle, is_braking
         for i in range(nodes):
-            fixed = course.fixed_speed2[i]
+            fixed = mesh.fixed_speed2[i]
             # an end's speed is prescribed: a run that cannot have it is none. At the start it is braking that fails,
             # elsewhere it counts as want of traction in the cell before.
             if fixed >= 0.0 and speed2[i] < fixed * (1.0 - 1e-9):
@@ -219,19 +206,19 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
 
 
 @njit(cache=True, nogil=True)
-def slowed_to_reach(course: CourseData, speed2: FloatArray) -> FloatArray:
+def slowed_to_reach(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """Return squares of speed lowered to what full effort reaches and full braking can still slow down.
 
     Parameters
     ----------
-    course : CourseData
-        What the run obeys.
+    mesh : MeshData
+        The line and the train.
     speed2 : array of shape (n + 1,)
         Squares of speed [m2/s2], none above the greatest feasible ones.
     """
     lowered = speed2.copy()
-    _forward(course, lowered)
-    _backward(course, lowered)
+    _pass_cells(mesh, lowered, False)
+    _pass_cells(mesh, lowered, True)
     return lowered
 
 

@@ -6,7 +6,7 @@ effort: where the brakes are weaker, they govern. Stepwise decelerations as in U
 
 A run has v^2 linear within a cell, the curve has a corner in each cell in which it passes a step. A run shall nowhere
 be above the curve, so that the steepest line within the cell that stays below the curve is taken. Nodes are then exact
-where the deceleration falls with rising speed. Where it rises from a to b, v^2 is too low by less than 2 (b - a) h for
+where the deceleration falls with rising speed. If it rises from a to b, v^2 is too low by less than 2 (b - a) h for
 a cell of length h, from there backwards up to where a limit is lower: an error on the safe side, of the order of h.
 """
 
@@ -19,7 +19,7 @@ from railjoule.core.units import MS_PER_KMH
 
 
 def permitted_speed2(
-    vehicle: Vehicle, cell_length_m: FloatArray, largest_speed2: FloatArray, fixed_speed2: FloatArray
+    vehicle: Vehicle, cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray
 ) -> FloatArray:
     """Return the largest squares of speed at the nodes under limits and, where the vehicle has one, a braking curve.
 
@@ -29,10 +29,10 @@ def permitted_speed2(
         With `braking.permitted_deceleration`, or without.
     cell_length_m : array of shape (n,)
         Lengths of the cells [m].
-    largest_speed2 : array of shape (n + 1,)
+    limit_speed2 : array of shape (n + 1,)
         Squares of the limits at the nodes [m2/s2].
     fixed_speed2 : array of shape (n + 1,)
-        Squares of prescribed speeds [m2/s2], negative where there is none. The curve before such a node ends there;
+        Squares of prescribed speeds [m2/s2], NaN where there is none. The curve before such a node ends there;
         the node itself keeps what is permitted but for it, so that a speed that is asked for in vain is seen.
 
     Returns
@@ -40,10 +40,8 @@ def permitted_speed2(
     array of shape (n + 1,)
         Squares of speed [m2/s2].
     """
-    from_speed2, deceleration_ms2 = curve_steps(vehicle)
-    if not len(from_speed2):
-        return largest_speed2
-    return _under_curve(cell_length_m, largest_speed2, fixed_speed2, from_speed2, deceleration_ms2)
+    steps = curve_steps(vehicle)
+    return _under_curve(cell_length_m, limit_speed2, fixed_speed2, steps) if steps.size else limit_speed2
 
 
 def curve_steps(vehicle: Vehicle) -> FloatArray:
@@ -55,7 +53,7 @@ def curve_steps(vehicle: Vehicle) -> FloatArray:
     return np.array([(steps[:, 0] * MS_PER_KMH) ** 2, steps[:, 1]])
 
 
-def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
+def min_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
     """Return the least deceleration of a vehicle's braking curve [m/s2], infinite where it has none.
 
     Braking at this rate towards a place on the curve stays under the curve.
@@ -65,29 +63,26 @@ def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
 
 @njit(cache=True)
 def _under_curve(
-    cell_length_m: FloatArray,
-    largest_speed2: FloatArray,
-    fixed_speed2: FloatArray,
-    from_speed2: FloatArray,
-    deceleration_ms2: FloatArray,
+    cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray, steps: FloatArray
 ) -> FloatArray:
-    """Return `permitted_speed2` for steps that begin at squares of speed, from 0 up [m2/s2]."""
-    permitted = largest_speed2.copy()
-    # backwards, as what a place permits depends on what lies ahead alone
+    """Return `permitted_speed2` for the steps of `curve_steps`."""
+    permitted = limit_speed2.copy()
+    # backwards, as what a place permits depends only on what lies ahead
     for i in range(cell_length_m.shape[0] - 1, -1, -1):
         leaving = permitted[i + 1]
         if fixed_speed2[i + 1] >= 0.0:
             leaving = min(leaving, fixed_speed2[i + 1])
-        rise = _rise_under_curve(cell_length_m[i], leaving, from_speed2, deceleration_ms2)
-        permitted[i] = min(permitted[i], leaving + rise)
+        permitted[i] = min(permitted[i], leaving + _rise(cell_length_m[i], leaving, steps)[1])
     return permitted
 
 
 @njit(cache=True)
-def _rise_under_curve(
-    length_m: float, leaving_speed2: float, from_speed2: FloatArray, deceleration_ms2: FloatArray
-) -> float:
-    """Return by how much v^2 may be higher a length before a square of speed, on a line under the curve [m2/s2]."""
+def _rise(length_m: float, leaving_speed2: float, steps: FloatArray) -> tuple[float, float]:
+    """Return by how much the curve lies above a square of speed a length before it, and the steepest line under it.
+
+    Both are differences of squares of speed [m2/s2].
+    """
+    from_speed2, deceleration_ms2 = steps
     step, last = 0, from_speed2.shape[0] - 1
     # the curve above a step's speed has its deceleration: on the step itself the next one begins
     while step < last and from_speed2[step + 1] <= leaving_speed2:
@@ -97,26 +92,24 @@ def _rise_under_curve(
         needed = (from_speed2[step + 1] - speed2) / (2.0 * deceleration_ms2[step])
         if back + needed >= length_m:
             break
-        back += needed
-        step += 1
+        step, back = step + 1, back + needed
         speed2 = from_speed2[step]
         # a line under the curve is under each of its corners
         least = min(least, (speed2 - leaving_speed2) / back)
-    rise: float = speed2 + 2.0 * deceleration_ms2[step] * (length_m - back) - leaving_speed2
-    return min(rise, least * length_m)
+    rise = speed2 + 2.0 * deceleration_ms2[step] * (length_m - back) - leaving_speed2
+    return rise, min(rise, least * length_m)
 
 
 @njit(cache=True)
-def fill_curve(
+def curve_at(
     cell_length_m: FloatArray,
     limit2: FloatArray,
     fixed_speed2: FloatArray,
     steps: FloatArray,
     cell: IntArray,
     to_end_m: FloatArray,
-    curve2: FloatArray,
-) -> None:
-    """Fill squares of speed of the braking curve itself, with all its corners, at places in the cells [m2/s2].
+) -> FloatArray:
+    """Return squares of speed of the braking curve itself, with all its corners, at places in the cells [m2/s2].
 
     Parameters
     ----------
@@ -128,11 +121,15 @@ def fill_curve(
         As `curve_steps`.
     cell : array of shape (m,)
         The cells of the places.
-    to_end_m, curve2 : array of shape (m,)
-        Distances of the places to the ends of their cells [m], and the squares to be filled.
+    to_end_m : array of shape (j, m)
+        Distances of places to the ends of their cells [m].
+
+    Returns
+    -------
+    array of shape (j, m)
     """
     count = cell_length_m.shape[0]
-    leaving = np.full(count, np.inf)
+    leaving, curve2 = np.empty(count), np.empty_like(to_end_m)
     ahead = np.inf
     for i in range(count - 1, -1, -1):
         if i + 1 < count:
@@ -141,26 +138,9 @@ def fill_curve(
             ahead = min(ahead, fixed_speed2[i + 1])
         leaving[i] = min(ahead, limit2[i])
         # what the next cell before may leave this one's start with
-        ahead = min(limit2[i], leaving[i] + _exact_rise(cell_length_m[i], leaving[i], steps))
-    for j in range(cell.shape[0]):
-        i = cell[j]
-        curve2[j] = min(limit2[i], leaving[i] + _exact_rise(to_end_m[j], leaving[i], steps))
-
-
-@njit(cache=True)
-def _exact_rise(length_m: float, leaving_speed2: float, steps: FloatArray) -> float:
-    """Return by how much the curve lies above a square of speed a length before it [m2/s2]."""
-    from_speed2, deceleration_ms2 = steps
-    step, last = 0, from_speed2.shape[0] - 1
-    while step < last and from_speed2[step + 1] <= leaving_speed2:
-        step += 1
-    speed2, left = leaving_speed2, length_m
-    while step < last:
-        needed = (from_speed2[step + 1] - speed2) / (2.0 * deceleration_ms2[step])
-        if needed >= left:
-            break
-        left -= needed
-        step += 1
-        speed2 = from_speed2[step]
-    rise: float = speed2 + 2.0 * deceleration_ms2[step] * left - leaving_speed2
-    return rise
+        ahead = min(limit2[i], leaving[i] + _rise(cell_length_m[i], leaving[i], steps)[0])
+    for j in range(curve2.shape[0]):
+        for k in range(curve2.shape[1]):
+            i = cell[k]
+            curve2[j, k] = min(limit2[i], leaving[i] + _rise(to_end_m[j, k], leaving[i], steps)[0])
+    return curve2

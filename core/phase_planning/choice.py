@@ -20,12 +20,12 @@ class HasEnergy(Protocol):
 Plan = TypeVar("Plan", bound=HasEnergy)
 
 # Parabolas after the scan; their accuracy ends them earlier: 6 or 24 give the same plans
-MOST_STEPS = 12
+MAX_STEPS = 12
 # A parabola whose sides differ by more than this factor always halves the longer one, as below. 2, 8 or no bound at all
 # change 8 ppm of a run's energy at most
-MOST_UNEVEN = 4.0
-# What a second costs is endless at the shortest time: this share of the slack stands for none
-LEAST_SLACK = 1e-9
+MAX_UNEVEN = 4.0
+# The marginal energy diverges at the shortest time: this share of the slack stands for none.
+MIN_SLACK = 1e-9
 
 
 def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: int, accuracy: float) -> Plan:
@@ -43,11 +43,11 @@ def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: 
         Share of the range within which the number is found.
     """
     points = {float(x): plan_at(float(x)) for x in np.linspace(low, high, count)}
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         best = min(points, key=lambda x: points[x].energy_j)
         left = max((x for x in points if x < best), default=None)
         right = min((x for x in points if x > best), default=None)
-        # no parabola at an end of the range, or beside a number without a plan: halve towards what is known
+        # no parabola at an end of the range, or beside a number without a plan: halve towards the known plans
         if left is None or right is None or not np.isfinite(points[best].energy_j):
             sides = [x for x in (left, right) if x is not None]
             middle = 0.5 * (best + sides[0])
@@ -62,51 +62,47 @@ def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: 
 
 
 def _vertex(left: tuple[float, float], best: tuple[float, float], right: tuple[float, float]) -> float:
-    """Return where the parabola through three points is least, or halve its longer side if that is much longer."""
+    """Compute the minimum of the parabola through three points, or halve its longer side if that is much longer."""
     (a, fa), (b, fb), (c, fc) = left, best, right
     # successive parabolic interpolation: the zero of the derivative of Lagrange's polynomial
     p, q = (b - a) * (fb - fc), (b - c) * (fb - fa)
     x = b - 0.5 * ((b - a) * p - (b - c) * q) / (p - q) if p != q else 0.5 * (a + c)
     longer = a if b - a > c - b else c
-    # where it falls on the same side again and again, the other stays where it is and no longer tells the curvature
-    return x if max(b - a, c - b) < MOST_UNEVEN * min(b - a, c - b) else 0.5 * (b + longer)
+    # on repeated steps to the same side, the other point stays far away and no longer represents the curvature
+    return x if max(b - a, c - b) < MAX_UNEVEN * min(b - a, c - b) else 0.5 * (b + longer)
 
 
 def equally_priced(
     prices: Sequence[Callable[[float], float]], shortest_s: Sequence[float], slack_s: float
-) -> tuple[float, ...]:
-    """Return the times of parts in which a second costs the same, and which use all of the slack.
+) -> list[float]:
+    """Return the times of parts with equal marginal energy per second that use all of the running time supplement.
 
     Parameters
     ----------
     prices : sequence of callable
-        What a second costs in each part [J/s] with a time beyond its shortest [s]; falling.
+        Marginal energy of each part [J/s] over its time beyond the shortest one [s]; falling.
     shortest_s : sequence of float
         Shortest time of each part [s].
     slack_s : float
         Time of all parts beyond the sum of these [s].
     """
-    least, most = LEAST_SLACK * slack_s, slack_s
+    least, most = MIN_SLACK * slack_s, slack_s
 
-    # at a price each part takes the time at which a second costs it as much; the lower the price, the more all take. So
-    # one price uses the slack: two nested root searches of monotone functions
+    # At a price each part takes the time of that marginal energy; the lower the price, the more time all parts take. So
+    # one price uses the slack: two nested root searches of monotone functions.
     def extra_at(price: float) -> FloatArray:
-        extra = []
-        for price_of in prices:
+        def extra_time(price_of: Callable[[float], float]) -> float:
             if price_of(most) >= price:
-                extra.append(most)
-            elif price_of(least) <= price:
-                extra.append(least)
-            else:
-                extra.append(
-                    scipy.optimize.brentq(
-                        lambda more, at=price_of: at(more) - price, least, most, xtol=LEAST_SLACK * slack_s
-                    )
-                )
-        return np.array(extra)
+                return most
+            if price_of(least) <= price:
+                return least
+            root: float = scipy.optimize.brentq(lambda more: price_of(more) - price, least, most, xtol=least)
+            return root
+
+        return np.array([extra_time(price_of) for price_of in prices])
 
     low, high = min(price_of(most) for price_of in prices), max(price_of(least) for price_of in prices)
     price = scipy.optimize.brentq(lambda price: extra_at(price).sum() - slack_s, low, high, xtol=1e-9 * high)
     extra = extra_at(price)
     extra *= slack_s / extra.sum()
-    return tuple(float(time + more) for time, more in zip(shortest_s, extra, strict=True))
+    return [time + more for time, more in zip(shortest_s, extra.tolist(), strict=True)]

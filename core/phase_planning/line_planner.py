@@ -13,20 +13,20 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError, TimetableError
-from railjoule.core.motion import Course, greatest_speeds
+from railjoule.core.motion import MeshedLine, max_speeds
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.phase_planning.choice import best_plan
 from railjoule.core.phase_planning.planner import (
     ACCURACY,
     CURRENTS_SCANNED,
-    LEAST_CURRENT_FRACTION,
+    MIN_CURRENT_FRACTION,
     ON_TIME,
     PhasePlanner,
 )
 from railjoule.core.phase_planning.stretches import Stretches, descend, drive_stretches, guess_speeds
 from railjoule.core.phase_planning.tables import phase_model
-from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import SLOWEST_MS, fitted_limit, table_speeds
+from railjoule.core.physics.mesh_data import MeshData
 from railjoule.core.scenario.options import PhasesOptions
 from railjoule.core.scenario.scenario import Scenario
 
@@ -42,7 +42,7 @@ PRICE_FACTOR, PRICE_RANGE = 4.0, 1e4
 NARROW = 2e-3
 # So close, two prices lie at a jump of the time from one local optimum to another
 SAME_PRICE = 1e-2
-MOST_PRICES = 24
+MAX_PRICES = 24
 # An interpolation between the prices of a bracket stays away from its ends by this share
 INSIDE = 0.3
 # Halvings of an interval of doubles down to neighbouring numbers
@@ -98,13 +98,13 @@ class LinePlanner:
 
     Parameters
     ----------
-    course : Course
+    mesh : MeshedLine
         The train and its line.
     stretches : Stretches
         The line as the compiled search takes it.
     """
 
-    course: Course
+    mesh: MeshedLine
     stretches: Stretches
 
     def plan(self, running_time_s: float) -> LinePlan | None:
@@ -120,7 +120,7 @@ class LinePlanner:
     def drive(self, speeds_ms: FloatArray, price_w: float | None = None) -> LinePlan:
         """Return the run with given speeds of all stretches; shape (3, k) [m/s]."""
         times, energies, speed2 = drive_stretches(self.stretches, speeds_ms)
-        border = self.course.position_m[self.stretches.borders]
+        border = self.mesh.position_m[self.stretches.borders]
         return LinePlan(border, speeds_ms, times, energies, frozen_array(speed2), price_w)
 
     @property
@@ -135,13 +135,13 @@ class LinePlanner:
 
     def _bracket(self, running_time_s: float, fastest: LinePlan) -> tuple[LinePlan, LinePlan] | None:
         """Return the best runs at two prices, the first too late, the second in time; None if none is too late."""
-        kinetic = self.course.data.half_inertia_kg * (self.course.length_m / running_time_s) ** 2
+        kinetic = self.mesh.data.half_inertia_kg * (self.mesh.length_m / running_time_s) ** 2
         first = price = kinetic / running_time_s
         early, late = fastest, self.drive(self.slowest_speeds_ms, 0.0)
         if late.running_time_s < running_time_s:
             return None
         prices = [0.0, math.inf]
-        for _ in range(MOST_PRICES):
+        for _ in range(MAX_PRICES):
             # each price begins at the cheapest of three runs, so that no local optimum of another price is followed
             guess = self.drive(guess_speeds(self.stretches, price))
             start = min((guess, late, early), key=lambda run: run.energy_j + price * run.running_time_s)
@@ -201,14 +201,14 @@ class LinePlanner:
         return self.drive(fast_ms)
 
 
-def plan_line(scenario: Scenario, course: Course, running_time_s: float) -> LinePlan:
+def plan_line(scenario: Scenario, mesh: MeshedLine, running_time_s: float) -> LinePlan:
     """Return the best run in phases over a line with several limits or gradients.
 
     Parameters
     ----------
     scenario : Scenario
         The vehicle and the options of the strategy.
-    course : Course
+    mesh : MeshedLine
         The line.
     running_time_s : float
         Running time, without dwells [s].
@@ -226,82 +226,84 @@ def plan_line(scenario: Scenario, course: Course, running_time_s: float) -> Line
             f"needs phases.cycles = 1, not {options.cycles}, on a line whose limit, gradient or curve changes."
         )
     # for its checks of the starting current
-    planner = PhasePlanner(phase_model(vehicle, 0.0, float(np.max(course.cell_limit_ms))), options)
+    planner = PhasePlanner(phase_model(vehicle, 0.0, float(np.max(mesh.cell_limit_ms))), options)
     if not options.free_starting_current:
-        return _plan_with_current(scenario, course, running_time_s, options.starting_current_a)
+        return _plan_with_current(scenario, mesh, running_time_s, options.starting_current_a)
     largest = planner.largest_current_a
     assert largest is not None
 
     def plan_at(current_a: float) -> LinePlan:
         try:
-            return _plan_with_current(scenario, course, running_time_s, current_a)
+            return _plan_with_current(scenario, mesh, running_time_s, current_a)
         except (StrategyRefusedError, TimetableError):
             return NO_PLAN
 
-    best = best_plan(plan_at, LEAST_CURRENT_FRACTION * largest, largest, CURRENTS_SCANNED, ACCURACY)
-    return best if np.isfinite(best.energy_j) else _plan_with_current(scenario, course, running_time_s, None)
+    best = best_plan(plan_at, MIN_CURRENT_FRACTION * largest, largest, CURRENTS_SCANNED, ACCURACY)
+    return best if np.isfinite(best.energy_j) else _plan_with_current(scenario, mesh, running_time_s, None)
 
 
-def _plan_with_current(scenario: Scenario, course: Course, running_time_s: float, current_a: float | None) -> LinePlan:
+def _plan_with_current(
+    scenario: Scenario, mesh: MeshedLine, running_time_s: float, current_a: float | None
+) -> LinePlan:
     """Return the best run with a largest driving current [A]; errors as `plan_line`."""
-    least_s = math.inf
-    for planner in _planners(scenario, course, current_a):
+    min_s = math.inf
+    for planner in _planners(scenario, mesh, current_a):
         fastest = planner.drive(planner.fastest_speeds_ms).running_time_s
-        least_s = min(fastest, least_s)
+        min_s = min(fastest, min_s)
         plan = planner.plan(running_time_s)
         if plan is not None:
             return replace(plan, starting_current_a=current_a)
-    if least_s > running_time_s:
-        raise TimetableError(running_time_s, least_s)
+    if min_s > running_time_s:
+        raise TimetableError(running_time_s, min_s)
     raise StrategyRefusedError(f"has no run of {running_time_s:.1f} s with these phases.")
 
 
-def _planners(scenario: Scenario, course: Course, current_a: float | None) -> Iterator[LinePlanner]:
+def _planners(scenario: Scenario, mesh: MeshedLine, current_a: float | None) -> Iterator[LinePlanner]:
     """Yield planners in order of preference: with electric brakes, then with all brakes."""
-    data = course.data if current_a is None else _with_current(course, current_a)
+    data = mesh.data if current_a is None else _with_current(mesh, current_a)
     brakes = [data]
     if scenario.vehicle.braking.max_effort_kn != 0 and data.friction_effort_n > 0:
         brakes.insert(0, data._replace(friction_effort_n=0.0))
     for braked in brakes:
-        greatest2, obstacle, _ = greatest_speeds(braked)
+        greatest2, obstacle, _ = max_speeds(braked)
         if obstacle == MOVED:
-            yield LinePlanner(course, cut_line(course, braked, greatest2, scenario.phases))
+            yield LinePlanner(mesh, cut_line(mesh, braked, greatest2, scenario.phases))
 
 
-def _with_current(course: Course, current_a: float) -> CourseData:
-    """Return the data of a course whose motors drive with a current at most [A]."""
-    full, drive = course.data.traction, course.drive
-    top = float(np.max(course.cell_limit_ms))
+def _with_current(mesh: MeshedLine, current_a: float) -> MeshData:
+    """Return the data of a meshed line whose motors drive with a current at most [A]."""
+    full, drive = mesh.data.traction, mesh.drive
+    top = float(np.max(mesh.cell_limit_ms))
 
     def limit_n(speed_ms: FloatArray) -> FloatArray:
         speed = np.maximum(speed_ms, SLOWEST_MS)
         return np.minimum(full.effort_n(speed), drive.effort_at_current_n(current_a, speed))
 
     constant = float(np.max(limit_n(table_speeds(top))))
-    return course.data._replace(traction=fitted_limit(constant, limit_n, top, drive.limit_corners_ms(False)))
+    return mesh.data._replace(traction=fitted_limit(constant, limit_n, top, drive.limit_corners_ms(False)))
 
 
-def cut_line(course: Course, data: CourseData, greatest_speed2: FloatArray, options: PhasesOptions) -> Stretches:
+def cut_line(mesh: MeshedLine, data: MeshData, fastest_speed2: FloatArray, options: PhasesOptions) -> Stretches:
     """Return a line cut where its limit changes and where the train stops.
 
     Parameters
     ----------
-    course : Course
+    mesh : MeshedLine
         The line.
-    data : CourseData
+    data : MeshData
         Its data with the brakes of the plan.
-    greatest_speed2 : array of shape (n + 1,)
+    fastest_speed2 : array of shape (n + 1,)
         The fastest run with them [m2/s2].
     options : PhasesOptions
         The runs to choose from.
     """
-    limit = course.cell_limit_ms
+    limit = mesh.cell_limit_ms
     changes = np.abs(np.diff(limit)) > SAME_LIMIT * np.max(limit)
     inner = np.flatnonzero(changes | (data.fixed_speed2[1:-1] >= 0)) + 1
-    borders = np.concatenate([[0], inner, [course.cell_count]]).astype(np.int64)
+    borders = np.concatenate([[0], inner, [mesh.cell_count]]).astype(np.int64)
     top = limit[borders[:-1]]
     # a train that coasts gains speed somewhere, or the run begins in motion
     brakes = np.minimum.reduceat(data.resistance_constant_n + data.line_force_n, borders[:-1]) < 0
-    brakes[0] |= greatest_speed2[0] > 0
+    brakes[0] |= fastest_speed2[0] > 0
     is_free = np.array([np.full(len(top), options.cruise), np.full(len(top), options.coast), brakes])
-    return Stretches(data, borders, greatest_speed2, SLOWEST_SHARE * top, top, is_free)
+    return Stretches(data, borders, fastest_speed2, SLOWEST_SHARE * top, top, is_free)

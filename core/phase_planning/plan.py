@@ -1,4 +1,4 @@
-"""What a plan of phases is: one start / cruise / coast / brake run, and its phases."""
+"""A plan of phases: one start / cruise / coast / brake run, and its phases."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -9,7 +9,7 @@ FIRST_PHASES: tuple[FirstPhase, ...] = ("start", "coast", "brake")
 
 @dataclass(frozen=True)
 class PhasePlan:
-    """One run from stop to stop, or from where a train is: what is done from which speed to which.
+    """One run from stop to stop, or from the place of a train: its phases and the speeds between them.
 
     Parameters
     ----------
@@ -18,13 +18,13 @@ class PhasePlan:
     initial_speed_ms, final_speed_ms : float
         Speeds at its ends [m/s].
     first : str
-        How it comes from the initial speed to that of the cruise: start, coast or brake.
+        Phase from the initial speed to that of the cruise: start, coast or brake.
     cruise_speed_ms, cruise_m : float
         Speed [m/s] and length [m] of the cruise, which may be zero.
     brake_speed_ms : float
         Speed at which braking begins [m/s]; that of the cruise where it does not coast.
     cycles : int
-        How often it starts; between two starts it coasts.
+        Number of starts; between two starts it coasts.
     restart_speed_ms : float
         Speed at which it starts again [m/s].
     starting_current_a : float or None
@@ -32,7 +32,7 @@ class PhasePlan:
     energy_j : float
         Line energy without auxiliaries [J].
     fastest : bool
-        Whether it is the fastest one, which has no choice left.
+        Whether it is the fastest run, which leaves no choice.
     """
 
     distance_m: float
@@ -48,6 +48,19 @@ class PhasePlan:
     starting_current_a: float | None
     energy_j: float
     fastest: bool = False
+
+    @property
+    def legs(self) -> list[tuple[str, float, float]]:
+        """Phases in order, with the speeds at their ends [m/s]; they may have no length."""
+        cruise = self.cruise_speed_ms
+        cycle = [("coast", cruise, self.restart_speed_ms), ("start", self.restart_speed_ms, cruise)]
+        return [
+            (self.first, self.initial_speed_ms, cruise),
+            *cycle * (self.cycles - 1),
+            ("cruise", cruise, cruise),
+            ("coast", cruise, self.brake_speed_ms),
+            ("brake", self.brake_speed_ms, self.final_speed_ms),
+        ]
 
 
 @dataclass(frozen=True)

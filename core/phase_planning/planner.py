@@ -1,11 +1,11 @@
 """Plan start / cruise / coast / brake runs: one part, several parts with their time divided, from rest or in motion.
 
 Source: Rawicki, (44)-(55): the parts j = 1 to K of a run have lengths L(j), and times T(j) that sum to the time of the
-run. What a second costs is alike in all parts of the best division: as long as one part saves more by a second than
-another loses, a second that is moved from the one to the other saves energy.
+run. The marginal energy per second is equal in all parts of the best division: as long as one part saves more by a
+second than another loses, a second that is moved from the one to the other saves energy.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,15 +19,15 @@ from railjoule.core.phase_planning.search import START, Opening, PhaseTables, Ph
 from railjoule.core.phase_planning.tables import PhaseModel, start_table
 from railjoule.core.scenario.options import PhasesOptions
 
-# What follows was halved and doubled over 30 tasks: four shipped scenarios with up to 3 cycles and free currents, and
-# trams with 1 to 3 stops. Parts per million are of the run's energy.
+# The following numbers were halved and doubled over 30 tasks: four shipped scenarios with up to 3 cycles and free
+# currents, and trams with 1 to 3 stops. Parts per million are of the run's energy.
 
-# Where a start may begin again, over the cruising speed. 1 would be no cycle. The best lies inside: 0.2 or 0.8 in the
-# place of 0.4 and 0.98 in that of 0.995 change 12 ppm at most, as they shift the points of the scan
+# Range of the speed at which a start may begin again, over the cruising speed. 1 would be no cycle. The best lies
+# inside: 0.2 or 0.8 instead of 0.4, and 0.98 instead of 0.995 change 12 ppm at most, as they shift the scanned points
 RESTART_FRACTIONS = (0.4, 0.995)
 # The least current of a start, over the largest. With half of this the tram does not overcome its resistance and the
 # strategy is refused; with 0.3 energies rise by up to 7 ppm, with 0.5 by up to 2500 ppm
-LEAST_CURRENT_FRACTION = 0.15
+MIN_CURRENT_FRACTION = 0.15
 # Points of the scans before parabolas. 4 currents miss the best valley (up to 1900 ppm), 14 change 15 ppm at most; 5 or
 # 18 restarts change 12 ppm
 CURRENTS_SCANNED, FRACTIONS_SCANNED = 7, 9
@@ -91,14 +91,14 @@ class PhasePlanner:
         Parameters
         ----------
         distance_m, running_time_s : float
-            What is left of distance [m] and time [s].
+            Remaining distance [m] and time [s].
         initial_speed_ms, final_speed_ms : float
             Speeds at the ends [m/s]; in motion the run may start, coast or brake first.
 
         Raises
         ------
         TimetableError
-            If even the fastest run takes longer; `fastest` is what remains then.
+            If even the fastest run takes longer; `fastest` returns that one.
         StrategyRefusedError
             If the brakes do not stop the train within the distance, or the options leave no run that takes so long.
         """
@@ -151,15 +151,15 @@ class PhasePlanner:
             fastest=True,
         )
 
-    def divide_time(
+    def plan_parts(
         self, distances_m: Sequence[float], running_time_s: float, initial_speed_ms: float = 0.0
-    ) -> tuple[float, ...]:
-        """Return the times [s] of parts with stops between them that need the least energy together.
+    ) -> tuple[PhasePlan, ...]:
+        """Return the runs of parts with stops between them whose times need the least energy together.
 
         Parameters
         ----------
         distances_m : sequence of float
-            Lengths of the parts [m].
+            Lengths of at least two parts [m].
         running_time_s : float
             Time of all parts together, without standing [s].
         initial_speed_ms : float
@@ -170,42 +170,23 @@ class PhasePlanner:
         TimetableError, StrategyRefusedError
             As `plan`.
         """
-        distances_m = [float(distance) for distance in distances_m]
         speeds = [initial_speed_ms, *[0.0] * (len(distances_m) - 1)]
-        least = [self.fastest(*part).running_time_s for part in zip(distances_m, speeds, strict=True)]
-        slack = running_time_s - sum(least)
+        times = [self.fastest(*part).running_time_s for part in zip(distances_m, speeds, strict=True)]
+        slack = running_time_s - sum(times)
         if slack < -ON_TIME * running_time_s:
-            raise TimetableError(running_time_s, sum(least))
-        if len(distances_m) == 1 or slack <= ON_TIME * running_time_s:
-            shares = [1 / len(distances_m)] * len(distances_m)
-            return tuple(time + share * max(slack, 0.0) for time, share in zip(least, shares, strict=True))
-        if len(distances_m) == 2:
-            # one number divides the time: a search for it needs no derivative of the energies
-            return self._two_times(tuple(distances_m), initial_speed_ms, tuple(least), slack)
-        prices = [self._price_of_time(*part, slack) for part in zip(distances_m, speeds, least, strict=True)]
-        return equally_priced(prices, least, slack)
-
-    def plan_parts(
-        self, distances_m: Sequence[float], running_time_s: float, initial_speed_ms: float = 0.0
-    ) -> tuple[PhasePlan, ...]:
-        """Return the runs of parts with stops between them, their time divided best; arguments as `divide_time`."""
-        times = self.divide_time(distances_m, running_time_s, initial_speed_ms)
-        speeds = [initial_speed_ms, *[0.0] * (len(times) - 1)]
+            raise TimetableError(running_time_s, sum(times))
+        if slack > ON_TIME * running_time_s:
+            # one number divides the time of two parts: a search for it needs no derivative of the energies
+            divide = self._two_times if len(times) == 2 else self._equally_priced_times
+            times = divide(distances_m, initial_speed_ms, times, slack)
         return tuple(self.plan(*part) for part in zip(distances_m, times, speeds, strict=True))
 
     def phases_of(self, plan: PhasePlan) -> tuple[PlannedPhase, ...]:
-        """Return the phases of a plan in order, those without length left out."""
-        start, brake, coast = self._start(plan.starting_current_a), self.model.braking, self.model.coasting
-        tables = {"start": start, "coast": coast, "brake": brake}
-        steps: list[tuple[str, float, float]] = [(plan.first, plan.initial_speed_ms, plan.cruise_speed_ms)]
-        for _ in range(plan.cycles - 1):
-            steps.append(("coast", plan.cruise_speed_ms, plan.restart_speed_ms))
-            steps.append(("start", plan.restart_speed_ms, plan.cruise_speed_ms))
-        steps.append(("cruise", plan.cruise_speed_ms, plan.cruise_speed_ms))
-        steps.append(("coast", plan.cruise_speed_ms, plan.brake_speed_ms))
-        steps.append(("brake", plan.brake_speed_ms, plan.final_speed_ms))
+        """Return the phases of a plan in order, without those that have no length."""
+        start = self._start(plan.starting_current_a)
+        tables = {"start": start, "coast": self.model.coasting, "brake": self.model.braking}
         phases = []
-        for name, before, after in steps:
+        for name, before, after in plan.legs:
             if name == "cruise":
                 time, distance = plan.cruise_m / before, plan.cruise_m
                 energy = time * self.cruise_power_w(before)
@@ -218,7 +199,7 @@ class PhasePlanner:
     def cruise_power_w(self, speed_ms: float) -> float:
         """Return the line power that holds a speed [W]."""
         at = np.array([speed_ms])
-        return float(self.model.drive.line_power_w(self.model.resistance_n(at), at)[0])
+        return float(self.model.drive.supply_power_w(self.model.resistance_n(at), at)[0])
 
     def price_of_time_w(self, plan: PhasePlan, step_s: float = 0.05) -> float | None:
         """Return by how much the energy of a plan falls if it may take a second longer, without auxiliaries [J/s]."""
@@ -240,45 +221,33 @@ class PhasePlanner:
 
     def _best(self, task: PhaseTask) -> PhasePlan:
         """Return the best run for distance, time, initial and final speed; its energy is infinite if there is none."""
-        if self.options.free_starting_current:
-            return self._best_current(task)
-        return self._with_current(task, self.options.starting_current_a)
+        if not self.options.free_starting_current:
+            return self._with_current(task, self.options.starting_current_a)
+        # `__post_init__` refuses a drive without a current
+        most = self.largest_current_a or 0.0
+        bounds = MIN_CURRENT_FRACTION * most, most
+        return best_plan(lambda current: self._with_current(task, current), *bounds, CURRENTS_SCANNED, ACCURACY)
 
     def _with_current(self, task: PhaseTask, current_a: float | None) -> PhasePlan:
         """Return the best run with one starting current, over all ways to begin and, if asked, over the cycles."""
-        start = self._start(current_a)
         # a train at rest can only start
         firsts = range(len(FIRST_PHASES)) if task.initial_speed_ms > 0 else (START,)
-        plans = [self._searched(task, start, current_a, Opening(first, 1, 1.0)) for first in firsts]
-        if self.options.cycles > 1:
-            plans += [self._best_cycles(task, start, current_a, first) for first in firsts]
+        plans = [self._searched(task, current_a, Opening(first, 1, 1.0)) for first in firsts]
+        for first in firsts if self.options.cycles > 1 else ():
+
+            def at(fraction: float, first: int = first) -> PhasePlan:
+                return self._searched(task, current_a, Opening(first, self.options.cycles, fraction))
+
+            plans.append(best_plan(at, *RESTART_FRACTIONS, FRACTIONS_SCANNED, ACCURACY))
         return min(plans, key=lambda plan: plan.energy_j)
 
-    def _best_cycles(self, task: PhaseTask, start: FloatArray, current_a: float | None, first: int) -> PhasePlan:
-        def at(fraction: float) -> PhasePlan:
-            return self._searched(task, start, current_a, Opening(first, self.options.cycles, fraction))
-
-        return best_plan(at, *RESTART_FRACTIONS, FRACTIONS_SCANNED, ACCURACY)
-
-    def _best_current(self, task: PhaseTask) -> PhasePlan:
-        largest = self.largest_current_a
-        assert largest is not None
-        return best_plan(
-            lambda current: self._with_current(task, current),
-            LEAST_CURRENT_FRACTION * largest,
-            largest,
-            CURRENTS_SCANNED,
-            ACCURACY,
-        )
-
-    def _searched(self, task: PhaseTask, start: FloatArray, current_a: float | None, opening: Opening) -> PhasePlan:
+    def _searched(self, task: PhaseTask, current_a: float | None, opening: Opening) -> PhasePlan:
         """Return the best run with one start and one opening; its energy is infinite if there is none."""
-        model, options = self.model, self.options
-        tables = PhaseTables(
-            start, model.coasting, model.braking, model.drive.kind, model.drive.parameters, model.coefficients
-        )
+        model, options, start = self.model, self.options, self._start(current_a)
+        drive = model.drive
+        tables = PhaseTables(start, model.coasting, model.braking, drive.kind, drive.parameters, model.coefficients)
         energy, cruise_speed, brake_speed, cruise = search_run(tables, task, opening, options.cruise, options.coast)
-        # what the search leaves of a phase at the border of its range is none
+        # a phase at the border of its range is shorter than the accuracy of the search
         if cruise <= NO_PHASE * task.distance_m:
             cruise = 0.0
         elif not options.cruise:  # even a run that coasts to a stand would be early
@@ -298,13 +267,13 @@ class PhasePlanner:
         )
 
     def _two_times(
-        self, distances_m: tuple[float, ...], initial_speed_ms: float, least_s: tuple[float, ...], slack_s: float
-    ) -> tuple[float, float]:
+        self, distances_m: Sequence[float], initial_speed_ms: float, min_s: Sequence[float], slack_s: float
+    ) -> list[float]:
         """Return the times of two parts, found by a search over the share of the first."""
 
         def energy(more: float) -> float:
-            first = PhaseTask(distances_m[0], least_s[0] + more, initial_speed_ms, 0.0)
-            second = PhaseTask(distances_m[1], least_s[1] + slack_s - more, 0.0, 0.0)
+            first = PhaseTask(distances_m[0], min_s[0] + more, initial_speed_ms, 0.0)
+            second = PhaseTask(distances_m[1], min_s[1] + slack_s - more, 0.0, 0.0)
             return self._best(first).energy_j + self._best(second).energy_j
 
         found = scipy.optimize.minimize_scalar(
@@ -312,22 +281,23 @@ class PhasePlanner:
         )
         if not np.isfinite(found.fun):
             raise StrategyRefusedError("has no run over these parts with these phases.")
-        return least_s[0] + found.x, least_s[1] + slack_s - found.x
+        return [min_s[0] + found.x, min_s[1] + slack_s - found.x]
 
-    def _price_of_time(
-        self, distance_m: float, initial_speed_ms: float, shortest_s: float, slack_s: float
-    ) -> Callable[[float], float]:
-        """Return what a second costs in a part, as a function of the time that it has beyond its shortest."""
+    def _equally_priced_times(
+        self, distances_m: Sequence[float], initial_speed_ms: float, min_s: Sequence[float], slack_s: float
+    ) -> list[float]:
+        """Return the times of parts with equal marginal energy per second."""
         # the samples are even over the square root of the slack, as is the curve below
         extra = slack_s * (np.arange(TIMES_A_PART) / (TIMES_A_PART - 1)) ** 2
-        energy = [self.fastest(distance_m, initial_speed_ms).energy_j]
-        energy += [
-            self._best(PhaseTask(distance_m, shortest_s + more, initial_speed_ms, 0.0)).energy_j
-            for more in extra[1:].tolist()
-        ]
-        if not np.isfinite(energy).all():
-            raise StrategyRefusedError(f"has no run of {shortest_s + slack_s:.1f} s over a part with these phases.")
-        # the fastest run has an endless price: coasting for x before the brake saves energy as x, but loses time as
-        # x^2. Over the root of the slack energy is smooth, and dE/dt = dE/d(root) / (2 root)
-        curve = scipy.interpolate.CubicSpline(np.sqrt(extra), energy).derivative()
-        return lambda more: -float(curve(np.sqrt(more))) / (2 * np.sqrt(more))
+        prices = []
+        for k, (distance, shortest) in enumerate(zip(distances_m, min_s, strict=True)):
+            initial = initial_speed_ms if k == 0 else 0.0
+            later = [PhaseTask(distance, shortest + more, initial, 0.0) for more in extra[1:].tolist()]
+            energy = [self.fastest(distance, initial).energy_j, *(self._best(task).energy_j for task in later)]
+            if not np.isfinite(energy).all():
+                raise StrategyRefusedError(f"has no run of {shortest + slack_s:.1f} s over a part with these phases.")
+            # The marginal energy diverges at the shortest time: coasting for x before the brake saves energy as x, but
+            # loses time as x^2. Over the root of the slack, energy is smooth, and dE/dt = dE/d(root) / (2 root).
+            curve = scipy.interpolate.CubicSpline(np.sqrt(extra), energy).derivative()
+            prices.append(lambda more, curve=curve: -float(curve(np.sqrt(more))) / (2 * np.sqrt(more)))
+        return equally_priced(prices, min_s, slack_s)

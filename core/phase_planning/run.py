@@ -1,19 +1,19 @@
 """From a plan of phases to the nodes of a trajectory whose efforts are those of the phases, and whose time is kept.
 
 In a cell the net force is constant, so a cell between two speeds has the length at which the effort at its mean speed
-is that of the phase. What these lengths and times differ from the tables is taken out by moving two of the speeds.
+is that of the phase. Two of the speeds are moved until the sums of lengths and times are those of the plan.
 """
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import SolverError
 from railjoule.core.phase_planning.plan import PhasePlan
-from railjoule.core.phase_planning.search import LEAST_BRAKED_SPEED2
+from railjoule.core.phase_planning.search import MIN_BRAKED_SPEED2
 from railjoule.core.phase_planning.tables import PhaseModel
 
 # Speed from node to node: a cell has one effort, that of its mean speed. With 0.05 energies change by up to 5 ppm, with
@@ -24,7 +24,7 @@ CRUISE_CELLS = 20
 # Nodes closer than this share of a step are one: a cell of no length has no force
 SAME_NODE = 1e-3
 # Newton's method starts close to its root and needs 3 to 4 steps; 6 give the same runs
-MOST_STEPS = 12
+MAX_STEPS = 12
 # Distance and time are met this closely if rounding lets them, and to the second number in any case
 TOLERANCE, WORST_TOLERANCE = 1e-11, 1e-9
 # Step of difference quotients, over distance and speed: about the root of the rounding of time and distance
@@ -36,22 +36,10 @@ SHORTEST_CRUISE = 1e-4
 SAME_SPEED = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class PhaseRun:
-    """The nodes of a planned run, from its start at 0.
+def lay_out(model: PhaseModel, plan: PhasePlan) -> tuple[FloatArray, FloatArray]:
+    """Return the nodes of a plan from its start at 0 [m] and the speeds there [m/s], shape (n + 1,).
 
-    Parameters
-    ----------
-    position_m, speed_ms : array of shape (n + 1,)
-        Nodes [m] and speeds there [m/s].
-    """
-
-    position_m: FloatArray
-    speed_ms: FloatArray
-
-
-def lay_out(model: PhaseModel, plan: PhasePlan) -> PhaseRun:
-    """Return the nodes of a plan; distance and time are met to 1e-9.
+    Distance and time are met to 1e-9.
 
     Raises
     ------
@@ -59,44 +47,33 @@ def lay_out(model: PhaseModel, plan: PhasePlan) -> PhaseRun:
         If they cannot be met.
     """
     speeds, lengths = _cells(model, _adjusted(model, plan))
-    # what is left of the tolerance goes into all cells alike, so that the last node lies at the stop to the last digit
+    # the rest of the tolerance is distributed over all cells, so that the last node lies exactly at the stop
     position = np.append(0.0, np.cumsum(lengths))
     position *= plan.distance_m / position[-1]
     position[-1] = plan.distance_m
-    return PhaseRun(position, speeds)
+    return position, speeds
 
 
 def _cells(model: PhaseModel, plan: PhasePlan) -> tuple[FloatArray, FloatArray]:
     """Return the speeds at the nodes and the lengths of the cells of a plan."""
-    peak, restart = plan.cruise_speed_ms, plan.restart_speed_ms
-    legs = [(plan.first, plan.initial_speed_ms, peak)]
-    for _ in range(plan.cycles - 1):
-        legs += [("coast", peak, restart), ("start", restart, peak)]
     speeds, lengths = [np.array([plan.initial_speed_ms])], []
-
-    def drive(phase: str, before: float, after: float) -> None:
-        if before != after:
-            nodes = _speeds_between(model, plan, phase, before, after)
+    for phase, before, after in plan.legs:
+        if phase == "cruise" and plan.cruise_m > 0:
+            speeds.append(np.full(CRUISE_CELLS, before))
+            lengths.append(np.full(CRUISE_CELLS, plan.cruise_m / CRUISE_CELLS))
+        elif before != after:
+            nodes = _speeds_between(model, phase, before, after)
             speeds.append(nodes[1:])
             lengths.append(_lengths(model, plan, phase, nodes))
-
-    for leg in legs:
-        drive(*leg)
-    if plan.cruise_m > 0:
-        speeds.append(np.full(CRUISE_CELLS, peak))
-        lengths.append(np.full(CRUISE_CELLS, plan.cruise_m / CRUISE_CELLS))
-    drive("coast", peak, plan.brake_speed_ms)
-    drive("brake", plan.brake_speed_ms, plan.final_speed_ms)
     return np.concatenate(speeds), np.concatenate(lengths)
 
 
-def _speeds_between(model: PhaseModel, plan: PhasePlan, phase: str, before: float, after: float) -> FloatArray:
+def _speeds_between(model: PhaseModel, phase: str, before: float, after: float) -> FloatArray:
     """Return speeds from one to another: equal steps, and the knots where the effort has a corner."""
     low, high = min(before, after), max(before, after)
-    knots = model.coasting[0] if phase == "coast" else model.braking[0] if phase == "brake" else model.full_start[0]
+    tables = {"start": "full_start", "coast": "coasting", "brake": "braking"}
     steps = np.arange(np.ceil(low / SPEED_STEP_MS), np.floor(high / SPEED_STEP_MS) + 1) * SPEED_STEP_MS
-    inside = np.unique(np.concatenate([steps, knots]))
-    inside = inside[(inside > low) & (inside < high)]
+    inside = np.union1d(steps, getattr(model, tables[phase])[0])
     # a node right at an end would make a cell without length
     inside = inside[(inside - low > SAME_NODE * SPEED_STEP_MS) & (high - inside > SAME_NODE * SPEED_STEP_MS)]
     inside = inside[np.append(True, np.diff(inside) > SAME_NODE * SPEED_STEP_MS)] if len(inside) else inside
@@ -138,7 +115,7 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
 def _is_driven_in_order(model: PhaseModel, plan: PhasePlan) -> bool:
     """Return whether a plan's train never turns round, and brakes last from a speed from which the search lets it."""
     lengths = _cells(model, plan)[1]
-    least2 = plan.final_speed_ms**2 + LEAST_BRAKED_SPEED2
+    least2 = plan.final_speed_ms**2 + MIN_BRAKED_SPEED2
     slows = plan.brake_speed_ms >= min(math.sqrt(least2) * (1 - SAME_SPEED), plan.cruise_speed_ms)
     return slows and plan.brake_speed_ms <= plan.cruise_speed_ms and plan.cruise_m >= 0 and bool((lengths > 0).all())
 
@@ -170,7 +147,7 @@ def _moved(model: PhaseModel, plan: PhasePlan, names: tuple[str, ...]) -> PhaseP
         return difference
 
     values = np.array([getattr(plan, name) for name in names])
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         missing = mismatch(values)
         if (np.abs(missing) <= TOLERANCE * targets).all():
             return with_values(values)

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power
-from railjoule.core.golden_section import Bracket, inner_points, lowest_point, narrowed, next_point
+from railjoule.core.golden_section import Bracket, inner_points, min_point, narrowed, next_point
 from railjoule.core.physics.resistance import running_resistance
 
 SPEED, TIME, DISTANCE, ENERGY = range(4)
@@ -37,7 +37,7 @@ SPEED_TOLERANCE = 1e-13
 NARROWINGS, SCANNED = 32, 12
 # what the last brake takes off at least, in speed squared [m2/s2]: braking before a stop begins at 0.036 km/h or more.
 # From less it would be a cell of some micrometres, whose force is rounding far from the start of a line
-LEAST_BRAKED_SPEED2 = 1e-4
+MIN_BRAKED_SPEED2 = 1e-4
 # the slowest cruise, over the highest speed: at v1 = 0 a cruise of some length would take for ever
 SLOWEST_CRUISE = 1e-6
 
@@ -65,7 +65,7 @@ class PhaseTables(NamedTuple):
 
 
 class PhaseTask(NamedTuple):
-    """What a run has to do: distance [m], running time [s], and the speeds at its ends [m/s]."""
+    """The task of a run: distance [m], running time [s], and the speeds at its ends [m/s]."""
 
     distance_m: float
     running_time_s: float
@@ -148,7 +148,7 @@ def _braking_speed(
     if cruise_speed * brake_time - brake_distance > allowed_loss:
         # even braking from v1, without coasting, loses too much
         return cruise_speed, distance - brake_distance, TOO_LATE
-    low, high = min(math.sqrt(final * final + LEAST_BRAKED_SPEED2), cruise_speed), cruise_speed
+    low, high = min(math.sqrt(final * final + MIN_BRAKED_SPEED2), cruise_speed), cruise_speed
     coast_time, coast_distance, _ = between(coast, low, cruise_speed)
     last_time, last_distance, _ = between(brake, final, low)
     coast_time, coast_distance = coast_time + last_time, coast_distance + last_distance
@@ -328,6 +328,6 @@ def search_run(
     for _ in range(NARROWINGS):
         bracket = narrowed(bracket, _run_at(train, task, opening, next_point(bracket))[0])
     if min(bracket.value_left, bracket.value_right) < best:
-        best_speed = lowest_point(bracket)
+        best_speed = min_point(bracket)
     energy, brake_speed, cruise, _ = _run_at(train, task, opening, best_speed)
     return energy, best_speed, brake_speed, cruise

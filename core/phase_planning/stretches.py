@@ -22,8 +22,8 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import negligible_effort
 from railjoule.core.motion.cell_step import COAST, EXACT, FULL_BRAKE, FULL_TRACTION, STEPS, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, shared_by_cells
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, part_of_cell, shared_by_cells
 
 CRUISE, COAST_END, BRAKING = range(3)
 """Rows of the speeds of all stretches."""
@@ -34,10 +34,10 @@ SAME_SPEED2 = 1e-10
 # Grid of the first guess: one cruise for all stretches, and where coasting ends as a share of it. From 6 x 3 on, the
 # descent ends in the same runs in the scenarios tried
 CRUISES_TRIED, COASTS_TRIED = 16, 6
-LEAST_COAST_SHARE = 0.4
+MIN_COAST_SHARE = 0.4
 # Steps of the descent [m/s]: a parabola through three speeds, whose distance shrinks where none is better
-LEAST_STEP_MS, SHRINKS, GROWS = 0.03, 0.3, 1.6
-MOST_SWEEPS = 60
+MIN_STEP_MS, SHRINKS, GROWS = 0.03, 0.3, 1.6
+MAX_SWEEPS = 60
 FLAT, FLAT_GROWS = 1e-12, 3.0
 BEYOND_REACHED_MS = 0.3
 
@@ -47,11 +47,11 @@ class Stretches(NamedTuple):
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The train and its n cells.
     borders : array of shape (k + 1,)
         Nodes at which stretches begin, and the last node.
-    greatest_speed2 : array of shape (n + 1,)
+    fastest_speed2 : array of shape (n + 1,)
         Squares of the fastest speeds with the brakes of the plan [m2/s2].
     slowest_ms, top_ms : array of shape (k,)
         Bounds of the speeds of each stretch [m/s].
@@ -59,9 +59,9 @@ class Stretches(NamedTuple):
         Whether a speed is searched; else it is the top speed.
     """
 
-    course: CourseData
+    mesh: MeshData
     borders: IntArray
-    greatest_speed2: FloatArray
+    fastest_speed2: FloatArray
     slowest_ms: FloatArray
     top_ms: FloatArray
     is_free: BoolArray
@@ -86,7 +86,7 @@ def _coasting_speed2(cell: Cell, leaving_speed2: float, max_deceleration_ms2: fl
 @njit(cache=True, error_model="numpy")
 def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: float, target2: FloatArray) -> None:
     """Fill the squares of speed at the nodes of a stretch that its train aims at: the cruise, then the coasting."""
-    course, greatest2 = line.course, line.greatest_speed2
+    mesh, greatest2 = line.mesh, line.fastest_speed2
     first, last = line.borders[stretch], line.borders[stretch + 1]
     cruise2, speed2 = cruise_ms * cruise_ms, coast_end_ms * coast_end_ms
     for i in range(first, last + 1):
@@ -99,11 +99,11 @@ def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: 
         node -= 1
     if greatest2[node] < speed2:
         return
-    limit = course.max_deceleration_ms2
+    limit = mesh.max_deceleration_ms2
     if node < last:
         share = (greatest2[node] - speed2) / (greatest2[node] - greatest2[node + 1])
         if share > 0.0:
-            cell = cell_of(course, node)
+            cell = cell_of(mesh, node)
             speed2 = _coasting_speed2(part_of_cell(cell, share * cell.length_m), speed2, limit)
     after2 = 0.0
     # down a steep hill the curve falls backwards: the train coasts there anyway, as it is faster than its cruise
@@ -112,7 +112,7 @@ def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: 
         node -= 1
         if node < first:
             break
-        speed2 = _coasting_speed2(cell_of(course, node), speed2, limit)
+        speed2 = _coasting_speed2(cell_of(mesh, node), speed2, limit)
 
 
 @njit(cache=True, error_model="numpy")
@@ -137,7 +137,7 @@ def _next_speed2(
     force = needed_force(cell, speed2, wanted2, v)
     if force > negligible_n:
         rise = wanted2 - speed2
-        if force <= largest_effort(traction, v) and rise <= 2.0 * train.max_acceleration_ms2 * cell.length_m:
+        if force <= max_effort(traction, v) and rise <= 2.0 * train.max_acceleration_ms2 * cell.length_m:
             return wanted2
         return min(exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION), ceiling2)
     coasted2 = exit_speed2(cell, train, traction, braking, speed2, COAST)
@@ -157,15 +157,15 @@ def _drive_stretch(
     The time is infinite where the train comes to a stand. `target2` and `run2`, of shape (n + 1,), are written over.
     """
     _fill_target(line, stretch, speeds_ms[CRUISE, stretch], speeds_ms[COAST_END, stretch], target2)
-    course = line.course
-    train, traction, braking, drive = shared_by_cells(course)
+    mesh = line.mesh
+    train, traction, braking, drive = shared_by_cells(mesh)
     negligible_n = negligible_effort(train.drive_kind, drive)
     # the train does not brake below its cruise
     braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2
     time = energy = 0.0
     for i in range(line.borders[stretch], line.borders[stretch + 1]):
-        cell = cell_of(course, i)
-        ceiling2 = line.greatest_speed2[i + 1]
+        cell = cell_of(mesh, i)
+        ceiling2 = line.fastest_speed2[i + 1]
         after2 = _next_speed2(cell, train, traction, braking, speed2, target2[i + 1], braking2, ceiling2, negligible_n)
         if after2 < 0.0 or (after2 < SLOWEST2 and after2 < speed2 and after2 < ceiling2):
             return math.inf, math.inf, 0.0
@@ -188,9 +188,9 @@ def drive_stretches(line: Stretches, speeds_ms: FloatArray) -> tuple[FloatArray,
     speeds_ms : array of shape (3, k)
         Cruise, speed at which coasting ends, and speed above which the train brakes, of each stretch [m/s].
     """
-    k, nodes = speeds_ms.shape[1], line.greatest_speed2.shape[0]
+    k, nodes = speeds_ms.shape[1], line.fastest_speed2.shape[0]
     times, energies, run2, target2 = np.empty(k), np.empty(k), np.empty(nodes), np.empty(nodes)
-    speed2 = line.greatest_speed2[0]
+    speed2 = line.fastest_speed2[0]
     run2[0] = speed2
     for j in range(k):
         times[j], energies[j], speed2 = _drive_stretch(line, j, speeds_ms, speed2, target2, run2)
@@ -251,7 +251,7 @@ def guess_speeds(line: Stretches, price_w: float) -> FloatArray:
     for step in range(CRUISES_TRIED, 0, -1):
         cruise = np.max(line.top_ms) * step / CRUISES_TRIED
         for part in range(COASTS_TRIED, 0, -1):
-            share = LEAST_COAST_SHARE + (1.0 - LEAST_COAST_SHARE) * part / COASTS_TRIED
+            share = MIN_COAST_SHARE + (1.0 - MIN_COAST_SHARE) * part / COASTS_TRIED
             for j in range(k):
                 held = min(max(cruise, line.slowest_ms[j]), line.top_ms[j])
                 tried[:, j] = line.top_ms[j]
@@ -283,17 +283,17 @@ def descend(line: Stretches, price_w: float, speeds_ms: FloatArray, step_ms: flo
         First step [m/s].
     """
     best = speeds_ms.copy()
-    k, nodes = best.shape[1], line.greatest_speed2.shape[0]
+    k, nodes = best.shape[1], line.fastest_speed2.shape[0]
     times, energies, run2 = drive_stretches(line, best)
     state = _State(run2[line.borders[:-1]].copy(), energies + price_w * times, np.empty(nodes), np.empty(nodes))
     steps = np.where(line.is_free, step_ms, 0.0)
-    for _ in range(MOST_SWEEPS):
+    for _ in range(MAX_SWEEPS):
         for j in range(k):
             _approach_reached(line, best, state, j)
             for row in range(3):
-                if steps[row, j] >= LEAST_STEP_MS:
+                if steps[row, j] >= MIN_STEP_MS:
                     _improve(line, price_w, best, state, steps, row, j)
-        if np.max(steps) < LEAST_STEP_MS:
+        if np.max(steps) < MIN_STEP_MS:
             break
     return best
 
@@ -313,7 +313,7 @@ def _approach_reached(line: Stretches, speeds_ms: FloatArray, state: _State, str
         if line.is_free[row, stretch]:
             speeds_ms[row, stretch] = min(speeds_ms[row, stretch], reached_ms)
     # a train that coasts over the border without braking
-    if line.is_free[COAST_END, stretch] and leaving2 < line.greatest_speed2[last] * (1.0 - SAME_SPEED2):
+    if line.is_free[COAST_END, stretch] and leaving2 < line.fastest_speed2[last] * (1.0 - SAME_SPEED2):
         slow_ms = math.sqrt(leaving2) - BEYOND_REACHED_MS
         speeds_ms[COAST_END, stretch] = max(speeds_ms[COAST_END, stretch], slow_ms)
 

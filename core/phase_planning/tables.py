@@ -15,7 +15,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2
+from railjoule.core.motion.permitted_speed import min_permitted_deceleration_ms2
 from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
@@ -26,12 +26,12 @@ from railjoule.core.units import N_PER_KN
 # Speed from knot to knot of the cubics: half or double of it changes 2 ppm of a run's energy
 KNOT_STEP_MS = 0.25
 # A train with fewer knots than this has cubics too long for its curve of resistance
-LEAST_KNOTS = 8
+MIN_KNOTS = 8
 # A start goes no further than to where the train still gains this much: beyond, 1 / a grows without bound, and a train
 # that needs more than two minutes for a km/h does not use it to save energy. 1e-3 to 2e-2 give the same runs
-LEAST_ACCELERATION_MS2 = 2e-3
-# A brake that has less than this share of the tractive effort is none: what stands for a missing one is not quite zero
-LEAST_BRAKING_SHARE = 1e-6
+MIN_ACCELERATION_MS2 = 2e-3
+# A brake that has less than this share of the tractive effort is none: the effort of a missing one is not exactly zero
+MIN_BRAKING_SHARE = 1e-6
 # Distances from the tables are good to a millionth or two; a curve of braking must not be passed by their error
 UNDER_CURVE = 1e-5
 """A train brakes by this share less than its braking curve."""
@@ -82,13 +82,13 @@ class PhaseModel:
         return self.vehicle.total_inertia_kg
 
     def resistance_n(self, speed_ms: FloatArray, speed2: FloatArray | None = None) -> FloatArray:
-        """Return what resists at speeds [N], or at mean speeds of cells and their mean squares."""
+        """Return the resistance at speeds [N], or at mean speeds of cells and their mean squares."""
         squares = np.square(speed_ms) if speed2 is None else speed2
         return running_resistance(*self.coefficients, np.asarray(speed_ms), squares)
 
     @cached_property
     def coefficients(self) -> tuple[float, float, float]:
-        """Constant, linear and quadratic coefficient of all that resists [N, N s/m, N s2/m2]."""
+        """Constant, linear and quadratic coefficient of the resistance, line included [N, N s/m, N s2/m2]."""
         constant, linear, quadratic = resistance_coefficients(self.vehicle, self.head_wind_ms)
         return constant + self.line_force_n, linear, quadratic
 
@@ -111,10 +111,9 @@ class PhaseModel:
         else:
             by_vehicle = vehicle_limit_n(self.vehicle, speed_ms, True, self.driven_n)
             effort = np.minimum(by_vehicle, self.drive.effort_limit_n(speed_ms, braking=True))
-        limit_ms2, _ = self._largest_deceleration
+        limit_ms2, _ = self._max_deceleration
         effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
-        at_least_none: FloatArray = np.maximum(effort, 0.0)
-        return at_least_none
+        return np.asarray(np.maximum(effort, 0.0))
 
     @cached_property
     def full_start(self) -> FloatArray:
@@ -127,12 +126,12 @@ class PhaseModel:
         return self.vehicle.braking.max_effort_kn == 0
 
     def braking_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
-        """Return the line power while braking [W]; friction brakes spare the drive what it would have to draw."""
+        """Return the line power while braking [W]; friction brakes take over where the drive would draw power."""
         if self.brakes_with_friction:
             return np.zeros(np.shape(speed_ms))
         friction_n = N_PER_KN * self.vehicle.braking.friction_effort_kn
         electric = electric_efforts(self.drive.kind, self.drive.parameters, effort_n, speed_ms, effort_n, friction_n)
-        return self.drive.line_power_w(-electric, speed_ms)
+        return self.drive.supply_power_w(-electric, speed_ms)
 
     def start(self, starting_current_a: float | None = None) -> FloatArray:
         """Return the table of a start from rest; shape (7, k)."""
@@ -141,22 +140,13 @@ class PhaseModel:
             effort, power = self.starting_law(speed, starting_current_a)
             return (effort - self.resistance_n(speed)) / self.inertia_kg, power
 
-        # the integrands have a corner where the effort has one: between knots they must be smooth
+        # The integrands have a corner where the effort has one: between knots they must be smooth.
         knots = self._knots(self._corner_ms(starting_current_a, braking=False))
-        points, acceleration, power, knot_acceleration, knot_power = _at_points(motion, knots)
-        slow = np.flatnonzero(knot_acceleration < LEAST_ACCELERATION_MS2)
+        slow = np.flatnonzero(motion(knots)[0] < MIN_ACCELERATION_MS2)
         count = int(slow[0]) if len(slow) else len(knots)
         if count < 2:
             raise StrategyRefusedError("needs a train that its drive can start.")
-        cells = slice(count - 1)
-        return _integrate(
-            knots[:count],
-            points[cells],
-            acceleration[cells],
-            power[cells],
-            knot_acceleration[:count],
-            knot_power[:count],
-        )
+        return _table(motion, knots[:count])
 
     def starting_law(self, speed_ms: FloatArray, starting_current_a: float | None) -> tuple[FloatArray, FloatArray]:
         """Return effort [N] and line power [W] of a start, full or with a current [A]."""
@@ -165,7 +155,7 @@ class PhaseModel:
             current = self.drive.starting_current_a if starting_current_a is None else starting_current_a
             return self.drive.full_current_start(speed_ms, current)
         effort = self.starting_effort_n(speed_ms, starting_current_a)
-        return effort, self.drive.line_power_w(effort, speed_ms)
+        return effort, self.drive.supply_power_w(effort, speed_ms)
 
     @cached_property
     def coasting(self) -> FloatArray:
@@ -177,7 +167,7 @@ class PhaseModel:
         knots = self._knots()
         if np.min(self.resistance_n(knots)) <= 0:
             raise StrategyRefusedError("needs a line on which a coasting train loses speed.")
-        return _integrate(knots, *_at_points(motion, knots))
+        return _table(motion, knots)
 
     @cached_property
     def braking(self) -> FloatArray:
@@ -189,29 +179,27 @@ class PhaseModel:
             return deceleration, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
-        limit_ms2, told = self._largest_deceleration
+        limit_ms2, key = self._max_deceleration
         if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
-            raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {told}.")
-        if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
+            raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {key}.")
+        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * self._max_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
-        return _integrate(knots, *_at_points(motion, knots))
+        return _table(motion, knots)
 
     @cached_property
-    def _largest_deceleration(self) -> tuple[float, str]:
-        """The largest deceleration of braking [m/s2], infinite where there is none, and the key that says so."""
-        largest_ms2, permitted_ms2 = (
-            self.vehicle.braking.max_deceleration_ms2,
-            least_permitted_deceleration_ms2(self.vehicle),
-        )
-        if largest_ms2 is not None and largest_ms2 <= permitted_ms2:
-            return largest_ms2, f"vehicle.braking.max_deceleration_ms2 = {largest_ms2:g} m/s2"
-        # of several steps the least, which stays under the curve: a table over speed would jump between two of them
-        told = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
-        return (1 - UNDER_CURVE) * permitted_ms2, told
+    def _max_deceleration(self) -> tuple[float, str]:
+        """The largest deceleration of braking [m/s2], infinite where there is none, and the key that sets it."""
+        max_ms2 = self.vehicle.braking.max_deceleration_ms2
+        permitted_ms2 = min_permitted_deceleration_ms2(self.vehicle)
+        if max_ms2 is not None and max_ms2 <= permitted_ms2:
+            return max_ms2, f"vehicle.braking.max_deceleration_ms2 = {max_ms2:g} m/s2"
+        # of several steps the smallest, which stays under the curve: a table over speed would jump between two of them
+        key = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
+        return (1 - UNDER_CURVE) * permitted_ms2, key
 
     @cached_property
-    def _largest_effort_n(self) -> float:
+    def _max_effort_n(self) -> float:
         return float(np.max(self.starting_effort_n(self._knots())))
 
     def _drawing_until_ms(self) -> float:
@@ -222,10 +210,10 @@ class PhaseModel:
 
         def power(speed: float) -> float:
             at = np.array([speed])
-            return float(self.drive.line_power_w(-self.braking_effort_n(at), at)[0])
+            return float(self.drive.supply_power_w(-self.braking_effort_n(at), at)[0])
 
         knots = self._knots()[1:]
-        idle = np.flatnonzero(self.drive.line_power_w(-self.braking_effort_n(knots), knots) >= 0)
+        idle = np.flatnonzero(self.drive.supply_power_w(-self.braking_effort_n(knots), knots) >= 0)
         if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
             return 0.0
         low, high = knots[idle[-1]], knots[idle[-1] + 1]
@@ -240,8 +228,7 @@ class PhaseModel:
             return 0.0
         full = self.drive.braking_current_a if braking else self.drive.starting_current_a
         current = full if starting_current_a is None else min(full, starting_current_a)
-        corner: float = self.drive.corner_speed_ms(current, braking)
-        return corner
+        return float(self.drive.corner_speed_ms(current, braking))
 
     def _knots(self, *further_ms: float) -> FloatArray:
         """Return speeds from 0 to the top one, with corners of the vehicle's limits and `further_ms` among them."""
@@ -252,7 +239,7 @@ class PhaseModel:
             corners += limit_corners_ms(limits).tolist()
         corners += self._adhesion_corners_ms()
         inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
-        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)
+        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), MIN_KNOTS)
         uniform = np.linspace(0, self.top_speed_ms, count + 1)
         if inside:
             to_corner = np.min(np.abs(uniform[:, None] - np.array(inside)), axis=1)
@@ -281,48 +268,27 @@ class PhaseModel:
 def phase_model(
     vehicle: Vehicle, line_force_n: float, top_speed_ms: float, head_wind_ms: float = 0.0, driven_n: float = np.inf
 ) -> PhaseModel:
-    """Return the model of a vehicle; kept for the next call."""
+    """Return the model of a vehicle, from a cache."""
     return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms, False, head_wind_ms, driven_n)
 
 
 @lru_cache(maxsize=128)
 def start_table(model: PhaseModel, starting_current_a: float) -> FloatArray:
-    """Return the table of a start with a current [A]; kept for the next call, as searches begin with the same ones."""
+    """Return the table of a start with a current [A], from a cache: searches begin with the same currents."""
     return model.start(starting_current_a)
 
 
-def _at_points(
-    motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]], knots: FloatArray
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return speeds, accelerations and powers at the Gauss points, and accelerations and powers at the knots."""
-    half = 0.5 * np.diff(knots)[:, None]
-    points = knots[:-1, None] + half * (1 + POINTS)
-    acceleration, power = motion(np.append(points.ravel(), knots))
-    inner = points.size
-    return (
-        points,
-        acceleration[:inner].reshape(points.shape),
-        power[:inner].reshape(points.shape),
-        acceleration[inner:],
-        power[inner:],
-    )
-
-
-def _integrate(
-    knots: FloatArray,
-    points: FloatArray,
-    acceleration: FloatArray,
-    power: FloatArray,
-    knot_acceleration: FloatArray,
-    knot_power: FloatArray,
-) -> FloatArray:
+def _table(motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]], knots: FloatArray) -> FloatArray:
     """Return a table: speed, the integrals of 1 / a, v / a and P / a over it, and these three themselves.
 
-    They are the derivatives of time, distance and energy by speed, as dt = dv / a, ds = v dt and dE = P dt.
+    They are the derivatives of time, distance and energy by speed, as dt = dv / a, ds = v dt and dE = P dt. `motion`
+    returns accelerations a and powers P at speeds.
     """
     half = 0.5 * np.diff(knots)[:, None]
+    points = knots[:-1, None] + half * (1 + POINTS)
+    acceleration, power = (values.reshape(points.shape) for values in motion(points.ravel()))
     rows = [knots]
     for rate in (1 / acceleration, points / acceleration, power / acceleration):
         rows.append(np.append(0.0, np.cumsum((half * WEIGHTS * rate).sum(axis=1))))
-    rows += [1 / knot_acceleration, knots / knot_acceleration, knot_power / knot_acceleration]
-    return frozen_array(np.array(rows))
+    acceleration, power = motion(knots)
+    return frozen_array(np.array([*rows, 1 / acceleration, knots / acceleration, power / acceleration]))

@@ -1,7 +1,6 @@
-"""A run in the words of a driver: what he does, from where to where, so that he can follow it."""
+"""The phases of a run: the driver's actions and where they begin and end, so that a driver can follow the run."""
 
 from railjoule.core.phases.find import find_phases
-from railjoule.core.phases.phase import NAMES, Phase, PhaseName
-from railjoule.core.phases.run_data import RunData
+from railjoule.core.phases.phase import NAMES, Phase, PhaseName, RunData
 
 __all__ = ["NAMES", "Phase", "PhaseName", "RunData", "find_phases"]

@@ -1,12 +1,11 @@
-"""What a driver does in each cell of a run: by the effort alone, and then where he but holds his speed."""
+"""The driver's action in each cell of a run: by the effort, and then where the driver holds the speed."""
 
-import math
+from itertools import pairwise
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
-from railjoule.core.phases.run_data import RunData
+from railjoule.core.arrays import BoolArray, IntArray
+from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND, RunData
 from railjoule.core.units import MS_PER_KMH
 
 # optima follow the limit of effort to rounding, but a cell across a kink of it has the mean of both sides
@@ -18,19 +17,19 @@ NO_EFFORT_SHARE = 1e-4
 NEGLIGIBLE_MS = 0.05 * MS_PER_KMH
 """Less than the advice's rounding to 0.1 km/h: an effort beside coasting that changes the speed by less is none."""
 HOLD_TOLERANCE_MS = 0.5 * MS_PER_KMH
-"""A speed that stays within this of another reads the same on a speedometer of whole km/h: it is held."""
-# as HOLD_TOLERANCE_MS over ten seconds: what a hold of that length may change in all
+"""Speeds that differ by less read the same on a speedometer of whole km/h: the speed is held."""
+# HOLD_TOLERANCE_MS over ten seconds
 STEADY_MS2 = 0.05 * MS_PER_KMH
 """A speed that changes by less than half a km/h in ten seconds is steady [m/s2]."""
 # Shorter, and the advice names pulses that nobody can follow; longer, and holds below short limits vanish.
 SHORTEST_S = 5.0
-"""An instruction that lasts less is read, begun and over before the next is read; assumed."""
+"""Least duration of an instruction that a driver can read and follow [s]; assumed."""
 PULSE_S = 2 * SHORTEST_S
 """Power or coasting that lasts less may be one of several pulses."""
 
 
 def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
-    """Return what is done in each cell.
+    """Return the action in each cell.
 
     Returns
     -------
@@ -39,101 +38,62 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
     begins_hold : array of shape (n,)
         Whether a hold begins there: two may follow one another.
     negligible : array of shape (n,)
-        Whether the cell counts as coasting though it has an effort: one too small to tell.
+        Whether the cell counts as coasting though it has a small effort.
     """
-    position_m, speed_ms, effort_n, largest_n = run.position_m, run.speed_ms, run.effort_n, run.largest_effort_n
-    labels = np.empty(effort_n.shape[0], np.int64)
-    idle = NO_EFFORT_SHARE * np.max(largest_n)
-    for i in range(effort_n.shape[0]):
-        # standing first: a start has full effort too, at a speed that is still next to none
-        if position_m[i + 1] <= position_m[i] or max(speed_ms[i], speed_ms[i + 1]) < NEGLIGIBLE_MS:
-            labels[i] = STAND
-        elif abs(effort_n[i]) <= idle:
-            labels[i] = COAST
-        elif effort_n[i] < 0.0:
-            labels[i] = BRAKE
-        elif effort_n[i] > FULL_SHARE * largest_n[i]:
-            labels[i] = FULL_POWER
-        else:
-            labels[i] = PART_POWER
+    speed, effort = run.speed_ms, run.effort_n
+    # standing first: a start has full effort too, at a speed that is still almost zero
+    stands = (np.diff(run.position_m) <= 0) | (np.maximum(speed[1:], speed[:-1]) < NEGLIGIBLE_MS)
+    idle = np.abs(effort) <= NO_EFFORT_SHARE * np.max(run.max_effort_n)
+    conditions = [stands, idle, effort < 0, effort > FULL_SHARE * run.max_effort_n]
+    labels = np.select(conditions, [STAND, COAST, BRAKE, FULL_POWER], PART_POWER).astype(np.int64)
     # before the holds, as a hold may lie across coasting but not across its noise
     negligible = _coast_through_negligible(run, labels)
     return labels, _mark_holds(run, labels), negligible
 
 
-def _end_of_run(labels: IntArray, first: int) -> int:
-    """Return the cell after the last one of the same label."""
-    last = first + 1
-    while last < labels.shape[0] and labels[last] == labels[first]:
-        last += 1
-    return last
+def _stretches(labels: IntArray) -> list[tuple[int, int]]:
+    """Return the first cell and the cell after the last one of each stretch of one label."""
+    return list(pairwise([0, *(np.flatnonzero(np.diff(labels)) + 1).tolist(), len(labels)]))
 
 
 def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
-    """Let runs of cells beside coasting coast too if their effort is too small to tell; return which they are."""
-    n = labels.shape[0]
-    negligible = np.zeros(n, np.bool_)
-    first, before = 0, -1
-    while first < n:
-        last = _end_of_run(labels, first)
-        beside = before == COAST or (last < n and labels[last] == COAST)
-        if beside and (labels[first] == PART_POWER or labels[first] == BRAKE):
-            work = 0.0
-            for i in range(first, last):
-                work += run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
-            mean_speed = 0.5 * (run.speed_ms[first] + run.speed_ms[last])
-            # work = m v dv: the change of speed that the effort makes is compared, whatever its length
-            if abs(work) < NEGLIGIBLE_MS * run.inertia_kg * mean_speed:
-                labels[first:last] = COAST
-                negligible[first:last] = True
-        before = labels[first]
-        first = last
+    """Label cells beside coasting as coasting if their effort is negligible; return which they are."""
+    negligible = np.zeros(len(labels), np.bool_)
+    for first, last in _stretches(labels):
+        is_beside = COAST in (*labels[max(first - 1, 0) : first], *labels[last : last + 1])
+        mean_speed = 0.5 * (run.speed_ms[first] + run.speed_ms[last])
+        # work = m v dv: the change of speed that the effort makes is compared, whatever its length
+        is_small = abs(run.work_j(first, last)[0]) < NEGLIGIBLE_MS * run.inertia_kg * mean_speed
+        if is_beside and is_small and labels[first] in (PART_POWER, BRAKE):
+            labels[first:last], negligible[first:last] = COAST, True
     return negligible
 
 
 def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
     """Mark the stretches over which the speed is held, by power, brakes or short coasting; return where they begin."""
-    n = labels.shape[0]
-    begins = np.zeros(n, np.bool_)
-    may_hold, steady = _hold_candidates(run, labels)
+    begins = np.zeros(len(labels), np.bool_)
+    may_hold = (labels == PART_POWER) | (labels == BRAKE)
+    # cells whose speed power or brakes keep
+    steady = may_hold & (np.abs(np.diff(run.speed_ms)) <= STEADY_MS2 * np.diff(run.time_s))
+    for first, last in _stretches(labels):
+        if labels[first] == COAST:
+            may_hold[first:last] = run.time_s[last] - run.time_s[first] < PULSE_S
     i = 0
-    while i < n:
-        # holds begin and end with cells whose speed power or brakes keep
-        end = _hold_end(run.speed_ms, run.limit_ms, may_hold, steady, i) if steady[i] else i
+    while i < len(labels):
+        end = _hold_end(run, may_hold, steady, i) if steady[i] else i
         if run.time_s[end] - run.time_s[i] >= SHORTEST_S:
-            labels[i:end] = HOLD
-            begins[i] = True
-            i = end
+            labels[i:end], begins[i], i = HOLD, True, end
         else:
             i += 1
     return begins
 
 
-def _hold_candidates(run: RunData, labels: IntArray) -> tuple[BoolArray, BoolArray]:
-    """Return which cells may lie in a hold, and in which of them power or brakes keep the speed; of shape (n,)."""
-    time_s, speed_ms = run.time_s, run.speed_ms
-    may_hold, steady = np.zeros(labels.shape[0], np.bool_), np.zeros(labels.shape[0], np.bool_)
-    first = 0
-    while first < labels.shape[0]:
-        last = _end_of_run(labels, first)
-        if labels[first] == COAST:
-            may_hold[first:last] = time_s[last] - time_s[first] < PULSE_S
-        elif labels[first] == PART_POWER or labels[first] == BRAKE:
-            may_hold[first:last] = True
-            for i in range(first, last):
-                steady[i] = abs(speed_ms[i + 1] - speed_ms[i]) <= STEADY_MS2 * (time_s[i + 1] - time_s[i])
-        first = last
-    return may_hold, steady
-
-
-def _hold_end(speed_ms: FloatArray, limit_ms: FloatArray, may_hold: BoolArray, steady: BoolArray, first: int) -> int:
+def _hold_end(run: RunData, may_hold: BoolArray, steady: BoolArray, first: int) -> int:
     """Return the end of the longest stretch from a cell on whose speeds read the same and all keep all its limits."""
-    end = first
-    low = high = speed_ms[first]
-    limit = math.inf
-    for i in range(first, may_hold.shape[0]):
-        low, high = min(low, speed_ms[i + 1]), max(high, speed_ms[i + 1])
-        limit = min(limit, limit_ms[i])
+    end, low, high, limit = first, run.speed_ms[first], run.speed_ms[first], np.inf
+    for i in range(first, len(may_hold)):
+        low, high = min(low, run.speed_ms[i + 1]), max(high, run.speed_ms[i + 1])
+        limit = min(limit, run.limit_ms[i])
         # twice the tolerance, as it is one to each side of the speed that is held
         if not may_hold[i] or high - low > 2.0 * HOLD_TOLERANCE_MS or high > limit + NEGLIGIBLE_MS:
             break

@@ -1,260 +1,233 @@
-"""Runs of cells that are done alike, and what becomes of those that are too short for an instruction.
+"""Segments: stretches of cells with one action. Those that are too short for an instruction are joined or replaced."""
 
-A segment is a row of an array, its columns below: what is done, its cells, place, time and speed where it begins, the
-share of effort of a brake or a hold by turns, and whether it is one straight line of speed squared.
-"""
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import BoolArray, IntArray
 from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, PULSE_S, SHORTEST_S
-from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD, PART_POWER, STAND
-from railjoule.core.phases.run_data import RunData
+from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD, PART_POWER, STAND, RunData
 
-# an array and no tuple, as rows are changed in place and cut out
-KIND, FIRST, LAST, PLACE, TIME, SPEED, SHARE, STEADY = range(8)
-COLUMNS = 8
-# a notch that is taken back for seconds, and no choice of another speed; below, the train would get far too fast
+# A notch that is taken back for seconds, and no choice of another speed; below, the train would get far too fast.
 REDUCED_POWER_SHARE = 0.5
 """Power that is briefly less than full, but not below this share of it, counts as full."""
 PULSE_TOLERANCE_MS = 2.0 * HOLD_TOLERANCE_MS
 """The mean speeds of pulses stay within this of one another's middle; so far up and down a driver lets it swing."""
-# twice is what a limit or a gradient may cause; three times is a pattern
-LEAST_PULSES = 3
+# A limit or a gradient may cause two; three are a pattern.
+MIN_PULSES = 3
 """So many times power is taken off and on before the advice is to hold by turns."""
 
 
-def segments_of(run: RunData, labels: IntArray, begins_hold: BoolArray) -> FloatArray:
-    """Return the segments of labelled cells; shape (k, COLUMNS)."""
-    n = labels.shape[0]
-    rows = np.zeros((n, COLUMNS))
-    count = 0
-    for i in range(n):
-        if i > 0 and labels[i] == labels[i - 1] and not begins_hold[i]:
-            rows[count - 1, LAST] = i + 1
-            continue
-        _set(run, rows, count, labels[i], i, i + 1)
-        count += 1
-    return rows[:count]
+@dataclass
+class Segment:
+    """Cells with one action.
+
+    Parameters
+    ----------
+    kind : int
+        The action, by number.
+    first, last : int
+        Its first cell, and the cell after its last one.
+    place_m, time_s, speed_ms : float
+        Place [m], time [s] and speed [m/s] of its start, which may lie within a cell.
+    share : float or None
+        Share of the effort of a brake, or of a hold by turns.
+    is_straight : bool
+        Whether it is one straight line of speed squared.
+    """
+
+    kind: int
+    first: int
+    last: int
+    place_m: float
+    time_s: float
+    speed_ms: float
+    share: float | None = None
+    is_straight: bool = False
 
 
-def _set(run: RunData, rows: FloatArray, row: int, kind: int, first: int, last: int) -> None:
-    """Make a row a segment that begins at a node."""
-    rows[row, KIND], rows[row, FIRST], rows[row, LAST] = kind, first, last
-    rows[row, PLACE], rows[row, TIME] = run.position_m[first], run.time_s[first]
-    rows[row, SPEED], rows[row, SHARE], rows[row, STEADY] = run.speed_ms[first], np.nan, 0.0
+def segment(
+    run: RunData, kind: int, first: int, last: int, share: float | None = None, is_straight: bool = False
+) -> Segment:
+    """Return a segment that begins at a node."""
+    place, time, speed = (float(array[first]) for array in (run.position_m, run.time_s, run.speed_ms))
+    return Segment(int(kind), first, last, place, time, speed, share, is_straight)
 
 
-def duration_s(run: RunData, row: FloatArray) -> float:
-    """Return how long the cells of a segment last [s]."""
-    return float(run.time_s[int(row[LAST])] - run.time_s[int(row[FIRST])])
+def segments_of(run: RunData, labels: IntArray, begins_hold: BoolArray) -> list[Segment]:
+    """Return the segments of labelled cells."""
+    starts = np.flatnonzero(np.append(True, (np.diff(labels) != 0) | begins_hold[1:])).tolist()
+    return [segment(run, labels[a], a, b) for a, b in zip(starts, [*starts[1:], len(labels)], strict=True)]
 
 
-# ---- what is too short beside full power and holds
+def duration_s(run: RunData, one: Segment) -> float:
+    """Return the duration of the cells of a segment [s]."""
+    return float(run.time_s[one.last] - run.time_s[one.first])
 
 
-def joined(run: RunData, rows: FloatArray) -> FloatArray:
+# ---- segments that are too short beside full power and holds
+
+
+def joined(run: RunData, segments: list[Segment]) -> list[Segment]:
     """Return segments without power that is briefly less than full, and without coasting that a hold covers."""
-    out = np.empty_like(rows)
-    count = 0
-    for k in range(rows.shape[0]):
-        row = rows[k]
-        out[count] = row
-        count += 1
-        if row[KIND] == FULL_POWER and count > 1 and _is_reduced_power(run, out[count - 2], row):
-            if count == 2 or out[count - 3, KIND] == STAND:
-                out[count - 2, KIND], out[count - 2, LAST] = FULL_POWER, row[LAST]
-                count -= 1
-            elif out[count - 3, KIND] == FULL_POWER:
-                out[count - 3, LAST] = row[LAST]
-                count -= 2
-        elif row[KIND] == HOLD and count > 2 and _belongs_to_hold(run, out[count - 2], row, out[count - 3]):
-            _set(run, out, count - 2, HOLD, int(out[count - 2, FIRST]), int(row[LAST]))
-            count -= 1
-        elif (
-            count > 1
-            and k + 1 < rows.shape[0]
-            and out[count - 2, KIND] == HOLD
-            and _belongs_to_hold(run, row, out[count - 2], rows[k + 1])
-        ):
-            out[count - 2, LAST] = row[LAST]
-            count -= 1
-    return out[:count]
+    out: list[Segment] = []
+    for one, following in zip(segments, [*segments[1:], None], strict=True):
+        before = out[-1] if out else None
+        earlier = out[-2] if len(out) > 1 else None
+        if before is None:
+            out.append(replace(one))
+        elif one.kind == FULL_POWER and _is_reduced_power(run, before, one):
+            if earlier is None or earlier.kind == STAND:
+                before.kind, before.last = FULL_POWER, one.last
+            elif earlier.kind == FULL_POWER:
+                earlier.last = one.last
+                out.pop()
+            else:
+                out.append(replace(one))
+        elif one.kind == HOLD and earlier is not None and _belongs_to_hold(run, before, one, earlier):
+            out[-1] = segment(run, HOLD, before.first, one.last)
+        elif one.kind != HOLD and following and before.kind == HOLD and _belongs_to_hold(run, one, before, following):
+            before.last = one.last
+        else:
+            out.append(replace(one))
+    return out
 
 
-def _is_reduced_power(run: RunData, part: FloatArray, full: FloatArray) -> bool:
+def _is_reduced_power(run: RunData, part: Segment, full: Segment) -> bool:
     """Return whether part power before full power is so short and strong that full power throughout does no harm."""
-    if part[KIND] != PART_POWER or duration_s(run, part) >= SHORTEST_S:
+    used, full_work = run.work_j(part.first, part.last)
+    is_short = part.kind == PART_POWER and duration_s(run, part) < SHORTEST_S
+    if not is_short or used < REDUCED_POWER_SHARE * full_work:
         return False
-    used = full_work = 0.0
-    first, last, end = int(part[FIRST]), int(part[LAST]), int(full[LAST])
-    for i in range(first, last):
-        length = run.position_m[i + 1] - run.position_m[i]
-        used += run.effort_n[i] * length
-        full_work += run.largest_effort_n[i] * length
-    if used < REDUCED_POWER_SHARE * full_work:
-        return False
-    # what full power adds is kept until the speed of the advice is reached
-    # the surplus of v^2, by work = m d(v^2) / 2
+    # The surplus of v^2, by work = m d(v^2) / 2, remains until the speed of the advice is reached.
     more = 2.0 * (full_work - used) / run.inertia_kg
-    for i in range(first, end):
-        speed2 = min(run.speed_ms[i + 1] ** 2 + more, run.speed_ms[end] ** 2)
-        if speed2 > max(run.limit_ms[i], run.speed_ms[i + 1]) ** 2:
-            return False
-    return True
+    speed = run.speed_ms[part.first + 1 : full.last + 1]
+    speed2 = np.minimum(speed**2 + more, speed[-1] ** 2)
+    return bool(np.all(speed2 <= np.maximum(run.limit_ms[part.first : full.last], speed) ** 2))
 
 
-def _belongs_to_hold(run: RunData, short: FloatArray, hold: FloatArray, following: FloatArray) -> bool:
+def _belongs_to_hold(run: RunData, short: Segment, hold: Segment, following: Segment) -> bool:
     """Return whether a segment beside a hold is short and keeps the speed that is held.
 
     It is part power of some cells, of which one may be a border, or coasting between the hold and more power.
     """
-    if duration_s(run, short) >= SHORTEST_S:
+    coasts = short.kind == COAST and following.kind in (FULL_POWER, PART_POWER, HOLD)
+    if duration_s(run, short) >= SHORTEST_S or not (
+        coasts or (short.kind == PART_POWER and short.last > short.first + 1)
+    ):
         return False
-    if short[KIND] == COAST:
-        if following[KIND] != FULL_POWER and following[KIND] != PART_POWER and following[KIND] != HOLD:
-            return False
-    elif short[KIND] != PART_POWER or short[LAST] == short[FIRST] + 1:
-        return False
-    first = int(min(short[FIRST], hold[FIRST]))
-    last = int(max(short[LAST], hold[LAST]))
-    speeds = run.speed_ms[first : last + 1]
-    return bool(_keeps_one_limit(run, first, last) and np.max(speeds) - np.min(speeds) <= 2.0 * HOLD_TOLERANCE_MS)
+    first, last = min(short.first, hold.first), max(short.last, hold.last)
+    is_held = np.ptp(run.speed_ms[first : last + 1]) <= 2.0 * HOLD_TOLERANCE_MS
+    return bool(is_held and run.keeps_one_limit(first, last, NEGLIGIBLE_MS))
 
 
 # ---- pulses
 
 
-def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
-    """Return segments with pulses of power made what a driver can do: hold the speed by turns, or part power."""
-    out = np.empty((2 * rows.shape[0] + 2, COLUMNS))
-    count = k = 0
-    while k < rows.shape[0]:
+def with_pulses(run: RunData, segments: list[Segment]) -> list[Segment]:
+    """Return segments with pulses of power replaced by a speed that is held by turns, or by part power."""
+    out: list[Segment] = []
+    k = 0
+    while k < len(segments):
         end = k
-        while end < rows.shape[0] and _is_pulse(run, rows[end]):
+        while end < len(segments) and _is_pulse(run, segments[end]):
             end += 1
         first, last = k, end
-        # coasting at the ends is no pulse: it leads away from the speed that the pulses keep
-        while last > first and rows[last - 1, KIND] == COAST:
+        # Coasting at the ends is no pulse: it leads away from the speed that the pulses keep.
+        while last > first and segments[last - 1].kind == COAST:
             last -= 1
-        powered = k > 0 and rows[k - 1, KIND] in (FULL_POWER, PART_POWER, HOLD)
-        while not powered and first < last and rows[first, KIND] == COAST:
+        powered = k > 0 and segments[k - 1].kind in (FULL_POWER, PART_POWER, HOLD)
+        while not powered and first < last and segments[first].kind == COAST:
             first += 1
-        if np.sum(rows[first:last, KIND] == COAST) < LEAST_PULSES:
+        if _coast_count(segments[first:last]) < MIN_PULSES:
             last = first = max(end, k + 1)
-        out[count : count + first - k] = rows[k:first]
-        count += first - k
+        out += segments[k:first]
         unassigned = first
         while first < last:
-            group = _level_group(run, rows, first, last)
-            if _is_alternating_hold(run, rows[first:group]):
-                count = _write_steady_changes(run, rows[unassigned:first], out, count)
-                count = _write_alternating_hold(run, rows[first:group], out, count)
+            group = _level_group(run, segments, first, last)
+            pulses = segments[first:group]
+            # many pulses of one mean speed, none of them under another limit
+            many = _coast_count(pulses) >= MIN_PULSES
+            cells = pulses[0].first, pulses[-1].last
+            lasts = run.time_s[cells[1]] - run.time_s[cells[0]] > PULSE_S
+            if many and lasts and run.keeps_one_limit(*cells, NEGLIGIBLE_MS):
+                out += _steady_changes(run, segments[unassigned:first])
+                out += _alternating_hold(run, pulses)
                 unassigned = group
             first = group
-        count = _write_steady_changes(run, rows[unassigned:last], out, count)
+        out += _steady_changes(run, segments[unassigned:last])
         k = first
-    return out[:count]
+    return out
 
 
-def _is_pulse(run: RunData, row: FloatArray) -> bool:
+def _coast_count(segments: list[Segment]) -> int:
+    return sum(one.kind == COAST for one in segments)
+
+
+def _is_pulse(run: RunData, one: Segment) -> bool:
     """Return whether power or coasting is so short that it may be one of several pulses."""
-    if row[KIND] == COAST:
-        return duration_s(run, row) < PULSE_S
-    return (row[KIND] == FULL_POWER or row[KIND] == PART_POWER) and duration_s(run, row) < SHORTEST_S
+    longest = {COAST: PULSE_S, FULL_POWER: SHORTEST_S, PART_POWER: SHORTEST_S}.get(one.kind, 0.0)
+    return duration_s(run, one) < longest
 
 
-def _level_group(run: RunData, rows: FloatArray, first: int, last: int) -> int:
-    """Return the end of the pulses from `first` on that keep one mean speed: the row after one of power."""
+def _level_group(run: RunData, segments: list[Segment], first: int, last: int) -> int:
+    """Return the end of the pulses from `first` on that keep one mean speed: the index after one of power."""
     low, high, end = np.inf, -np.inf, first + 1
     for k in range(first, last):
-        if rows[k, KIND] != COAST:
+        one = segments[k]
+        if one.kind != COAST:
             end = k + 1
             continue
-        # of the coasting, half-way down: the pulses of one hold share it, those of a changing speed do not
-        middle = 0.5 * (run.speed_ms[int(rows[k, FIRST])] + run.speed_ms[int(rows[k, LAST])])
+        # half-way down the coasting: the pulses of one hold share this speed, those of a changing speed do not
+        middle = 0.5 * (run.speed_ms[one.first] + run.speed_ms[one.last])
         low, high = min(low, middle), max(high, middle)
         if high - low > 2.0 * PULSE_TOLERANCE_MS:
             break
-    # a group of coasting alone takes the power that follows
-    return min(end + 1, last) if end == first + 1 and rows[first, KIND] == COAST else end
+    # a group that has only coasting takes the power that follows
+    return min(end + 1, last) if end == first + 1 and segments[first].kind == COAST else end
 
 
-def _is_alternating_hold(run: RunData, group: FloatArray) -> bool:
-    """Return whether pulses of one mean speed are so many that they are a hold; none of them under another's limit."""
-    first, last = int(group[0, FIRST]), int(group[-1, LAST])
-    many = np.sum(group[:, KIND] == COAST) >= LEAST_PULSES and run.time_s[last] - run.time_s[first] > PULSE_S
-    return bool(many and _keeps_one_limit(run, first, last))
+def _alternating_hold(run: RunData, group: list[Segment]) -> list[Segment]:
+    """Return pulses as a hold by turns.
 
-
-def _keeps_one_limit(run: RunData, first: int, last: int) -> bool:
-    """Return whether all speeds of cells keep the lowest limit of them."""
-    return bool(np.max(run.speed_ms[first : last + 1]) <= np.min(run.limit_ms[first:last]) + NEGLIGIBLE_MS)
-
-
-def _write_alternating_hold(run: RunData, group: FloatArray, out: FloatArray, count: int) -> int:
-    """Write pulses as a hold by turns; return how many segments there are then.
-
-    The end of the last pulse is aimed at: where in a turn coasting for good begins must not be left to chance.
+    The end of the last pulse is an aim of its own: where the final coasting begins must not be left to chance.
     """
-    last = int(group[-1, LAST])
-    row = group.shape[0] - 1
+    last, k = group[-1].last, len(group) - 1
     # the last pulse, and so many before it that the rest is long enough for an instruction
-    while row > 0 and (group[row, KIND] != COAST or run.time_s[last] - run.time_s[int(group[row, FIRST])] < SHORTEST_S):
-        row -= 1
-    if row > 0:
-        _set(run, out, count, HOLD, int(group[0, FIRST]), int(group[row, FIRST]))
-        out[count, SHARE] = _share_of_full_power(run, group)
-        count += 1
-    return _write_steady_change(run, group[row:], out, count)
+    while k > 0 and (group[k].kind != COAST or run.time_s[last] - run.time_s[group[k].first] < SHORTEST_S):
+        k -= 1
+    if k == 0:
+        return _steady_change(run, group)
+    works = [run.work_j(one.first, one.last) for one in group if one.kind != COAST]
+    share = sum(used for used, _ in works) / sum(full for _, full in works)
+    return [segment(run, HOLD, group[0].first, group[k].first, share), *_steady_change(run, group[k:])]
 
 
-def _write_steady_change(run: RunData, rows: FloatArray, out: FloatArray, count: int) -> int:
-    """Write rows as one steady change of speed, or as they are where that would break a limit."""
-    first, last = int(rows[0, FIRST]), int(rows[-1, LAST])
-    if not _steady_change_keeps_limits(run, first, last):
-        out[count : count + rows.shape[0]] = rows
-        return count + len(rows)
-    _set(run, out, count, PART_POWER, first, last)
-    out[count, STEADY] = 1.0
-    return count + 1
-
-
-def _share_of_full_power(run: RunData, group: FloatArray) -> float:
-    """Return which share of full power the powered cells of a group use."""
-    used = full = 0.0
-    for k in range(group.shape[0]):
-        if group[k, KIND] != COAST:
-            for i in range(int(group[k, FIRST]), int(group[k, LAST])):
-                length = run.position_m[i + 1] - run.position_m[i]
-                used += run.effort_n[i] * length
-                full += run.largest_effort_n[i] * length
-    return used / full
-
-
-def _write_steady_changes(run: RunData, group: FloatArray, out: FloatArray, count: int) -> int:
-    """Write pulses as part power, each piece long enough for an instruction, and ending where a pulse ends."""
+def _steady_changes(run: RunData, group: list[Segment]) -> list[Segment]:
+    """Return pulses as part power, each piece long enough for an instruction, and ending where a pulse ends."""
+    out: list[Segment] = []
     begin = 0
-    while begin < group.shape[0]:
-        end, started = begin + 1, run.time_s[int(group[begin, FIRST])]
-        # what is left after the piece must be long enough too
-        for k in range(begin, group.shape[0]):
-            long = run.time_s[int(group[k, LAST])] - started >= SHORTEST_S
-            rest = run.time_s[int(group[-1, LAST])] - run.time_s[int(group[k, LAST])]
-            end = k + 1
-            if long and group[k, KIND] != COAST and rest >= SHORTEST_S:
+    while begin < len(group):
+        end, started = len(group), run.time_s[group[begin].first]
+        for k in range(begin, len(group)):
+            ended = run.time_s[group[k].last]
+            # the rest after the piece must be long enough too
+            is_long = min(ended - started, run.time_s[group[-1].last] - ended) >= SHORTEST_S
+            if is_long and group[k].kind != COAST:
+                end = k + 1
                 break
-        count = _write_steady_change(run, group[begin:end], out, count)
+        out += _steady_change(run, group[begin:end])
         begin = end
-    return count
+    return out
 
 
-def _steady_change_keeps_limits(run: RunData, first: int, last: int) -> bool:
-    """Return whether a steady change of speed between two nodes keeps the limits."""
-    place, speed2 = run.position_m[first], run.speed_ms[first] ** 2
-    slope = (run.speed_ms[last] ** 2 - speed2) / (run.position_m[last] - place)
-    for i in range(first, last):
-        top = max(speed2 + slope * (run.position_m[i] - place), speed2 + slope * (run.position_m[i + 1] - place))
-        if top > max(run.limit_ms[i], run.speed_ms[i], run.speed_ms[i + 1]) ** 2:
-            return False
-    return True
+def _steady_change(run: RunData, group: list[Segment]) -> list[Segment]:
+    """Return segments as one steady change of speed, or as they are where that would break a limit."""
+    first, last = group[0].first, group[-1].last
+    place, speed = run.position_m[first : last + 1], run.speed_ms[first : last + 1]
+    slope = (speed[-1] ** 2 - speed[0] ** 2) / (place[-1] - place[0])
+    speed2 = speed[0] ** 2 + slope * (place - place[0])
+    largest = np.maximum(run.limit_ms[first:last], np.maximum(speed[1:], speed[:-1])) ** 2
+    if np.any(np.maximum(speed2[1:], speed2[:-1]) > largest):
+        return group
+    return [segment(run, PART_POWER, first, last, is_straight=True)]

@@ -12,15 +12,20 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power
+from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.effort_limit import EffortLimit, max_effort
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
+
+# downhill a run may need no energy at all: differences are then small beside the kinetic energy, not beside zero
+SMALL_ENERGY_SHARE = 0.1
+"""Energies near zero are compared with this share of the kinetic energy at the mean speed."""
 
 
 class CellAccount(NamedTuple):
-    """What one cell takes.
+    """Efforts, powers and time of one cell.
 
     Parameters
     ----------
@@ -30,7 +35,7 @@ class CellAccount(NamedTuple):
         Efforts at the wheels, all positive [N].
     power_w : float
         At the terminals of the drive, negative where it generates [W].
-    line_power_w : float
+    supply_power_w : float
         Taken from the line without auxiliaries, negative where it goes back [W].
     excess_n : float
         By how much the effort exceeds the largest one [N]; below zero where there is more.
@@ -42,7 +47,7 @@ class CellAccount(NamedTuple):
     electric_braking_n: float
     friction_braking_n: float
     power_w: float
-    line_power_w: float
+    supply_power_w: float
     excess_n: float
 
 
@@ -61,9 +66,9 @@ def account_of_cell(
     Parameters
     ----------
     cell, train : Cell and Train
-        Of a course.
+        Of a meshed line.
     traction, braking, drive : EffortLimits and array
-        The course's `traction`, `braking` and `drive_parameters`.
+        The meshed line's `traction`, `braking` and `drive_parameters`.
     start_speed2, end_speed2 : float
         Squares of speed [m2/s2].
     """
@@ -73,7 +78,7 @@ def account_of_cell(
     force = needed_force(cell, start_speed2, end_speed2, v)
     # no force is coasting: traction of zero, so that a drive which idles when it is on is off
     kind = train.drive_kind
-    if cell.powered < 1.0:
+    if cell.supply_share < 1.0:
         # in a neutral section the drive is off: what a solver leaves of an effort takes no power
         driven, friction, power = max(force, 0.0), min(max(-force, 0.0), train.friction_effort_n), 0.0
         electric = max(-force, 0.0) - friction
@@ -81,9 +86,9 @@ def account_of_cell(
     elif force >= 0.0:
         driven, electric, friction = force, 0.0, 0.0
         power = driving_power(kind, drive, force, v)[0]
-        excess = force - largest_effort(traction, v)
+        excess = force - max_effort(traction, v)
     else:
-        strongest = largest_effort(braking, v)
+        strongest = max_effort(braking, v)
         driven, electric = 0.0, electric_effort(kind, drive, -force, v, strongest, train.friction_effort_n)
         friction = -force - electric
         power = -generated_power(kind, drive, electric, v)[0]
@@ -94,13 +99,13 @@ def account_of_cell(
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def run_energy(course: CourseData, speed2: FloatArray) -> float:
+def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     """Return the line energy of a run without auxiliaries [J], for squares of speed at the nodes of shape (n + 1,)."""
-    train, traction, braking, drive = shared_by_cells(course)
+    train, traction, braking, drive = shared_by_cells(mesh)
     total = 0.0
-    for i in range(course.cell_length_m.shape[0]):
-        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
-        total += account.line_power_w * account.duration_s
+    for i in range(mesh.cell_length_m.shape[0]):
+        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        total += account.supply_power_w * account.duration_s
     return total
 
 
@@ -113,22 +118,48 @@ class RunAccount(NamedTuple):
     electric_braking_n: FloatArray
     friction_braking_n: FloatArray
     power_w: FloatArray
-    line_power_w: FloatArray
+    supply_power_w: FloatArray
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def account_of_run(course: CourseData, speed2: FloatArray) -> RunAccount:
+def account_of_run(mesh: MeshData, speed2: FloatArray) -> RunAccount:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
-    n = course.cell_length_m.shape[0]
+    n = mesh.cell_length_m.shape[0]
     rows = np.empty((7, n))
-    train, traction, braking, drive = shared_by_cells(course)
+    train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
-        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
-        rows[0, i] = account.duration_s
-        rows[1, i] = account.mean_speed_ms
-        rows[2, i] = account.tractive_effort_n
-        rows[3, i] = account.electric_braking_n
-        rows[4, i] = account.friction_braking_n
-        rows[5, i] = account.power_w
-        rows[6, i] = account.line_power_w
+        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        for row in range(7):
+            rows[row, i] = account[row]
     return RunAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6])
+
+
+@njit(cache=True, error_model="numpy")
+def energy_per_metre(power: PowerTerms, speed: float) -> PowerTerms:
+    """Return E [J/m] and E_f, E_v, E_ff, E_fv, E_vv for a power at a speed [m/s] and its derivatives.
+
+    E_v = (P_v - E) / v, E_fv = (P_fv - E_f) / v, E_vv = (P_vv - 2 E_v) / v, from v E = P differentiated once and
+    twice.
+    """
+    p, p_f, p_v, p_ff, p_fv, p_vv = power
+    inverse = 1.0 / speed
+    e, e_f = p * inverse, p_f * inverse
+    e_v = (p_v - e) * inverse
+    return e, e_f, e_v, p_ff * inverse, (p_fv - e_f) * inverse, (p_vv - 2.0 * e_v) * inverse
+
+
+@njit(cache=True)
+def reference_energy(mesh: MeshData, energy: float, running_time: float) -> float:
+    """Return the size of an energy [J], but no less than a share of the kinetic energy at a run's mean speed.
+
+    Parameters
+    ----------
+    mesh : MeshData
+    energy : float
+        The energy to be compared [J].
+    running_time : float
+        Time of the run, dwells not included [s].
+    """
+    mean = mesh.cell_length_m.sum() / running_time
+    smallest: float = SMALL_ENERGY_SHARE * mesh.half_inertia_kg * mean * mean
+    return max(abs(energy), smallest)

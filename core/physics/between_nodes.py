@@ -20,17 +20,17 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort, may_draw_while_braking
+from railjoule.core.drive.kernels import driving_power, generated_power, has_idle_losses, may_draw_while_braking
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import (
     EffortLimit,
     effort_range,
-    largest_effort,
     limit_over_speed,
+    max_effort,
 )
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
@@ -44,7 +44,7 @@ SPEED, WEIGHT, FORCE, RESISTANCE = range(4)
 # over so little the motion is uniform: the error goes with the square
 SAME_SPEED = 1e-6
 """Speeds that differ by less than this share are equal."""
-MOST_STEPS, EXACT = 40, 1e-12
+MAX_STEPS, EXACT = 40, 1e-12
 # The error of a kink falls with the square of the parts. With four, 1e-7 of the energy of a fast run with induction
 # motors remain, whose flux is weakened from a speed on; with one, 2e-6. With 32, 1e-8 remain of random runs.
 FEW_PARTS, MANY_PARTS = 4, 32
@@ -60,7 +60,7 @@ def _corner_speed(limit: EffortLimit, slow: float, fast: float) -> float:
     is_constant = limit_over_speed(limit, slow)[0] > limit.constant_n
     if is_constant == (limit_over_speed(limit, fast)[0] > limit.constant_n):
         return mean_speed(slow, fast)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         corner = mean_speed(slow, fast)
         if (limit_over_speed(limit, corner)[0] > limit.constant_n) == is_constant:
             slow = corner
@@ -99,7 +99,7 @@ def _find_control(points: FloatArray, mean_force: float) -> float:
             weakest = enough
     factor = near = (mean_force * total + resistance) / force
     far = weakest
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         inverse = slope = 0.0
         opposes = False
         for i in range(points.shape[1]):
@@ -123,7 +123,7 @@ def _find_control(points: FloatArray, mean_force: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
-def _line_power_w(
+def _supply_power_w(
     train: Train, braking: EffortLimit, drive: FloatArray, is_off: bool, force: float, speed: float
 ) -> float:
     """Return the line power [W] of a force at the wheels [N]; of a drive that is off it is the work at the wheels."""
@@ -131,7 +131,7 @@ def _line_power_w(
         return max(force, 0.0) * speed
     if force >= 0.0:
         return line_power(driving_power(train.drive_kind, drive, force, speed)[0], train.recuperation_factor)
-    strongest = largest_effort(braking, speed)
+    strongest = max_effort(braking, speed)
     electric = electric_effort(train.drive_kind, drive, -force, speed, strongest, train.friction_effort_n)
     return line_power(-generated_power(train.drive_kind, drive, electric, speed)[0], train.recuperation_factor)
 
@@ -144,8 +144,16 @@ def _share_control(
     corner = _corner_speed(limit, min(start, end), max(start, end))
     _place_points(cell, start, corner, end, points)
     for i in range(points.shape[1]):
-        points[FORCE, i] = sign * (largest_effort(limit, points[SPEED, i]) + beside)
+        points[FORCE, i] = sign * (max_effort(limit, points[SPEED, i]) + beside)
     return _find_control(points, cell.inertia * (end * end - start * start)), corner
+
+
+@njit(cache=True, error_model="numpy")
+def _limits_beside(
+    train: Train, traction: EffortLimit, braking: EffortLimit, effort: float
+) -> tuple[EffortLimit, float, float]:
+    """Return the limit of an effort, the largest effort of friction brakes beside it [N], and its sign."""
+    return (traction, 0.0, 1.0) if effort >= 0.0 else (braking, train.friction_effort_n, -1.0)
 
 
 @njit(cache=True, error_model="numpy")
@@ -167,16 +175,14 @@ def _control_cell(
     else:
         _place_points(cell, start, v, end, points)
         effort = _find_control(points, cell.inertia * (end_speed2 - start_speed2))
-    limit, beside, sign = traction, 0.0, 1.0
-    if effort < 0.0:
-        limit, beside, sign = braking, train.friction_effort_n, -1.0
-    if cell.powered < 1.0:
+    limit, beside, sign = _limits_beside(train, traction, braking, effort)
+    if cell.supply_share < 1.0:
         # friction is all that is left; without it an effort counts as a share of the drive's largest one elsewhere
         return effort, 0.0, max(abs(effort) - beside, 0.0) / (beside if beside > 0.0 else limit.constant_n), v
     if abs(effort) <= effort_range(limit, slow, fast)[0] + beside:
         return effort, 0.0, 0.0, v
     if is_uniform:
-        share, corner = abs(effort) / (largest_effort(limit, v) + beside), v
+        share, corner = abs(effort) / (max_effort(limit, v) + beside), v
     else:
         share, corner = _share_control(cell, limit, beside, sign, start, end, points)
     return effort, share, max(share - 1.0, 0.0), corner
@@ -187,12 +193,12 @@ def _count_parts(train: Train, braking: EffortLimit, drive: FloatArray, effort: 
     """Return in how many parts each half of a cell is integrated whose slowest speed [m/s] is above zero."""
     if effort < 0.0 and may_draw_while_braking(train.drive_kind):
         # the line's power has a kink where the drive begins to draw, and the brakes share the effort differently there
-        strongest = largest_effort(braking, slow)
+        strongest = max_effort(braking, slow)
         electric = electric_effort(train.drive_kind, drive, -effort, slow, strongest, train.friction_effort_n)
         spares = electric < min(-effort, strongest)
         if spares or generated_power(train.drive_kind, drive, electric, slow)[0] <= 0.0:
             return MANY_PARTS
-    return FEW_PARTS if jumps_at_no_effort(train.drive_kind) else 1
+    return FEW_PARTS if has_idle_losses(train.drive_kind) else 1
 
 
 @njit(cache=True, error_model="numpy")
@@ -213,13 +219,11 @@ def _integrate_cell(
     v, slow = mean_speed(start, end), max(min(start, end), NEARLY_AT_REST_MS)
     # a drive that a solver leaves next to no effort is off, as in `action_of_cell`
     by_mean_speed = needed_force(cell, start_speed2, end_speed2, v)
-    is_off = cell.powered < 1.0 or abs(by_mean_speed) <= NEXT_TO_NOTHING * traction.constant_n
+    is_off = cell.supply_share < 1.0 or abs(by_mean_speed) <= NEXT_TO_NOTHING * traction.constant_n
     if abs(end - start) <= SAME_SPEED * v:
         time = cell.length_m / v
-        return time, time * _line_power_w(train, braking, drive, is_off, effort, v)
-    limit, beside, sign = traction, 0.0, 1.0
-    if effort < 0.0:
-        limit, beside, sign = braking, train.friction_effort_n, -1.0
+        return time, time * _supply_power_w(train, braking, drive, is_off, effort, v)
+    limit, beside, sign = _limits_beside(train, traction, braking, effort)
     parts = 1 if is_off else _count_parts(train, braking, drive, effort, slow)
     time = energy = 0.0
     for part in range(2 * parts):
@@ -227,23 +231,23 @@ def _integrate_cell(
         half = 0.5 * (high - low) / parts
         for i in range(HALF):
             v = low + half * (2.0 * number + 1.0 + ABSCISSAE[i])
-            force = effort if share == 0.0 else sign * share * (largest_effort(limit, v) + beside)
+            force = effort if share == 0.0 else sign * share * (max_effort(limit, v) + beside)
             resistance = running_resistance(cell.constant_n, cell.linear, cell.quadratic, v, v * v)
             # m = 2 k h
             passed = 2.0 * cell.inertia * cell.length_m * half * WEIGHTS[i] / (force - resistance)
             time += passed
-            energy += passed * _line_power_w(train, braking, drive, is_off, force, v)
+            energy += passed * _supply_power_w(train, braking, drive, is_off, force, v)
     return time, energy
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _follow_run(course: CourseData, speed2: FloatArray) -> FloatArray:
+def _follow_run(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """Return effort, share, excess, time and energy of all cells, of shape (5, n)."""
-    n = course.cell_length_m.shape[0]
+    n = mesh.cell_length_m.shape[0]
     rows, points = np.empty((5, n)), np.empty((4, 2 * HALF))
-    train, traction, braking, drive = shared_by_cells(course)
+    train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
-        cell, start, end = cell_of(course, i), speed2[i], speed2[i + 1]
+        cell, start, end = cell_of(mesh, i), speed2[i], speed2[i + 1]
         effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
         time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
         rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
@@ -251,7 +255,7 @@ def _follow_run(course: CourseData, speed2: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def slow_to_possible(course: CourseData, speed2: FloatArray) -> FloatArray:
+def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """Return squares of speed lowered until no cell exceeds an effort, as far as prescribed speeds allow.
 
     A pass forward lowers the speeds that traction does not reach, a pass backward those that brakes cannot slow down.
@@ -259,22 +263,22 @@ def slow_to_possible(course: CourseData, speed2: FloatArray) -> FloatArray:
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The discretised line and the train.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     """
-    n = course.cell_length_m.shape[0]
+    n = mesh.cell_length_m.shape[0]
     lowered, points = speed2.copy(), np.empty((4, 2 * HALF))
-    train, traction, braking, _ = shared_by_cells(course)
+    train, traction, braking, _ = shared_by_cells(mesh)
     for number in range(2 * n):
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
-        node, cell = i if is_braking else i + 1, cell_of(course, i)
-        for _ in range(MOST_STEPS):
+        node, cell = i if is_braking else i + 1, cell_of(mesh, i)
+        for _ in range(MAX_STEPS):
             start, end = lowered[i], lowered[i + 1]
             effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)
-            if (effort < 0.0) != is_braking or excess <= EXACT or course.fixed_speed2[node] >= 0.0:
+            if (effort < 0.0) != is_braking or excess <= EXACT or mesh.fixed_speed2[node] >= 0.0:
                 break
             # the force is too much by about this, and falls by k with the square of the speed
             beyond = abs(effort) * excess / (1.0 + excess)
@@ -317,7 +321,7 @@ class RunBetweenNodes:
         within the cell; 0 elsewhere.
     excess_share : array
         By which share the train would have to exceed its largest effort.
-    duration_s, line_energy_j : array
+    duration_s, supply_energy_j : array
         Time [s], and line energy without auxiliaries [J].
     speed_excess_share : array
         By which share the speed exceeds its limit at an end of the cell.
@@ -329,12 +333,12 @@ class RunBetweenNodes:
     limit_share: FloatArray
     excess_share: FloatArray
     duration_s: FloatArray
-    line_energy_j: FloatArray
+    supply_energy_j: FloatArray
     speed_excess_share: FloatArray
     cell_length_m: FloatArray
 
     @cached_property
-    def largest_excess(self) -> LargestExcess:
+    def max_excess(self) -> LargestExcess:
         """The largest excess of a limit."""
         cell = int(np.argmax(np.maximum(self.excess_share, self.speed_excess_share)))
         of_effort, of_speed = float(self.excess_share[cell]), float(self.speed_excess_share[cell])
@@ -346,7 +350,7 @@ class RunBetweenNodes:
     @property
     def is_possible(self) -> bool:
         """Whether the run keeps all limits up to `ALLOWED_SHARE`."""
-        return self.largest_excess.share <= ALLOWED_SHARE
+        return self.max_excess.share <= ALLOWED_SHARE
 
     @property
     def total_s(self) -> float:
@@ -356,20 +360,20 @@ class RunBetweenNodes:
     @property
     def total_j(self) -> float:
         """Line energy of the run without auxiliaries [J]."""
-        return float(self.line_energy_j.sum())
+        return float(self.supply_energy_j.sum())
 
 
-def follow_between_nodes(course: CourseData, speed2: FloatArray) -> RunBetweenNodes:
+def follow_between_nodes(mesh: MeshData, speed2: FloatArray) -> RunBetweenNodes:
     """Follow a run between its nodes.
 
     Parameters
     ----------
-    course : CourseData
+    mesh : MeshData
         The discretised line and the train.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2], no two neighbours zero.
     """
-    effort, share, excess, duration, energy = _follow_run(course, speed2)
-    speed_excess = np.maximum(np.sqrt(speed2 / np.maximum(course.largest_speed2, NEARLY_AT_REST_MS)) - 1.0, 0.0)
+    effort, share, excess, duration, energy = _follow_run(mesh, speed2)
+    speed_excess = np.maximum(np.sqrt(speed2 / np.maximum(mesh.limit_speed2, NEARLY_AT_REST_MS)) - 1.0, 0.0)
     over = np.maximum(speed_excess[:-1], speed_excess[1:])
-    return RunBetweenNodes(effort, share, excess, duration, energy, over, course.cell_length_m)
+    return RunBetweenNodes(effort, share, excess, duration, energy, over, mesh.cell_length_m)

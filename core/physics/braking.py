@@ -15,7 +15,7 @@ from railjoule.core.drive.kernels import generated_power, may_draw_while_braking
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 
 # halved as often, any bracket of efforts is below rounding
-MOST_STEPS = 60
+MAX_STEPS = 60
 # generated power is stationary there, so that the power is exact to the square of this
 EXACT = 1e-9
 """How close to its best the electric effort need be found, as a share."""
@@ -30,7 +30,7 @@ def electric_effort(
     strongest: float,
     friction: float,
 ) -> float:
-    """Return what the electric brake does of a braking effort [N].
+    """Return the electric brake's part of a braking effort [N].
 
     Parameters
     ----------
@@ -67,17 +67,17 @@ def _shared_effort(
     best, most = (least, at_least[0]) if at_least[0] > power[0] else (first, power[0])
     # concave: between the ends it is greatest where the slope changes its sign, and nowhere if it does not
     if power[1] < 0.0 <= at_least[1]:
-        between = most_generating(drive_kind, drive_parameters, least, first, speed)
+        between = max_generating(drive_kind, drive_parameters, least, first, speed)
         if generated_power(drive_kind, drive_parameters, between, speed)[0] > most:
             best = between
     return best
 
 
 @njit(cache=True, error_model="numpy")
-def most_generating(drive_kind: int, drive_parameters: FloatArray, low: float, high: float, speed: float) -> float:
+def max_generating(drive_kind: int, drive_parameters: FloatArray, low: float, high: float, speed: float) -> float:
     """Return the effort between two [N] that generates most: Newton's rule on the slope, kept inside a bracket."""
     effort, exact = high, EXACT * high
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         _, slope, _, curvature, _, _ = generated_power(drive_kind, drive_parameters, effort, speed)
         if slope < 0.0:
             high = effort

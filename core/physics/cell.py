@@ -22,7 +22,7 @@ NEARLY_AT_REST_MS = 1e-9
 
 
 class Cell(NamedTuple):
-    """What the motion through a cell depends on, and its supply: numbers of one cell, or arrays of many.
+    """The parameters of the motion through a cell, and its supply: numbers of one cell, or arrays of many.
 
     Plain numbers: inner loops that make a tuple with arrays in it for each cell are ten times slower.
 
@@ -33,13 +33,14 @@ class Cell(NamedTuple):
     inertia : float or array
         k, force over the change of speed squared [N s2/m2].
     constant_n : float or array
-        What resists at any speed: A and the forces of the line [N].
+        Resistance at any speed: A and the forces of the line [N].
     linear : float
         B [N s/m].
     quadratic : float or array
         C [N s2/m2].
-    powered : float or array
-        Share of the largest efforts of the drive that there is: 1, or next to nothing in a neutral section.
+    supply_share : float or array
+        Share of the drive's largest efforts that the supply allows: 1, or next to nothing in a neutral section, as an
+        interior-point method needs a strictly feasible start.
     """
 
     length_m: Numbers
@@ -47,7 +48,7 @@ class Cell(NamedTuple):
     constant_n: Numbers
     linear: Numbers
     quadratic: Numbers
-    powered: Numbers
+    supply_share: Numbers
 
 
 @formula

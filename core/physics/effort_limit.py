@@ -6,6 +6,7 @@ that nobody named ends up in a piece of a tenth of a millimetre a second, whose 
 is then lowered by what it still exceeds the limit anywhere, a few millionths: no run asks a motor for more than it has.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -27,15 +28,19 @@ FIT_SHARE = 1e-6
 NARROWEST_MS = 1e-4
 """Pieces are not halved below that."""
 INSIDE = np.arange(1, 8) / 8
-"""Where a piece is compared with the limit that it stands for, as shares of its width."""
+"""Points at which a piece is compared with the limit that it stands for, as shares of its width."""
 # a limit may end at no effort, of which nothing is a share
-LEAST_SHARE = 0.01
+MIN_SHARE = 0.01
 """Limits below this share of the largest effort count as this much where a table's excess is a share of them."""
 # errors of the differences go with its square, those of rounding with its inverse
 SLOPE_SHARE = 1e-3
 """Step of the differences that give a slope, as a share of the width of a piece."""
 SLOWEST_MS = 1e-3
 """Stands for rest in limits of power, which end at the constant limit long before."""
+WIDENING = 2e-8
+"""Limits are widened by this share: what the product calls a run keeps them to 1e-8."""
+NARROW_MS = 1e-9
+"""Over so short a range a line needs no slope."""
 COLUMNS = 5
 """Of a table: where a piece begins, and the coefficients of 1, x, x^2, x^3 from there."""
 NO_TABLE, NO_PIECES = np.zeros((0, COLUMNS)), np.zeros(0, dtype=np.int64)
@@ -115,7 +120,7 @@ def fitted_limit(
         fitted.append(np.column_stack([start, cubic / width[:, None] ** np.arange(4)])[~split])
         # above the constant limit, which caps it, a table may exceed what it stands for
         limited = true[~split] < constant_n
-        excess = (found - true)[~split][limited] / np.maximum(true[~split][limited], LEAST_SHARE * constant_n)
+        excess = (found - true)[~split][limited] / np.maximum(true[~split][limited], MIN_SHARE * constant_n)
         over = max(over, 1.0 + float(np.max(excess, initial=0.0)))
         width = 0.5 * width[split]
         start = np.concatenate([start[split], start[split] + width])
@@ -183,22 +188,33 @@ def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, fl
 
 
 @njit(cache=True, error_model="numpy")
-def supplied_effort(limit: EffortLimit, powered: float, speed: float) -> float:
+def supplied_effort(limit: EffortLimit, supply_share: float, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s] where there is a share of the constant limit."""
-    # apart, as it needs no derivatives: compilers do not drop those of a call they do not inline
+    # a function of its own, as it needs no derivatives: compilers do not drop those of a call they do not inline
     if limit.table.shape[0] == 0:
-        return min(powered * limit.constant_n, limit.power_w / speed)
-    return min(powered * limit.constant_n, limit_over_speed(limit, speed)[0])
+        return min(supply_share * limit.constant_n, limit.power_w / speed)
+    return min(supply_share * limit.constant_n, limit_over_speed(limit, speed)[0])
 
 
 @njit(cache=True, error_model="numpy")
-def supplied_limit(limit: EffortLimit, powered: float) -> EffortLimit:
+def max_effort_slope(limit: EffortLimit, speed: float) -> tuple[float, float]:
+    """Return the largest effort [N] at a speed above zero [m/s], and its derivative by the speed."""
+    # most efforts are limited by the constant: no look at the limit that varies
+    if limit.table.shape[0] > 0 or limit.power_w / speed < limit.constant_n:
+        varying, by_speed, _ = limit_over_speed(limit, speed)
+        if varying < limit.constant_n:
+            return varying, by_speed
+    return limit.constant_n, 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def supplied_limit(limit: EffortLimit, supply_share: float) -> EffortLimit:
     """Return a limit where there is a share of its constant."""
-    return EffortLimit(powered * limit.constant_n, limit.power_w, limit.table, limit.first_piece)
+    return EffortLimit(supply_share * limit.constant_n, limit.power_w, limit.table, limit.first_piece)
 
 
 @njit(cache=True, error_model="numpy")
-def largest_effort(limit: EffortLimit, speed: float) -> float:
+def max_effort(limit: EffortLimit, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s]."""
     return supplied_effort(limit, 1.0, speed)
 
@@ -219,7 +235,7 @@ def bezier_points(limit: EffortLimit, piece: int, start: float, end: float) -> t
 @njit(cache=True, error_model="numpy")
 def effort_range(limit: EffortLimit, slow: float, fast: float) -> tuple[float, float]:
     """Return at most the least and at least the greatest of a limit [N] between two speeds above zero [m/s]."""
-    at_slow, at_fast = largest_effort(limit, slow), largest_effort(limit, fast)
+    at_slow, at_fast = max_effort(limit, slow), max_effort(limit, fast)
     least, greatest = min(at_slow, at_fast), max(at_slow, at_fast)
     # a limit of power falls with speed: its ends tell all. A curve may rise
     if limit.table.shape[0] > 0:
@@ -232,7 +248,45 @@ def effort_range(limit: EffortLimit, slow: float, fast: float) -> tuple[float, f
     return least, min(greatest, limit.constant_n)
 
 
+@njit(cache=True, error_model="numpy")
+def upper_line(limit: EffortLimit, v1: float, v2: float) -> tuple[float, float]:
+    """Return a0, a1 with limit(v) <= a0 + a1 v [N] for all speeds between two above zero [m/s]."""
+    wide = 1.0 + WIDENING
+    constant = limit.constant_n * wide
+    f1, f2 = wide * max_effort(limit, v1), wide * max_effort(limit, v2)
+    untabulated = limit.table.shape[0] == 0
+    if untabulated and (limit.power_w == math.inf or f2 >= constant):
+        return constant, 0.0
+    if untabulated and v2 - v1 < NARROW_MS:
+        # it falls with speed
+        return f1, 0.0
+    slope = (f2 - f1) / (v2 - v1) if v2 - v1 >= NARROW_MS else 0.0
+    lift = 0.0
+    if untabulated:
+        # P / v is convex, below its chord; where the constant limit ends there is a corner above it
+        corner = limit.power_w / limit.constant_n
+        if v1 < corner < v2:
+            lift = max(0.0, constant - f1 - slope * (corner - v1))
+        return f1 + lift - slope * v1, slope
+    third = (v2 - v1) / 3.0
+    first, last = piece_at(limit, v1), piece_at(limit, v2)
+    for piece in range(first, last + 1):
+        start = v1 if piece == first else limit.table[piece, 0]
+        end = v2 if piece == last else limit.table[piece + 1, 0]
+        points = bezier_points(limit, piece, start, end)
+        third = (end - start) / 3.0
+        by_constant = excess = -math.inf
+        for q in range(4):
+            line = f1 + slope * (start + q * third - v1)
+            excess = max(excess, wide * points[q] - line)
+            by_constant = max(by_constant, constant - line)
+        lift = max(lift, min(excess, by_constant))
+    if lift >= max(constant - f1, constant - f2):
+        return constant, 0.0
+    return f1 + lift - slope * v1, slope
+
+
 @njit(cache=True, nogil=True)
 def _fill_efforts(limit: EffortLimit, speed: FloatArray, effort: FloatArray) -> None:
     for i in range(speed.shape[0]):
-        effort[i] = largest_effort(limit, speed[i])
+        effort[i] = max_effort(limit, speed[i])

@@ -1,4 +1,4 @@
-"""What resists a train: running resistance, and the forces of gradients, curves and tunnels.
+"""Resistance of a train: running resistance, and the forces of gradients, curves and tunnels.
 
 Running resistance is A + B v + C v^2 (Davis), A in N, B in N s/m, C in N s2/m2. Over a cell of the mesh it is taken at
 the mean square of speed, which is exact: with a constant net force v^2 is linear in the distance. Its linear part is

@@ -1,4 +1,4 @@
-"""What limits the efforts of a vehicle: its own table in the file, and its drive."""
+"""Limits of the efforts of a vehicle: its own table in the file, and its drive."""
 
 from functools import lru_cache
 
@@ -78,7 +78,7 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float, dri
     power = np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW
     # adhesion falls with speed and its power rises: what it leaves at the corner of effort and power it leaves always
     by_adhesion = driven_n * float(adhesion_coefficient(min(power / max(constant, 1e-9), top_speed_ms))) < constant
-    # a limit of power alone is closed and exact: no table
+    # a mere limit of power is closed and exact: no table
     if not (limits.curve or limits.breakdown_speed_kmh is not None or by_drive or by_adhesion):
         return untabulated_limit(constant, power)
 
@@ -104,7 +104,7 @@ def _constant_n(limits: Traction | Braking) -> float:
 
 
 def _varying_n(limits: Traction | Braking, speed_ms: FloatArray) -> FloatArray:
-    """Return what varies with speed of a vehicle's own limits [N]; infinite where nothing does."""
+    """Return the part of a vehicle's own limits that varies with speed [N]; infinite where none does."""
     if limits.breakdown_speed_kmh is None:
         return _before_breakdown_n(limits, speed_ms)
     # with the constant one, or the effort would jump at a breakdown below the corner of the power

@@ -1,15 +1,20 @@
 """Scenarios: vehicle, line, timetable and disturbances as frozen, validated values and as files."""
 
-from railjoule.core.scenario.document import document_of, scenario_from_document
-from railjoule.core.scenario.files import format_scenario, load_scenario, parse_scenario, save_scenario
+from railjoule.core.scenario.document import (
+    as_scenario,
+    document_of,
+    format_scenario,
+    load_scenario,
+    parse_scenario,
+    save_scenario,
+    scenario_from_document,
+)
 from railjoule.core.scenario.line import Line, NeutralSection, Section, SpeedLimit, Station
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
-from railjoule.core.scenario.scenario import STRATEGY_NAMES, Scenario, StrategyName
-from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.scenario import Scenario, Timetable
 from railjoule.core.scenario.vehicle import Braking, Resistance, Traction, Vehicle
 
 __all__ = [
-    "STRATEGY_NAMES",
     "Braking",
     "Line",
     "NeutralSection",
@@ -18,10 +23,10 @@ __all__ = [
     "Section",
     "SpeedLimit",
     "Station",
-    "StrategyName",
     "Timetable",
     "Traction",
     "Vehicle",
+    "as_scenario",
     "document_of",
     "format_scenario",
     "load_scenario",

@@ -1,10 +1,12 @@
 """What all parts of a scenario share: frozen values, strict numbers, known keys only."""
 
 import unicodedata
-from collections.abc import Iterable
-from typing import Annotated
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+
+from railjoule.core.errors import ScenarioError
 
 # strict: a text or a boolean where a number belongs is a slip of the pen, and pydantic would turn both into numbers. A
 # NaN or an infinity would only show far away, as a solver that does not converge.
@@ -43,9 +45,32 @@ Name = Annotated[str, AfterValidator(_require_plain)]
 class Part(BaseModel):
     """A frozen, validated table of a scenario file; an unknown key is an error."""
 
+    def __init__(self, **fields: Any) -> None:
+        try:
+            super().__init__(**fields)
+        except ValidationError as error:
+            raise _construction_error(type(self), fields, error) from None
+
+    # pydantic looks at this flag: a model within a model is then validated without this constructor, and its errors
+    # keep their place
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
     # A misspelt key that was ignored would leave a default in force without a word. The input stays out of errors
     # because `_sentences` shows it itself, and shortened.
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
+
+
+def _construction_error(part: type[Part], fields: Mapping[str, Any], error: ValidationError) -> ScenarioError:
+    """Return the error of a constructor as one sentence."""
+    # `_sentences` imports the parts, which inherit from the class above
+    from railjoule.core.scenario._sentences import describe_findings  # noqa: PLC0415
+
+    name, preset = part.__name__, fields.get("preset")
+    if preset is not None and any(finding["type"] == "missing" for finding in error.errors()):
+        return ScenarioError(
+            f"{name}(preset={preset!r}) needs all other keys; {name}.from_preset({preset!r}) fills them in."
+        )
+    return ScenarioError(describe_findings(error, part, name))
 
 
 def require_effect(part: Part, keys: Iterable[str], reason: str) -> None:

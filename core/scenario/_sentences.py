@@ -1,33 +1,35 @@
 """Turn pydantic's findings into one sentence that names key, value and bound."""
 
 import difflib
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, get_args
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.options import MonteCarloOptions
 
-# pydantic's own sentences name neither the key as the file has it nor always the value, so each of its kinds of error
-# has words here; those without fall through to its own at the end of `_finding`.
-BOUNDS = {
-    "greater_than": ("gt", "must be above"),
-    "greater_than_equal": ("ge", "must be at least"),
-    "less_than": ("lt", "must be below"),
-    "less_than_equal": ("le", "must be at most"),
-}
-KINDS = {
-    "float_type": "must be a number",
-    "float_parsing": "must be a number",
-    "finite_number": "must be a finite number",
-    "int_type": "must be a whole number",
-    "int_from_float": "must be a whole number",
-    "bool_type": "must be true or false",
-    "string_type": "must be a text",
-    "tuple_type": "must be a list",
-    "model_type": "must be a table",
-    "model_attributes_type": "must be a table",
-    "dict_type": "must be a table",
+# Pydantic's own sentences name neither the key as the file has it nor always the value, so each of its kinds of error
+# has words here; `_finding` uses its own sentence for others.
+WORDS = {
+    "missing": "{path} is missing",
+    "greater_than": "{path} = {value} must be above {gt:g}",
+    "greater_than_equal": "{path} = {value} must be at least {ge:g}",
+    "less_than": "{path} = {value} must be below {lt:g}",
+    "less_than_equal": "{path} = {value} must be at most {le:g}",
+    **dict.fromkeys(("float_type", "float_parsing"), "{path} = {value} must be a number"),
+    "finite_number": "{path} = {value} must be a finite number",
+    **dict.fromkeys(("int_type", "int_from_float"), "{path} = {value} must be a whole number"),
+    "bool_type": "{path} = {value} must be true or false",
+    "string_type": "{path} = {value} must be a text",
+    "tuple_type": "{path} = {value} must be a list",
+    **dict.fromkeys(("model_type", "model_attributes_type", "dict_type"), "{path} = {value} must be a table"),
+    "literal_error": "{path} = {value} must be {expected}",
+    "union_tag_invalid": "{path}.{tag_key} = {shown_tag} must be one of {expected_tags}",
+    "union_tag_not_found": "{path}.{tag_key} is missing",
+    "too_short": "{path} has fewer than {min_length} entries",
+    "too_long": "{path} has more than {max_length} entries",
+    "string_too_long": "{path} is longer than {max_length} characters",
 }
 # in a file the drive is a table of its own, in the model a part of the vehicle
 ALIASES = {"vehicle.drive": "drive"}
@@ -44,8 +46,25 @@ SECOND_MATCH_MARGIN = 0.18
 LONGEST_INTEGER_BITS = 4096
 
 
-def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> str:
-    """Return one sentence for the first finding of `error`, with the number of the others."""
+Model = TypeVar("Model", bound=BaseModel)
+
+
+def validated(model: type[Model], document: Any, source: str) -> Model:
+    """Validate a document of a file as a model.
+
+    Raises
+    ------
+    ScenarioError
+        If a key is unknown or missing, or a value wrong: one sentence that begins with `source`.
+    """
+    try:
+        return model.model_validate(document)
+    except ValidationError as error:
+        raise ScenarioError(describe_findings(error, model, source)) from None
+
+
+def describe_findings(error: ValidationError, model: type[BaseModel], source: str) -> str:
+    """Describe the first finding of `error` in one sentence, with the number of the others."""
     everything = error.errors(include_url=False)
     findings = [finding for finding in everything if not _is_consequence(finding, everything)]
     # a misspelt key is reported before the key that is therefore missing
@@ -88,42 +107,33 @@ def shorten(text: str) -> str:
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 
 
+def counted(count: int, what: str) -> str:
+    """Format a number of things: '1 row' or '3 rows'."""
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def shown_list(names: Iterator[str] | list[str], most: int = 8) -> str:
+    """Join names by commas, of a long list or name the beginning."""
+    names = [shorten(name) for name in names]
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
 def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
-    place = finding["loc"]
+    place, kind = finding["loc"], finding["type"]
     # pydantic puts the tag of a union into the place, "drive.induction.motors", where the file has "drive.motors"
     location = _without_tags(place)
-    path = _dotted(location)
-    kind, value, context = finding["type"], finding["input"], finding.get("ctx", {})
-    if kind == "missing":
-        return f"{path} is missing"
+    path, value, context = _dotted(location), show(finding["input"]), finding.get("ctx", {})
     if kind == "extra_forbidden":
         return f"unknown key {path}, {suggestion(str(location[-1]), _keys_at(model, place[:-1]))}"
-    if kind in BOUNDS:
-        key, words = BOUNDS[kind]
-        return f"{path} = {show(value)} {words} {context[key]:g}"
-    if kind in KINDS:
-        return f"{path} = {show(value)} {KINDS[kind]}"
-    if kind == "literal_error":
-        return f"{path} = {show(value)} must be {context['expected']}"
-    if kind == "union_tag_invalid":
-        return f"{_tag_path(path, context)} = {show(context['tag'])} must be one of {context['expected_tags']}"
-    if kind == "union_tag_not_found":
-        return f"{_tag_path(path, context)} is missing"
-    if kind == "too_short":
-        least = context["min_length"]
-        return f"{path} is empty" if least == 1 else f"{path} has fewer than {least} entries"
-    if kind == "too_long":
-        return f"{path} has more than {context['max_length']} entries"
-    if kind == "string_too_long":
-        return f"{path} is longer than {context['max_length']} characters"
+    if kind == "too_short" and context["min_length"] == 1:
+        return f"{path} is empty"
     if kind == "value_error":
         return _own_finding(path, str(context["error"]), _keys_at(model, place))
-    return f"{path} = {show(value)}: {finding['msg']}"
-
-
-def _tag_path(path: str, context: Mapping[str, Any]) -> str:
-    """Return the place of the key that tells the kind of a table."""
-    return f"{path}.{str(context['discriminator']).strip(chr(39))}"
+    tag = {"tag_key": str(context.get("discriminator")).strip("'"), "shown_tag": show(context.get("tag"))}
+    return WORDS.get(kind, "{path} = {value}: {msg}").format_map(
+        {**finding, **context, **tag, "path": path, "value": value}
+    )
 
 
 def _own_finding(path: str, words: str, keys: set[str]) -> str:

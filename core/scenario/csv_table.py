@@ -1,4 +1,4 @@
-"""Tables of numbers in CSV files that a scenario names."""
+"""Tables in CSV files that a scenario names: sections of a line, efficiency maps."""
 
 import csv
 from collections.abc import Callable, Iterable
@@ -6,8 +6,11 @@ from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import show, suggestion
+from railjoule.core.scenario.drive import MIN_POINTS
+from railjoule.core.scenario.line import Section
 from railjoule.core.scenario.text_file import read_text
 
+MAP_COLUMNS = ("torque_nm", "speed_rads", "efficiency")
 Folder = Path | Callable[[str], str]
 """Where the files are that a scenario names: a folder, or what reads the text of one by its name."""
 
@@ -66,3 +69,28 @@ def _row(header: list[str], row: list[str], place: str) -> dict[str, float]:
             except ValueError:
                 raise ScenarioError(f"{place}: {column} = {show(cell.strip())} must be a number.") from None
     return values
+
+
+def read_map(name: str, folder: Folder | None) -> list[list[float]]:
+    """Read the points of an efficiency map; arguments and errors as in `read_rows`.
+
+    Raises
+    ------
+    ScenarioError
+        If a column is missing, a cell is empty, or there are too few points.
+    """
+    points = []
+    for number, row in enumerate(read_rows("drive.file", name, folder, MAP_COLUMNS), 1):
+        missing = [column for column in MAP_COLUMNS if column not in row]
+        if missing:
+            raise ScenarioError(f"drive.file {name!r}: point {number} has no {missing[0]}.")
+        points.append([row[column] for column in MAP_COLUMNS])
+    # the model has the same bound, but here the sentence can name the file
+    if len(points) < MIN_POINTS:
+        raise ScenarioError(f"drive.file {name!r} has {len(points)} of at least {MIN_POINTS} points.")
+    return points
+
+
+def read_sections(name: str, folder: Folder | None) -> list[dict[str, float]]:
+    """Read sections, whose keys are the columns; arguments and errors as in `read_rows`."""
+    return read_rows("line.file", name, folder, Section.model_fields)

@@ -1,12 +1,82 @@
-"""What goes otherwise than planned."""
+"""Distributions of random quantities, and the disturbances of a run."""
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Number, Part
 from railjoule.core.scenario.line import RailCondition, SpeedLimit
-from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
+from railjoule.core.scenario.vehicle import MAX_LOAD_FACTOR
+
+
+class Fixed(Part):
+    """Always the same value."""
+
+    distribution: Literal["fixed"]
+    value: Number = Field(description="The value.")
+
+
+class Uniform(Part):
+    """Any value of an interval, all equally likely."""
+
+    distribution: Literal["uniform"]
+    low: Number = Field(description="The least value.")
+    high: Number = Field(description="The greatest value.")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.high <= self.low:
+            raise ValueError(f"high = {self.high:g} must be above low = {self.low:g}")
+        return self
+
+
+class Triangular(Part):
+    """A most likely value between two ends."""
+
+    distribution: Literal["triangular"]
+    low: Number = Field(description="The least value.")
+    mode: Number = Field(description="The most likely value.")
+    high: Number = Field(description="The greatest value.")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if not (self.low <= self.mode <= self.high and self.low < self.high):
+            raise ValueError(
+                f"low = {self.low:g}, mode = {self.mode:g}, high = {self.high:g} must be in this order, and low "
+                "below high"
+            )
+        return self
+
+
+class Normal(Part):
+    """Around a mean."""
+
+    distribution: Literal["normal"]
+    mean: Number | None = Field(None, description="The mean; by default the planned value.")
+    standard_deviation: Number = Field(gt=0, le=1e6, description="The standard deviation.")
+
+
+class LogNormal(Part):
+    """Around a median, by factors."""
+
+    distribution: Literal["log_normal"]
+    median: Number = Field(gt=0, le=1e6, description="The median.")
+    # at 10 one standard deviation is a factor of 22,000: any more is a slip of units
+    log_standard_deviation: Number = Field(gt=0, le=10, description="The standard deviation of the logarithm.")
+
+
+class Exponential(Part):
+    """Mostly small, rarely large, never negative."""
+
+    distribution: Literal["exponential"]
+    mean: Number = Field(gt=0, le=1e6, description="The mean.")
+
+
+Distribution = Annotated[
+    Fixed | Uniform | Triangular | Normal | LogNormal | Exponential, Field(discriminator="distribution")
+]
+"""Any kind of distribution; the key `distribution` names it."""
+
 
 Reaction = Literal["driver", "computer", "known"]
 
@@ -35,7 +105,7 @@ class UnplannedStop(Event):
     @model_validator(mode="after")
     def _noticed_before(self) -> Self:
         # A train learns of a stop before it stands there. How far before is not checked here: whether it can still
-        # brake depends on its speed, and the simulation tells a stop that was missed.
+        # brake depends on its speed, and the simulation reports a missed stop.
         if self.noticed_at_m is not None and self.noticed_at_m > self.position_m:
             raise ValueError(
                 f"noticed_at_m = {self.noticed_at_m:g} is after position_m = {self.position_m:g}, "
@@ -74,7 +144,7 @@ class Disturbance(Part):
         0.0, ge=-10_000, le=10_000, description="Position error: the train assumes it is this much farther on [m]."
     )
     actual_load_factor: Number | None = Field(
-        None, ge=0, le=MOST_LOAD_FACTOR, description="Actual share of the capacity on board."
+        None, ge=0, le=MAX_LOAD_FACTOR, description="Actual share of the capacity on board."
     )
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)

@@ -1,25 +1,33 @@
-"""Scenarios as nested dictionaries, the shape of a TOML file: presets filled in and taken out again."""
+"""Scenarios as TOML files and as nested dictionaries of their shape, with presets filled in and taken out again."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from copy import deepcopy
-from typing import Any, Literal
+from pathlib import Path
+from typing import Any, Literal, TypeVar
 
-from pydantic import BaseModel, ValidationError
+import tomli_w
+from pydantic import BaseModel
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import sentence_of, shorten, show
-from railjoule.core.scenario.csv_table import Folder
+from railjoule.core.scenario._sentences import shorten, show, validated
+from railjoule.core.scenario.csv_table import Folder, read_map, read_sections
 from railjoule.core.scenario.line import Line
-from railjoule.core.scenario.map_csv import read_map
-from railjoule.core.scenario.presets import preset_document
+from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
 from railjoule.core.scenario.scenario import Scenario
-from railjoule.core.scenario.sections_csv import read_sections
-from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
+from railjoule.core.scenario.text_file import (
+    MAX_FILE_BYTES,
+    MAX_KEY_PARTS,
+    NESTED_TOO_DEEPLY,
+    read_text,
+    read_toml,
+)
 from railjoule.core.scenario.vehicle import Vehicle
+from railjoule.core.written import write_text
 
 Document = dict[str, Any]
+PresetPart = TypeVar("PresetPart", Vehicle, Line)
 
-# A document is often laid over a preset that says the same thing by the other key. Without this, setting one would
+# A document is often laid over a preset that gives the same quantity by the other key. Without this, setting one would
 # leave both in force, which the model refuses.
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
@@ -41,7 +49,7 @@ def scenario_from_document(
     document : mapping
         Keys as in a scenario file.
     source : str
-        What errors call the document, such as its file's name.
+        The name of the document in errors, such as its file's.
     folder : Path or callable, optional
         Where `line.file` is looked for; without it that key is refused.
 
@@ -57,20 +65,41 @@ def scenario_from_document(
         _fill_line(filled, folder)
     except ScenarioError as error:
         raise ScenarioError(f"{source}: {error}") from None
-    try:
-        return Scenario.model_validate(filled)
-    except ValidationError as error:
-        raise ScenarioError(sentence_of(error, Scenario, source)) from None
+    return validated(Scenario, filled, source)
+
+
+def part_from_preset(
+    model: type[PresetPart], kind: Literal["vehicles", "lines"], name: str, changes: Mapping[str, Any]
+) -> PresetPart:
+    """Return a shipped vehicle or line with some keys changed.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such preset, or a key or its value is wrong.
+    """
+    _require_consistent(changes, model.__name__)
+    document = merged(preset_document(kind, name), {"preset": name, **changes})
+    return validated(model, document, f"{model.__name__}.from_preset({name!r})")
+
+
+def _require_consistent(keys: Iterable[str], source: str) -> None:
+    """Raise ScenarioError if two keys of one table exclude each other."""
+    for group in EXCLUSIVE_KEYS:
+        given = sorted(group & set(keys))
+        if len(given) > 1:
+            raise ScenarioError(f"{source}: {' and '.join(given)} exclude each other; give one of them.")
 
 
 def document_of(scenario: Scenario) -> Document:
     """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
     document = _dump(scenario)
-    vehicle, drive = _shorten_vehicle(scenario.vehicle)
-    document["vehicle"] = vehicle
+    document["vehicle"], drive = _shorten_vehicle(scenario.vehicle)
     if drive:
         document["drive"] = drive
-    document["line"] = _shorten_line(scenario.line)
+    line = scenario.line
+    short = _over("lines", line.model_dump(mode="json", exclude_none=True), Line)
+    document["line"] = whole_line(line) if short is None else short
     return document
 
 
@@ -85,13 +114,21 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
     Raises
     ------
     ScenarioError
-        If a path has too many parts, or leads through what is no table.
+        If a path has too many parts or leads through a value that is no table, or two keys exclude each other.
     """
     changed = deepcopy(document)
+    tables: dict[str, set[str]] = {}
+    for path, value in changes.items():
+        parent, _, key = path.rpartition(".")
+        # a key that is taken away or switched off contradicts nothing
+        if value is not None and value is not False:
+            tables.setdefault(parent, set()).add(key)
+    for parent, keys in tables.items():
+        _require_consistent(keys, parent or "scenario")
     for path, value in changes.items():
         # before any table is made: a path of a million parts would nest as many dictionaries
-        if path.count(".") >= MOST_KEY_PARTS:
-            raise ScenarioError(f"{shorten(path)}: a key has at most {MOST_KEY_PARTS} parts with dots between them.")
+        if path.count(".") >= MAX_KEY_PARTS:
+            raise ScenarioError(f"{shorten(path)}: a key has at most {MAX_KEY_PARTS} parts with dots between them.")
         *parents, key = (
             path.removeprefix("vehicle.").split(".") if path.startswith("vehicle.drive.") else path.split(".")
         )
@@ -143,47 +180,38 @@ def _fill_vehicle(document: Document, folder: Folder | None) -> None:
         return
     # The order matters: first the preset, then the drive of the document over that of the preset, then the map's file,
     # as either of the two may name it.
-    vehicle = _filled("vehicles", vehicle)
+    vehicle = document["vehicle"] = _filled("vehicles", vehicle)
     drive = document.pop("drive", None)
     if isinstance(drive, dict):
         vehicle["drive"] = _merged_drive(vehicle.get("drive", {}), drive)
     elif drive is not None:
         raise ScenarioError(f"drive = {show(drive)} must be a table.")
-    if isinstance(vehicle.get("drive"), dict):
-        fill_map(vehicle["drive"], folder)
-    document["vehicle"] = vehicle
-
-
-def fill_map(drive: Document, folder: Folder | None) -> None:
-    """Put the points of a map's file in its place."""
-    if drive.get("model") != "efficiency_map" or "file" not in drive:
+    drive = vehicle.get("drive")
+    if not isinstance(drive, dict) or drive.get("model") != "efficiency_map" or "file" not in drive:
         return
-    name = drive.pop("file")
-    if not isinstance(name, str):
-        raise ScenarioError(f"drive.file = {show(name)} must be the name of a CSV file.")
+    name = _file_name("drive.file", drive.pop("file"))
     if "points" in drive:
         raise ScenarioError("drive needs only one of file and points.")
-    # from here on nothing knows the file: a scenario is one value that can be saved, sent and compared
+    # the name of the file goes no further: a scenario is one value that can be saved, sent and compared
     drive["points"] = read_map(name, folder)
 
 
 def _fill_line(document: Document, folder: Folder | None) -> None:
     line = document.get("line")
-    if isinstance(line, dict):
-        fill_sections(line, folder)
-        document["line"] = _filled("lines", line)
-
-
-def fill_sections(line: Document, folder: Folder | None) -> None:
-    """Put the sections of a line's file in its place."""
-    name = line.pop("file", None)
-    if name is not None and not isinstance(name, str):
-        raise ScenarioError(f"line.file = {show(name)} must be the name of a CSV file.")
-    if name is not None:
+    if not isinstance(line, dict):
+        return
+    if (name := line.pop("file", None)) is not None:
         # two of them would contradict each other, and no rule says which one counts
         if "sections" in line or "preset" in line:
             raise ScenarioError("line needs only one of preset, file and sections.")
-        line["sections"] = read_sections(name, folder)
+        line["sections"] = read_sections(_file_name("line.file", name), folder)
+    document["line"] = _filled("lines", line)
+
+
+def _file_name(key: str, name: Any) -> str:
+    if not isinstance(name, str):
+        raise ScenarioError(f"{key} = {show(name)} must be the name of a CSV file.")
+    return name
 
 
 def _filled(kind: Literal["vehicles", "lines"], table: Document) -> Document:
@@ -201,30 +229,22 @@ def _dump(part: BaseModel) -> Document:
 
 
 def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
-    """Return the tables `vehicle` and `drive` of a document."""
+    """Shorten the tables `vehicle` and `drive` of a document."""
     full = vehicle.model_dump(mode="json", exclude_none=True)
-    short = None
-    if vehicle.preset is not None:
-        short = _over(full, Vehicle.model_validate(preset_document("vehicles", vehicle.preset)))
-    if short is not None:
-        drive = short.pop("drive", {})
-        return short, full["drive"] if drive.get("model") else drive
-    return _dump(vehicle.model_copy(update={"preset": None})), {}
+    short = _over("vehicles", full, Vehicle)
+    if short is None:
+        return _dump(vehicle.model_copy(update={"preset": None})), {}
+    drive = short.pop("drive", {})
+    return short, full["drive"] if drive.get("model") else drive
 
 
-def _shorten_line(line: Line) -> Document:
-    short = None
-    if line.preset is not None:
-        full = line.model_dump(mode="json", exclude_none=True)
-        short = _over(full, Line.model_validate(preset_document("lines", line.preset)))
-    return whole_line(line) if short is None else short
-
-
-def _over(full: Document, base: BaseModel) -> Document | None:
-    """Return what is to be laid over a preset to give `full`; None where no such thing does."""
-    table = base.model_dump(mode="json", exclude_none=True)
-    short = _difference(full, table)
-    return short if merged(table, short) == full else None
+def _over(kind: Literal["vehicles", "lines"], full: Document, model: type[BaseModel]) -> Document | None:
+    """Compute the changes of a preset that give `full`; None if there are none."""
+    if full.get("preset") is None:
+        return None
+    base = model.model_validate(preset_document(kind, full["preset"])).model_dump(mode="json", exclude_none=True)
+    short = _difference(full, base)
+    return short if merged(base, short) == full else None
 
 
 def _difference(full: Document, base: Document) -> Document:
@@ -237,3 +257,89 @@ def _difference(full: Document, base: Document) -> Document:
             both_tables = isinstance(value, dict) and isinstance(base[key], dict)
             result[key] = _difference(value, base[key]) if both_tables else value
     return result
+
+
+def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
+    """Read a scenario file, or by its name a shipped scenario.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file, or the name of a shipped scenario such as `liashenko-ii`.
+    changes : mapping, optional
+        Keys to set before it is checked, named by dotted path.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read or anything in it is wrong.
+    """
+    path = Path(path)
+    # a user's own file of the same name wins, or a file on disk could not be read
+    shipped = str(path) in preset_names("scenarios") and not path.exists()
+    # a shipped scenario names no files, so it needs no folder; one on disk may name others beside it
+    text = preset_text("scenarios", str(path)) if shipped else read_text(path)
+    return parse_scenario(text, path.name, None if shipped else path.parent, changes)
+
+
+def as_scenario(scenario: Scenario | str | Path) -> Scenario:
+    """Return a scenario, also one that is given by its name or file.
+
+    Raises
+    ------
+    ScenarioError
+        If it is neither, or as in `load_scenario`.
+    """
+    if isinstance(scenario, Scenario):
+        return scenario
+    if isinstance(scenario, str | Path):
+        return load_scenario(scenario)
+    raise ScenarioError(
+        f"scenario has the type {type(scenario).__name__}; it must be a Scenario, the name of a shipped one, or a "
+        "file's path."
+    )
+
+
+def parse_scenario(
+    text: str,
+    source: str = "scenario",
+    folder: Folder | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Scenario:
+    """Return the scenario that a TOML text describes.
+
+    Parameters
+    ----------
+    text : str
+        The TOML.
+    source : str
+        Its name in errors.
+    folder : Path or callable, optional
+        Where files that it names are looked for; without it such keys are refused.
+    changes : mapping, optional
+        Keys to set before it is checked, named by dotted path.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no TOML, larger than 10 MB, or anything in it is wrong.
+    """
+    # also for texts that never were a file, as those pasted into the page
+    if len(text) > MAX_FILE_BYTES:
+        raise ScenarioError(f"{source}: more than the {MAX_FILE_BYTES / 1e6:g} MB allowed.")
+    document = read_toml(text, source)
+    try:
+        # the changes come before the checks: keys that only fit together can be changed together
+        return scenario_from_document(change_document(document, changes or {}), source, folder)
+    except RecursionError:
+        raise ScenarioError(f"{source}: {NESTED_TOO_DEEPLY}") from None
+
+
+def format_scenario(scenario: Scenario) -> str:
+    """Return the TOML text that gives exactly `scenario` when it is read again."""
+    return tomli_w.dumps(document_of(scenario))
+
+
+def save_scenario(scenario: Scenario, path: str | Path) -> None:
+    """Write `scenario` to a TOML file that gives exactly it when it is read again."""
+    write_text(path, format_scenario(scenario))

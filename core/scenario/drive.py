@@ -5,11 +5,55 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part
-from railjoule.core.scenario.machine import InductionMachine
-from railjoule.core.scenario.map_csv import LEAST_POINTS
+from railjoule.core.units import H_PER_MH
+
+Resistance = Annotated[Number, Field(gt=0, le=100)]
+
+
+class InductionMachine(Part):
+    """One induction machine, its T circuit seen from the stator; currents and voltages are amplitudes per phase."""
+
+    pole_pairs: Count = Field(ge=1, le=50, description="Pole pairs of a motor.")
+    stator_resistance_ohm: Resistance = Field(description="Resistance of a stator phase [ohm].")
+    rotor_resistance_ohm: Resistance = Field(description="Resistance of a rotor phase, seen from the stator [ohm].")
+    mutual_inductance_mh: Number = Field(gt=0, le=1e5, description="Inductance between stator and rotor [mH].")
+    stator_leakage_mh: Number = Field(gt=0, le=1e4, description="Leakage inductance of a stator phase [mH].")
+    rotor_leakage_mh: Number = Field(gt=0, le=1e4, description="Leakage inductance of a rotor phase [mH].")
+    rotor_flux_vs: Number = Field(gt=0, le=1000, description="Rated flux linkage of the rotor [V s].")
+    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses are given [Hz].")
+    hysteresis_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
+    eddy_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
+    max_current_a: Number = Field(gt=0, le=1e5, description="Largest current of the inverter in a phase [A].")
+    max_phase_voltage_v: Number = Field(gt=0, le=1e5, description="Largest voltage of the inverter in a phase [V].")
+
+    @model_validator(mode="after")
+    def _carries_its_flux(self) -> Self:
+        # torque needs sqrt(I^2 - Imu^2) beside the flux; the control weakens the flux for the voltage, never to start
+        if self.max_current_a <= self.magnetising_current_a:
+            raise ValueError(
+                f"max_current_a = {self.max_current_a:g} must be above rotor_flux_vs / mutual_inductance_mh = "
+                f"{self.magnetising_current_a:.4g} A, which produces the rated flux"
+            )
+        return self
+
+    @property
+    def stator_inductance_mh(self) -> float:
+        """Self inductance of a stator phase [mH]."""
+        return self.mutual_inductance_mh + self.stator_leakage_mh
+
+    @property
+    def rotor_inductance_mh(self) -> float:
+        """Self inductance of a rotor phase [mH]."""
+        return self.mutual_inductance_mh + self.rotor_leakage_mh
+
+    @property
+    def magnetising_current_a(self) -> float:
+        """Current that makes the rated flux [A]."""
+        # in steady state the rotor has no current along its flux, so flux = M i: the leakage plays no part
+        return self.rotor_flux_vs / (self.mutual_inductance_mh * H_PER_MH)
+
 
 Efficiency = Annotated[Number, Field(gt=0, le=1)]
-Resistance = Annotated[Number, Field(gt=0, le=100)]
 Inductance = Annotated[Number, Field(gt=0, le=1e5)]
 Current = Annotated[Number, Field(gt=0, le=1e5)]
 MapPoint = tuple[
@@ -19,12 +63,13 @@ MapPoint = tuple[
 ]
 # Losses are extrapolated to no torque and no speed by a parabola through the next three points, and a torque or speed
 # of 0 is one of the values.
-LEAST_MAP_POINTS = 3
+MIN_MAP_POINTS = 3
 """Torques and speeds that an efficiency map has at least."""
+MIN_POINTS = MIN_MAP_POINTS**2
 
 
 class DriveParameters(Part):
-    """What every kind of drive has."""
+    """The keys of every kind of drive."""
 
     recuperation_factor: Number = Field(
         0.0, ge=0, le=1, description="Share of the generated electrical energy that is recuperated."
@@ -41,12 +86,12 @@ class DriveParameters(Part):
         return 0.0
 
     def at_voltage(self, factor: float) -> Self:
-        """Return the drive at a line voltage that is `factor` times the nominal one; itself where it knows none."""
+        """Return the drive at a line voltage that is `factor` times the nominal one; itself where it has none."""
         return self
 
 
 class IdlingDrive(DriveParameters):
-    """What drives have that take power as soon as they are on, so that being on for a part of the time saves."""
+    """The keys of drives with idle losses, which save energy by being on for a part of the time."""
 
     # Assumed: within the jerk that passengers bear, about 1 m/s3, an effort for 1 m/s2 takes a second to build up and
     # as long to take back, so that less than this is hardly there. Against switching in any cell it costs the shipped
@@ -85,7 +130,7 @@ class CopperLoss(DriveParameters):
     )
 
     def at_voltage(self, factor: float) -> Self:
-        """Return the drive with the machine's voltage times a factor: in closed loop alone it limits the effort."""
+        """Return the drive with the machine's voltage times a factor: it limits the effort only in closed loop."""
         if self.machine is None:
             return self
         limit = factor * self.machine.max_phase_voltage_v
@@ -152,7 +197,7 @@ class Induction(IdlingDrive):
 
 
 class GearedMotors(IdlingDrive):
-    """What drives have whose losses are known for each motor with its inverter."""
+    """The keys of drives with known losses of each motor with its inverter."""
 
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
@@ -177,7 +222,7 @@ class EfficiencyMap(GearedMotors):
 
     model: Literal["efficiency_map"]
     points: tuple[MapPoint, ...] = Field(
-        min_length=LEAST_POINTS, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
+        min_length=MIN_POINTS, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
     )
 
     @model_validator(mode="after")
@@ -198,8 +243,8 @@ class EfficiencyMap(GearedMotors):
         if 0 not in torques or speeds[0] != 0:
             raise ValueError("points must begin at torque_nm = 0 and speed_rads = 0, where a train starts")
         for first, least in (("torque_nm", [t for t in torques if t >= 0]), ("speed_rads", speeds)):
-            if len(least) < LEAST_MAP_POINTS:
-                raise ValueError(f"points need {LEAST_MAP_POINTS} values of {first} from 0 on")
+            if len(least) < MIN_MAP_POINTS:
+                raise ValueError(f"points need {MIN_MAP_POINTS} values of {first} from 0 on")
         for torque, speed, efficiency in self.points:
             # driving loss is M w (1 / eta - 1); in braking an efficiency of 0 is a machine that generates nothing,
             # which exists
@@ -270,4 +315,4 @@ Drive = Annotated[
     ConstantEfficiency | CopperLoss | Induction | LossPolynomial | EfficiencyMap | Synchronous,
     Field(discriminator="model"),
 ]
-"""Any kind of drive; the key `model` tells which."""
+"""Any kind of drive, by the key `model`."""

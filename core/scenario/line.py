@@ -1,11 +1,17 @@
 """A line: sections of gradient, curve and limit, temporary limits, neutral sections, stations, passing points."""
 
+from collections.abc import Mapping, Sequence
+from importlib import import_module
 from itertools import pairwise
-from typing import Literal, Self, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Name, Number, Part
+
+if TYPE_CHECKING:
+    import pandas
 
 SHORTEST_DISTANCE_M = 1.0
 """Neither a line nor the distance between two stations is shorter."""
@@ -138,6 +144,82 @@ class Line(Part):
     rail_condition: RailCondition | None = Field(
         None, description="Rail condition, by which adhesion limits the efforts; if empty, it does not."
     )
+
+    @classmethod
+    def from_preset(cls, name: str, **changes: Any) -> "Line":
+        """Return a shipped line.
+
+        Parameters
+        ----------
+        name : str
+            Name of the preset; `railjoule.preset_names("lines")` lists them.
+        **changes
+            Keys of the line to change, such as `reverse=True`.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such preset, or a key or its value is wrong.
+        """
+        # documents import lines
+        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
+
+        return part_from_preset(cls, "lines", name, changes)
+
+    @classmethod
+    def from_tables(
+        cls,
+        *,
+        gradients: "str | Path | pandas.DataFrame | None" = None,
+        limits: "str | Path | pandas.DataFrame | None" = None,
+        curves: "str | Path | pandas.DataFrame | None" = None,
+        tunnels: "str | Path | pandas.DataFrame | None" = None,
+        neutral: "str | Path | pandas.DataFrame | None" = None,
+        stations: Sequence[Station] = (),
+        settings: Mapping[str, str] | None = None,
+        begin_m: float | None = None,
+        end_m: float | None = None,
+        reverse: bool = False,
+        name: str = "",
+    ) -> "Line":
+        """Return the line that tables of intervals over one chainage describe.
+
+        A warning is issued for each assumption, and for each row that is not used.
+
+        Parameters
+        ----------
+        gradients, limits, curves, tunnels, neutral : str, Path or DataFrame, optional
+            A CSV file, a workbook or a data frame, with columns such as "from [m]", "to [m]", "gradient [permille]". At
+            least one table is needed.
+        stations : sequence of Station
+            Stops between the ends, at their chainage [m].
+        settings : mapping of str to str, optional
+            Columns and units that the tables do not name, such as {"gradients.value_unit": "permille"} or
+            {"limits.from": "begins at"}.
+        begin_m, end_m : float, optional
+            The chainage between which the line lies [m]; by default from the first to the last row of gradients and
+            limits.
+        reverse : bool
+            Run it in falling chainage: positions are mirrored, and gradients change their signs.
+        name : str
+            Name of the line.
+
+        Raises
+        ------
+        ScenarioError
+            If a table cannot be read, or its units are in doubt.
+        """
+        # by name: imports make lines, and compiled kernels depend on lines and must not depend on all that imports use
+        module = import_module("railjoule.core.imports.from_tables")
+        tables: dict[Any, Any] = {
+            "gradients": gradients,
+            "limits": limits,
+            "curves": curves,
+            "tunnels": tunnels,
+            "neutral": neutral,
+        }
+        line: Line = module.line_from_tables(tables, stations, settings or {}, begin_m, end_m, reverse, name)
+        return line
 
     @model_validator(mode="after")
     def _lies_within(self) -> Self:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part, require_effect
-from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal
+from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal
 
 LOOP_STEP_S = 0.001
 """Step of the integration in closed loop where a scenario names none [s]."""
@@ -103,7 +103,7 @@ class SimulationOptions(Part):
     rotor_resistance_factor: Number = Field(
         1.0, ge=0.2, le=5, description="Rotor resistance that the motor controller assumes, over the true one."
     )
-    flux: Literal["constant", "least_loss"] = Field(
+    flux: Literal["constant", "min_loss"] = Field(
         "constant", description="Rated flux as long as the voltage allows it, or the flux of least loss."
     )
     speed_noise_rads: Number = Field(

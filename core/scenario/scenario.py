@@ -1,12 +1,17 @@
-"""A scenario: everything that a strategy needs to know, as one frozen value."""
+"""A scenario: everything that a strategy needs, as one frozen value; and its timetable.
 
+An average speed counts over the way of the train's front, the length of the line. Shtompel, Khvorost 2025, (15), count
+it over the length of an inter-station run less that of the train, (X_sum - X_tr) / v_sr: `deduct_train_length`.
+"""
+
+from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, Literal, Self, get_args
+from typing import Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._base import Name, Part
+from railjoule.core.scenario._base import Name, Number, Part, require_effect
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.options import (
@@ -18,23 +23,56 @@ from railjoule.core.scenario.options import (
     SimulationOptions,
     SolverOptions,
 )
-from railjoule.core.scenario.timetable import Timetable
-from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY
+from railjoule.core.scenario.text_file import NESTED_TOO_DEEPLY
 from railjoule.core.scenario.vehicle import Vehicle
+from railjoule.core.strategy import require_strategy
+from railjoule.core.units import MS_PER_KMH
 
-StrategyName = Literal["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
-STRATEGY_NAMES: tuple[StrategyName, ...] = get_args(StrategyName)
+
+class Timetable(Part):
+    """The time for the whole run, dwells included: given itself or as an average speed; and the speeds at its ends."""
+
+    # a day at most: a run that takes longer is a timetable in minutes or milliseconds
+    travel_time_s: Number | None = Field(None, gt=0, le=86400, description="Time for the whole run [s].")
+    average_speed_kmh: Number | None = Field(None, gt=0, le=600, description="Length over travel time [km/h].")
+    deduct_train_length: bool = Field(
+        False, strict=True, description="The average speed counts over each inter-station run less the train's length."
+    )
+    # a part of a longer journey begins and ends in motion; published benchmarks do so with 1 m/s
+    entry_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the start of the line [km/h].")
+    exit_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the end of the line [km/h].")
+
+    @model_validator(mode="after")
+    def _one_definition(self) -> Self:
+        # both would contradict each other as soon as the line changes, and none leaves the time open
+        if (self.travel_time_s is None) == (self.average_speed_kmh is None):
+            raise ValueError("needs exactly one of travel_time_s and average_speed_kmh")
+        if self.average_speed_kmh is None:
+            require_effect(self, ("deduct_train_length",), "with travel_time_s, only with average_speed_kmh")
+        return self
+
+    @property
+    def end_speeds_ms(self) -> tuple[float, float]:
+        """Speeds at the start and at the end of the line [m/s]."""
+        return self.entry_speed_kmh * MS_PER_KMH, self.exit_speed_kmh * MS_PER_KMH
+
+    def travel_time_over(self, length_m: float) -> float:
+        """Return the time for a line of `length_m` [m], in s."""
+        if self.travel_time_s is not None:
+            return self.travel_time_s
+        assert self.average_speed_kmh is not None
+        return length_m / (self.average_speed_kmh * MS_PER_KMH)
 
 
 class Scenario(Part):
     """Vehicle, line, timetable and disturbances of one run, and how to solve it.
 
-    Build one from a file (`railjoule.core.load_scenario`) or a nested dictionary
-    (`railjoule.core.scenario.scenario_from_document`), both of which fill in presets.
+    Build one from its parts, from a file (`railjoule.load_scenario`), or from a nested dictionary
+    (`railjoule.core.scenario.scenario_from_document`). The last two fill in presets.
     """
 
     title: Name = Field("", max_length=200, description="Title of the scenario.")
-    strategy: StrategyName = Field("optimal", description="Driving strategy.")
+    strategy: str = Field("optimal", strict=True, description="Driving strategy.")
     vehicle: Vehicle
     line: Line
     timetable: Timetable
@@ -46,6 +84,52 @@ class Scenario(Part):
     simulation: SimulationOptions = SimulationOptions()
     montecarlo: MonteCarloOptions = MonteCarloOptions()
     solver: SolverOptions = SolverOptions()
+
+    def __init__(
+        self,
+        vehicle: Vehicle | Mapping[str, Any] | None = None,
+        line: Line | Mapping[str, Any] | None = None,
+        *,
+        travel_time_s: float | None = None,
+        average_speed_kmh: float | None = None,
+        **fields: Any,
+    ) -> None:
+        """Build a scenario from its parts.
+
+        Parameters
+        ----------
+        vehicle : Vehicle
+            The train.
+        line : Line
+            The track.
+        travel_time_s, average_speed_kmh : float, optional
+            Time for the whole run [s], or length over travel time [km/h]: one of them, or `timetable`.
+        **fields
+            All other tables and keys of a scenario file, such as `title` or `solver`.
+
+        Raises
+        ------
+        ScenarioError
+            If a key is unknown or missing, or a value of a wrong type or out of bounds.
+        """
+        times = {"travel_time_s": travel_time_s, "average_speed_kmh": average_speed_kmh}
+        given = {key: value for key, value in times.items() if value is not None}
+        if given and "timetable" in fields:
+            raise ScenarioError(f"Scenario: {next(iter(given))} and timetable exclude each other; give one of them.")
+        if not given and "timetable" not in fields:
+            raise ScenarioError("Scenario: travel_time_s is missing; give it, average_speed_kmh or timetable.")
+        if given:
+            fields["timetable"] = given
+        parts = {"vehicle": vehicle, "line": line}
+        super().__init__(**{key: part for key, part in parts.items() if part is not None}, **fields)
+
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]
+
+    @field_validator("strategy")
+    @classmethod
+    def _strategy_is_registered(cls, name: str) -> str:
+        require_strategy(name)
+        return name
 
     @model_validator(mode="after")
     def _sections_cover_the_line(self) -> Self:
@@ -145,15 +229,22 @@ class Scenario(Part):
         """How far beyond its end a speed limit still holds for the front of the train [m]."""
         return (self.vehicle.length_m or 0.0) if self.line.limits_hold_for == "whole_train" else 0.0
 
-    def with_(self, **changes: Any) -> "Scenario":
+    def replace(self, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> "Scenario":
         """Return a copy with changed keys, named by their path in the file.
 
-        `scenario.with_(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+        `scenario.replace({"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+
+        Parameters
+        ----------
+        changes : mapping, optional
+            New values by dotted path; None takes a key away, so that its preset or default holds.
+        **keys
+            The same for keys without a dot.
 
         Raises
         ------
         ScenarioError
-            If a key is unknown, or its value of a wrong type or out of bounds.
+            If a key is unknown, its value of a wrong type or out of bounds, or two keys exclude each other.
         """
         # documents know scenarios, so they can only be asked for here
         from railjoule.core.scenario.document import (  # noqa: PLC0415
@@ -165,6 +256,6 @@ class Scenario(Part):
         try:
             # Through the document and not `model_copy`, which checks nothing: so a change can name a preset, drop a
             # key by None and replace its alternative, as in a file.
-            return scenario_from_document(change_document(document_of(self), changes))
+            return scenario_from_document(change_document(document_of(self), {**(changes or {}), **keys}))
         except RecursionError:
             raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

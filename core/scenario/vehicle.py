@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -10,7 +10,7 @@ from railjoule.core.scenario._base import Count, Name, Number, Part
 from railjoule.core.scenario.drive import Drive
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
-MOST_LOAD_FACTOR = 3.0
+MAX_LOAD_FACTOR = 3.0
 """Of any vehicle: a capacity that counts seats alone, and standing passengers wherever there is room."""
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
 DecelerationStep = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(gt=0, le=20)]]
@@ -159,9 +159,9 @@ class Vehicle(Part):
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
     capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers that the vehicle can carry.")
     passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")
-    load_factor: Number = Field(0.0, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity on board.")
+    load_factor: Number = Field(0.0, ge=0, le=MAX_LOAD_FACTOR, description="Share of the capacity on board.")
     crush_load_factor: Number = Field(
-        1.0, ge=1, le=MOST_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
+        1.0, ge=1, le=MAX_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
     )
     # two ways to say one thing, so exactly one of them: data sheets have either
     rotating_mass_factor: Number | None = Field(
@@ -184,6 +184,27 @@ class Vehicle(Part):
     braking: Braking
     adhesion: Adhesion = Adhesion()
     drive: Drive
+
+    @classmethod
+    def from_preset(cls, name: str, **changes: Any) -> "Vehicle":
+        """Return a shipped vehicle.
+
+        Parameters
+        ----------
+        name : str
+            Name of the preset; `railjoule.preset_names("vehicles")` lists them.
+        **changes
+            Keys of the vehicle to change, such as `load_factor=0.3` or `drive={"recuperation_factor": 0.4}`.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such preset, or a key or its value is wrong.
+        """
+        # documents import vehicles
+        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
+
+        return part_from_preset(cls, "vehicles", name, changes)
 
     @model_validator(mode="after")
     def _load_can_be_carried(self) -> Self:

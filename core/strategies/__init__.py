@@ -1,11 +1,11 @@
-"""The strategies: each takes a task and returns a trajectory, by a solver of its own.
+"""The strategies, and the entry points `solve` and `compare`.
 
-`solve` below is the entry: it makes a scenario a task, runs a strategy, and gives the run a bound and the best known
-run to be measured against. Read it first, then a short strategy, `fastest`, then `optimal`. A strategy decides what it
-refuses and makes the trajectory; the methods stand in folders of their own:
+`solve` turns a scenario into a task, runs a strategy, and gives the run a lower bound and the best known run. To read
+the code, begin with `solve`, then a short strategy, `fastest`, then `optimal`. A strategy is a file in this folder that
+calls `register`; it decides which scenarios it refuses and makes the trajectory. The methods have folders of their own:
 
-- `optimal`: interior point, `core/bounds` and `core/interior_point`; where a drive takes power without effort,
-  `switching` decides where it is on, and dynamic programming steps in where no optimum is found
+- `optimal`: interior point, `core/interior_point` and `core/continuous_bound`; for drives with idle losses `switching`
+  decides where the drive is on, and dynamic programming is used where no optimum is found
 - `bellman`: dynamic programming, `core/dynamic_programming`
 - `eoc`, `enoc`: Ftorek's two, on the line that `plain_line` makes of a task
 - `phases`: start, cruise, coast, brake, `core/phase_planning`
@@ -13,8 +13,12 @@ refuses and makes the trajectory; the methods stand in folders of their own:
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from pathlib import Path
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, Any
 
 from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import bounded, check_seconds, run_to_prove, tightened
@@ -27,28 +31,63 @@ from railjoule.core.errors import (
     RailjouleError,
     StrategyRefusedError,
 )
-from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
-from railjoule.core.strategies import bellman, enoc, eoc, fastest, optimal, phases, speed_limits
+from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
+from railjoule.core.strategies.own import run_of_speeds
+from railjoule.core.strategy import STRATEGIES, Strategy, register
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 
-STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
-    "optimal": optimal.optimal,
-    "bellman": bellman.bellman,
-    "eoc": eoc.eoc,
-    "enoc": enoc.enoc,
-    "phases": phases.phases,
-    "speed_limits": speed_limits.speed_limits,
-    "fastest": fastest.fastest,
-}
-"""The strategies of this version, in the order in which they are shown."""
+if TYPE_CHECKING:
+    import pandas
+
+    from railjoule.core.strategies.own import OwnStrategy
+
+for _module in iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Runs of several strategies over one scenario.
+
+    Parameters
+    ----------
+    runs : tuple of Trajectory
+        The runs in the order of the strategies, with a common bound and the best known run.
+    refused : mapping of str to str
+        Names of the strategies without a run, each with its reason in one sentence.
+    """
+
+    runs: tuple[Trajectory, ...]
+    refused: Mapping[str, str]
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """Return a table with one row for each run."""
+        import pandas  # noqa: PLC0415  (slow to import)
+
+        return pandas.DataFrame(
+            {
+                "strategy": [run.strategy for run in self.runs],
+                "energy_kwh": [run.energy_kwh for run in self.runs],
+                "travel_time_s": [run.travel_time_s for run in self.runs],
+                "max_speed_kmh": [run.max_speed_kmh for run in self.runs],
+                "lower_bound_kwh": [run.lower_bound_kwh for run in self.runs],
+                "gap": [run.gap for run in self.runs],
+            }
+        )
+
+    def plot(self, axes: Any = None) -> Any:
+        """Draw the speeds of all runs over distance with matplotlib; return the axes."""
+        from railjoule.core.plots import plot_speeds  # noqa: PLC0415  (matplotlib is an extra)
+
+        return plot_speeds(self.runs, axes)
 
 
 def solve(
-    scenario: Scenario,
-    strategy: StrategyName | None = None,
+    scenario: Scenario | str | Path,
+    strategy: "str | OwnStrategy | None" = None,
     *,
     initial_speed_ms: float | None = None,
     final_speed_ms: float | None = None,
@@ -59,10 +98,11 @@ def solve(
 
     Parameters
     ----------
-    scenario : Scenario
-        The train, the line, the timetable and the options.
-    strategy : str, optional
-        Overrides the scenario's own.
+    scenario : Scenario, str or Path
+        A scenario, the name of a shipped one, or the path of a scenario file.
+    strategy : str or callable, optional
+        Overrides the scenario's own. A function of one's own takes a `Task` and returns the speeds at its nodes [m/s],
+        shape (n + 1,), or a whole `Trajectory`; the check always judges its run.
     initial_speed_ms, final_speed_ms : float, optional
         Speeds at the ends of the run [m/s]; those of the timetable where absent.
     check : bool
@@ -87,9 +127,9 @@ def solve(
         If the strategy cannot honour the scenario.
     """
     check_seconds(prove_seconds)
-    name = strategy or scenario.strategy
+    scenario = as_scenario(scenario)
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
-    trajectory = run_strategy(task, name)
+    trajectory = run_strategy(task, strategy or scenario.strategy)
     # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is not None:
         trajectory = _tightened(task, trajectory, prove_seconds)
@@ -98,7 +138,7 @@ def solve(
         best = None if best is None else _tightened(task, best, prove_seconds)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
         *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
-    if not check:
+    if not (check or callable(strategy)):
         return trajectory
     result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
     trajectory = replace(trajectory, check=result)
@@ -107,7 +147,7 @@ def solve(
     return trajectory
 
 
-def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
+def run_strategy(task: Task, strategy: "str | OwnStrategy") -> Trajectory:
     """Return the run of a strategy over a task, with the time that it took.
 
     Raises
@@ -117,21 +157,21 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
     TimetableError
         If the timetable cannot be kept.
     StrategyRefusedError
-        If the strategy is not part of this version or cannot honour the scenario. What it asks too much of the drive or
-        of the line is a fault of its run alone: the task was prepared without.
+        If there is no such strategy, it cannot honour the scenario, or it needs more than drive or line allow.
     SolverError
         If it ended without a run.
     """
-    if strategy not in STRATEGIES:
-        known = ", ".join(STRATEGIES)
-        if strategy in STRATEGY_NAMES:
-            raise StrategyRefusedError(f"is not part of this version; choose one of {known}.")
-        raise StrategyRefusedError(f"is not a strategy; choose one of {known}.")
-    if needs_compiler(task.scenario, strategy):
+    if callable(strategy):
+        run, needs_solver = run_of_speeds(strategy), False
+    elif strategy in STRATEGIES:
+        run, needs_solver = STRATEGIES[strategy].run, needs_compiler(task.scenario, strategy)
+    else:
+        raise StrategyRefusedError(f"is not a strategy; choose one of {', '.join(STRATEGIES)}.")
+    if needs_solver:
         require_compiled()
     started = time.perf_counter()
     try:
-        trajectory = STRATEGIES[strategy](task)
+        trajectory = run(task)
     except (DriveRangeError, InfeasibleLineError) as error:
         raise StrategyRefusedError(f"finds no run that can be driven: {error}") from error
     seconds = time.perf_counter() - started
@@ -140,29 +180,39 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
 
 
 def compare(
-    scenario: Scenario, *, prove_seconds: float | None = None
-) -> tuple[list[Trajectory], dict[StrategyName, str]]:
-    """Return the runs of all strategies that take a scenario, and why the others refuse it or fail.
+    scenario: Scenario | str | Path, strategies: Sequence[str] = (), *, prove_seconds: float | None = None
+) -> Comparison:
+    """Return the runs of several strategies over a scenario, and why others refuse it or fail.
 
-    `prove_seconds` as for `solve`.
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        As in `solve`.
+    strategies : sequence of str
+        Which ones; by default all.
+    prove_seconds : float, optional
+        As in `solve`.
 
     Raises
     ------
-    TimetableError, InfeasibleLineError, ScenarioError
-        As `solve`.
+    TimetableError, InfeasibleLineError, ScenarioError, StrategyRefusedError
+        As in `solve`.
     """
     check_seconds(prove_seconds)
-    task = prepare_task(scenario)
+    for name in strategies:
+        if name not in STRATEGIES:
+            raise StrategyRefusedError(f"{name!r} is not a strategy; choose one of {', '.join(STRATEGIES)}.")
+    task = prepare_task(as_scenario(scenario))
     # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
     runs: list[Trajectory] = []
-    refused: dict[StrategyName, str] = {}
-    for name in STRATEGIES:
+    refused: dict[str, str] = {}
+    for name in strategies or STRATEGIES:
         try:
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
-    return with_bounds(task, runs, prove_seconds), refused
+    return Comparison(tuple(with_bounds(task, runs, prove_seconds)), refused)
 
 
 def with_bounds(task: Task, runs: list[Trajectory], prove_seconds: float | None = None) -> list[Trajectory]:
@@ -183,4 +233,15 @@ def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajector
     return best if best.bound is None else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
 
 
-__all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve", "with_bounds"]
+__all__ = [
+    "STRATEGIES",
+    "Comparison",
+    "Strategy",
+    "Task",
+    "compare",
+    "prepare_task",
+    "register",
+    "run_strategy",
+    "solve",
+    "with_bounds",
+]

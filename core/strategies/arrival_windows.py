@@ -31,7 +31,7 @@ from railjoule.core.strategies.line_parts import (
     timed_run,
     with_auxiliaries,
 )
-from railjoule.core.task import LEAST_SLACK, Task
+from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
@@ -42,7 +42,7 @@ Windows = Mapping[int, tuple[float, float]]
 SPARE_SHARE = 1e-4
 # of the price: by less, both sides of a station value a second alike
 SAME_PRICE = 1e-6
-MOST_NAMED = 3
+MAX_NAMED = 3
 """Stations that a statement names; more are counted."""
 
 
@@ -60,13 +60,12 @@ def missed_windows(task: Task, run: Trajectory) -> tuple[str, ...]:
     """Return a sentence on each window of arrival that a run misses."""
     notes, windows = [], arrival_windows(task)
     for number, window in zip(windows, _with_places(task, windows), strict=True):
-        place, low, high = window
-        arrival = run.arrival_s(place)
         if run.keeps(window):
             continue
-        asked = low if arrival < low else high
+        place, low, high = window
+        arrival = run.arrival_s(place)
+        side, asked = ("earlier", low) if arrival < low else ("later", high)
         said, wanted = _distinct_times(arrival, asked)
-        side = "earlier" if arrival < low else "later"
         notes.append(
             f"It arrives at {arrival_name(task, number)} after {said} s, and was to arrive no {side} than {wanted} s."
         )
@@ -74,21 +73,21 @@ def missed_windows(task: Task, run: Trajectory) -> tuple[str, ...]:
 
 
 def _distinct_times(one_s: float, other_s: float) -> tuple[str, str]:
-    """Return two times in tenths of a second, or with as many digits as it takes to tell them apart."""
+    """Return two times in tenths of a second, or with as many digits as it takes to distinguish them."""
     words = f"{one_s:.1f}", f"{other_s:.1f}"
     return words if words[0] != words[1] else distinct_numbers(one_s, other_s)
 
 
 def _with_places(task: Task, windows: Windows) -> tuple[Window, ...]:
     """Return windows with the positions of their stations."""
-    stops, position_m = stop_nodes(task), task.course.position_m
+    stops, position_m = stop_nodes(task), task.mesh.position_m
     return tuple((float(position_m[stops[number + 1]]), low, high) for number, (low, high) in windows.items())
 
 
 def require_windows(task: Task, windows: Windows) -> None:
     """Raise ScenarioError if no train keeps all windows: the first one that fails is named."""
     stops = stop_nodes(task)
-    dwell, shortest = task.course.dwell_s[stops], shortest_times_s(task, stops)
+    dwell, shortest = task.mesh.dwell_s[stops], shortest_times_s(task, stops)
     ready_s = 0.0
     # as early as possible at each station: a train that is late then, is always late
     for number, least in enumerate(shortest):
@@ -101,10 +100,10 @@ def require_windows(task: Task, windows: Windows) -> None:
                     f"earliest_arrival_s = {earliest:g} s at {arrival_name(task, number)} must be no later than the "
                     f"{latest:g} s that the timetable allows for the whole run."
                 )
-        possible_s = max(reached_s * (1 + LEAST_SLACK), earliest)
+        possible_s = max(reached_s * (1 + MIN_SLACK), earliest)
         if number == 0:
             _require_slow_first_leg(task, stops[1], earliest)
-        if reached_s * (1 + LEAST_SLACK) >= latest or earliest > latest:
+        if reached_s * (1 + MIN_SLACK) >= latest or earliest > latest:
             waited = ready_s > float(dwell[: number + 1].sum() + shortest[:number].sum())
             kept = " with the windows of arrival before it" if waited else ""
             asked, possible = _distinct_times(latest, possible_s)
@@ -118,7 +117,7 @@ def require_windows(task: Task, windows: Windows) -> None:
 
 def _require_slow_first_leg(task: Task, stop: int, earliest_s: float) -> None:
     """Raise ScenarioError if a train that enters in motion cannot be slow enough for its first arrival."""
-    entry_speed2 = float(task.course.data.fixed_speed2[0])
+    entry_speed2 = float(task.mesh.data.fixed_speed2[0])
     if entry_speed2 == 0.0 or earliest_s == 0.0:
         return
     latest_s = longest_time_s(task, stop)
@@ -139,7 +138,7 @@ def _possible(task: Task, windows: Windows, spare_share: float) -> dict[int, tup
     Any two ends can then be fixed together: the search may fix one that another one leaves no time for.
     """
     stops = stop_nodes(task)
-    dwell, least = task.course.dwell_s[stops], (1 + spare_share) * shortest_times_s(task, stops)
+    dwell, least = task.mesh.dwell_s[stops], (1 + spare_share) * shortest_times_s(task, stops)
     low, high = np.zeros(len(stops)), np.full(len(stops), np.inf)
     high[-1] = task.travel_time_s
     for number, (earliest, latest) in windows.items():
@@ -179,33 +178,25 @@ def optimum_within(task: Task, windows: Windows, optimum: Solver) -> LineParts:
     fixed = {number: low for number, (low, high) in possible.items() if low == high}
     solved: dict[tuple[Part, bool], TimedRun] = {}
     best: LineParts | None = None
-    # each window is fixed at most once at each of its ends, and let go as often
-    for _ in range(4 * len(possible) + 1):
+    trials = 0
+    while True:
+        # each window is fixed at most once at each of its ends, and let go as often; where prices lead to and fro, none
+        # is let go any more
+        is_last = trials > 4 * len(possible)
+        if is_last and best is not None:
+            return best
+        trials += 1
         line = timed_line(task, fixed, optimum, solved)
-        missed = _most_missed(task, line, possible, fixed)
+        missed = _max_missed(task, line, possible, fixed)
         if missed is not None:
-            number, arrival = missed
-            fixed[number] = arrival
+            fixed[missed[0]] = missed[1]
             continue
         if best is None or energy_j(task, line) < energy_j(task, best):
             best = line
-        free = _needlessly_fixed(task, line, possible, fixed)
+        free = None if is_last else _needlessly_fixed(task, line, possible, fixed)
         if free is None:
             return best
         del fixed[free]
-    return best or _all_fixed(task, possible, fixed, optimum, solved)
-
-
-def _all_fixed(
-    task: Task, windows: Windows, fixed: dict[int, float], optimum: Solver, solved: dict[tuple[Part, bool], TimedRun]
-) -> LineParts:
-    """Return runs that keep all windows where prices lead to and fro: none is let go, so that each is fixed once."""
-    while True:
-        line = timed_line(task, fixed, optimum, solved)
-        missed = _most_missed(task, line, windows, fixed)
-        if missed is None:
-            return line
-        fixed[missed[0]] = missed[1]
 
 
 def timed_line(
@@ -230,32 +221,25 @@ def energy_j(task: Task, line: LineParts) -> float:
     for timed in line:
         total += timed.run.energy.net_j
         if timed.takes_exactly:
+            # the train stands behind the first node of a part, at its last one included
+            standing_s = float(task.mesh.dwell_s[timed.part.first + 1 : timed.part.last + 1].sum())
             # a run that is slowed by a reward for time is counted without it
             total -= timed.run.energy.auxiliary_j
-            departed_s += timed.part[2] + _standing_s(task, timed.part)
-    return total + task.course.data.auxiliary_power_w * departed_s
+            departed_s += timed.part.running_time_s + standing_s
+    return total + task.mesh.data.auxiliary_power_w * departed_s
 
 
-def _standing_s(task: Task, part: Part) -> float:
-    """Return how long the train stands behind the first node of a part, at its last one included [s]."""
-    return float(task.course.dwell_s[part[0] + 1 : part[1] + 1].sum())
-
-
-def _most_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
+def _max_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
     """Return the free station that misses its window by most, and the end that it misses; None where none does."""
     arrivals = arrivals_of(task, line)
-    missed = []
-    for number, (low, high) in windows.items():
-        if number not in fixed:
-            nearest = min(max(arrivals[number], low), high)
-            missed.append((abs(arrivals[number] - nearest), number, nearest))
-    worst = max(missed, default=(0.0, 0, 0.0))
-    return (worst[1], worst[2]) if worst[0] > ON_TIME_S else None
+    nearest = {k: min(max(arrivals[k], low), high) for k, (low, high) in windows.items() if k not in fixed}
+    missed_s, number = max(((abs(arrivals[k] - end), k) for k, end in nearest.items()), default=(0.0, 0))
+    return (number, nearest[number]) if missed_s > ON_TIME_S else None
 
 
 def _needlessly_fixed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> int | None:
     """Return a station fixed at an end of its window that the optimum leaves to the inside, if there is one."""
-    auxiliary_w = task.course.data.auxiliary_power_w
+    auxiliary_w = task.mesh.data.auxiliary_power_w
     prices = [
         None if timed.price_of_time_w is None else timed.price_of_time_w + (0.0 if timed.takes_exactly else auxiliary_w)
         for timed in line
@@ -274,14 +258,13 @@ def _needlessly_fixed(task: Task, line: LineParts, windows: Windows, fixed: Mapp
 
 def binding_windows(task: Task, line: LineParts, windows: Windows) -> tuple[Window, ...]:
     """Return all windows of arrival if one of them binds the runs of least energy that keep them, else none."""
-    binds = len(line) > 1 or line[0].takes_exactly
-    return _with_places(task, windows) if binds else ()
+    return _with_places(task, windows) if len(line) > 1 or line[0].takes_exactly else ()
 
 
 def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
     """Return the lower bound of all runs that keep windows of arrival, from the prices of runs that do.
 
-    A line below the least energy of each part over its time, see `railjoule.core.bounds.over_time`, holds for all its
+    A line below the least energy of each part over its time, see `railjoule.core.bounds.time_line`, holds for all its
     times. So the sum of these lines is linear in the arrivals, and least at ends of the windows: at those of the runs
     if these are the optimum.
 
@@ -320,7 +303,7 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
             proven = time_line(with_auxiliaries(part, 0.0) if timed.takes_exactly else part)
             if proven is None:
                 return None
-            proven_j, price_w = proven
+            proven_j, price_w = proven.energy_j, proven.price_of_time_w
         total_j += proven_j
         slopes_w[last] -= price_w
         if first > 0:
@@ -328,15 +311,15 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
         # auxiliaries up to the end of the part, or up to its start where its own energy has the rest
         if timed is line[-1] and (timed.takes_exactly or first > 0):
             until = last if timed.takes_exactly else first
-            dwell_s = 0.0 if timed.takes_exactly else float(task.course.dwell_s[first])
-            total_j += task.course.data.auxiliary_power_w * (arrivals[until] + dwell_s)
-            slopes_w[until] += task.course.data.auxiliary_power_w
+            dwell_s = 0.0 if timed.takes_exactly else float(task.mesh.dwell_s[first])
+            total_j += task.mesh.data.auxiliary_power_w * (arrivals[until] + dwell_s)
+            slopes_w[until] += task.mesh.data.auxiliary_power_w
     for node, (low, high) in ends.items():
-        if node in {timed.part[1] for timed in line} and node not in exact:
+        if node in {timed.part.last for timed in line} and node not in exact:
             total_j += min(slopes_w[node] * (low - arrivals[node]), slopes_w[node] * (high - arrivals[node]))
     total_j = max(total_j, work_floor_j(task))
     statement = every_run_statement(task, total_j, _words(task, windows))
-    assumed, kept = premise(task.course.data.drive_kind), _with_places(task, windows)
+    assumed, kept = premise(task.mesh.data.drive_kind), _with_places(task, windows)
     return Bound(total_j, statement, task.travel_time_s, total_j, premise=assumed, windows=kept)
 
 
@@ -344,4 +327,4 @@ def _words(task: Task, windows: Windows) -> str:
     """Return windows of arrival in words, as what a run keeps beside its limits."""
     names = [arrival_name(task, number) for number in sorted(windows)]
     listed = " and ".join([", ".join(names[:-1])] * (len(names) > 1) + names[-1:])
-    return f" and the windows of arrival at {listed if len(names) <= MOST_NAMED else f'{len(names)} stations'}"
+    return f" and the windows of arrival at {listed if len(names) <= MAX_NAMED else f'{len(names)} stations'}"

@@ -1,6 +1,6 @@
 """Bellman's dynamic programming: the cheapest run by backward induction over the speeds of a mesh.
 
-Source: Liashenko, Yatsko 2025, (2) and (5)-(9). What is exact here and is not there: see
+Source: Liashenko, Yatsko 2025, (2) and (5)-(9). For the parts that are exact only here, see
 `railjoule.core.dynamic_programming`.
 """
 
@@ -9,14 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.dynamic_programming.backward import sweep_back
+from railjoule.core.dynamic_programming.labels import no_labels
+from railjoule.core.dynamic_programming.recursion import sweep_back
 from railjoule.core.dynamic_programming.search import Level
 from railjoule.core.energy import energy_decimals
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
-from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
+from railjoule.core.physics.mesh_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.stretches import shortest_stretch_s
-from railjoule.core.strategies.decisions import DecidedRun, recursion
-from railjoule.core.strategies.switching import with_min_on_off
+from railjoule.core.strategies.switching import DecidedRun, recursion, with_min_on_off
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -24,7 +25,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 @dataclass(frozen=True, eq=False)
 class ControlLaw:
-    """What to do at any speed and any place, and what is still to pay from there; n cells, k speeds.
+    """The control at any speed and any place, and the cost to go from there; n cells, k speeds.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     kept = kept or free
     trajectory = make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "bellman",
         kept.speed2,
         price_of_time_w=kept.price_of_time_w,
@@ -90,8 +91,8 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
 
 
 def _spacing_note(task: Task, free: DecidedRun, run: DecidedRun | None) -> str:
-    """Return what became of a run that is switched too often, in one sentence."""
-    shortest, energy = shortest_stretch_s(task.course.data, free.speed2), free.energy_j + task.dwell_energy_j
+    """Return a sentence about a run that is switched too often."""
+    shortest, energy = shortest_stretch_s(task.mesh.data, free.speed2), free.energy_j + task.dwell_energy_j
     said = f"the minimum on/off time of {task.least_switching_s:g} s"
     if run is None:
         return f"Its drive is switched after {shortest:.1f} s: no run was found in which it stays on or off for {said}."
@@ -104,21 +105,43 @@ def _spacing_note(task: Task, free: DecidedRun, run: DecidedRun | None) -> str:
 
 def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
     """Return the law of a grid at a price of time: `best` numbers the steps, so that their exits give the efforts."""
-    course, data, entering_speed2 = task.course, task.course.data, level.grid[:-1]
-    cost, best, _ = sweep_back(level.steps, level.grid, price_w)
+    mesh, data, entering_speed2 = task.mesh, task.mesh.data, level.grid[:-1]
+    labels = no_labels(mesh.cell_count)
+    cost, steps, _ = sweep_back(level.steps, level.grid, price_w, labels, keeps_cost=True)
+    best = steps[:, :, 0]
     leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
     # nothing moves from rest to rest, where a limit of power has no end
     speed = np.maximum(mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2)), NEARLY_AT_REST_MS)
-    force = course.force_between_n(entering_speed2.T, leaving_speed2.T).T
+    force = mesh.force_between_n(entering_speed2.T, leaving_speed2.T).T
     # braking is electric and friction together, of which the law does not tell the one from the other
     traction = tractive_limit_n(data, speed)
     braking = electric_limit_n(data, speed) + data.friction_effort_n
     largest = np.where(force > 0, traction, braking)
     control = np.divide(force, largest, out=np.full_like(force, np.nan), where=largest > 0)
     return ControlLaw(
-        position_m=course.position_m,
+        position_m=mesh.position_m,
         speed_ms=frozen_array(np.sqrt(level.grid)),
-        cost_to_go_j=frozen_array(cost),
+        cost_to_go_j=frozen_array(cost[:, :, 0]),
         control=frozen_array(control),
         price_of_time_w=price_w,
     )
+
+
+register(
+    Strategy(
+        name="bellman",
+        run=bellman,
+        order=20,
+        label="Bellman",
+        colour=("#5B1A8B", "#A86BC8"),
+        dash=(2, 2),
+        help=(
+            "Dynamic programming: a search over a grid of positions and speeds, with a price on time. Slower than "
+            "the optimal solver and independent of it, so it serves as a check."
+        ),
+        applies_to="every scenario",
+        source="liashenko-2025",
+        labels=("Bellman's map",),
+        seconds_per_cell=4e-4,
+    )
+)

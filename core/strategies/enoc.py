@@ -18,9 +18,10 @@ from numpy.polynomial import Polynomial
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import Value
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.mesh import with_nodes_at
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -125,7 +126,7 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
     Te^2 (T - Te)^5 / S^2 is a polynomial of the fifth degree in Te, whose coefficients are collected below. Moving ends
     add the derivative of d^2 (k1 / Te + 2/3 ks Te + ...), of the seventh degree.
 
-    Where the triangle without a cruise is best, that is half of the travel time.
+    It is half of the travel time if the triangle without a cruise is best.
     """
     k, t, d2 = coefficients, travel_time_s, coefficients.half_difference_ms**2
     s = k.relative_distance_m(t)
@@ -197,11 +198,30 @@ def enoc(task: Task) -> Trajectory:
             f"needs less time: within {time:.1f} s its ramps between these speeds of the ends cover the whole line."
         )
     corners = (0.5 * (first + peak) * ramp, line.distance_m - 0.5 * (peak + last) * ramp)
-    nodes = with_nodes_at(task.course.position_m, corners)
-    course = build_course(task.scenario, *task.end_speeds_ms, nodes)
+    nodes = with_nodes_at(task.mesh.position_m, corners)
+    mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, nodes)
     # at constant acceleration the square of speed is linear over distance, so that corners at nodes make the run exact
     speed2 = np.interp(nodes, (0.0, *corners, line.distance_m), np.square((first, peak, peak, last)))
-    check_feasible(course, speed2)
+    check_feasible(mesh, speed2)
     ramps = "accelerates and brakes" if peak >= max(first, last) else "changes its speed at both ends"
     note = f"ENOC {ramps} for {ramp:.1f} s each, cruising at {peak / MS_PER_KMH:.1f} km/h between."
-    return make_trajectory(task.scenario, course, "enoc", speed2, notes=(note, *line.notes))
+    return make_trajectory(task.scenario, mesh, "enoc", speed2, notes=(note, *line.notes))
+
+
+register(
+    Strategy(
+        name="enoc",
+        run=enoc,
+        order=40,
+        label="ENOC",
+        colour=("#C27C00", "#F5C542"),
+        dash=(8, 3, 2, 3),
+        help=(
+            "Energy near-optimal control of the same paper: accelerate evenly, cruise, brake evenly, with ramps "
+            "of equal length. Its energy is a closed formula. For level lines without limits."
+        ),
+        applies_to="copper loss; no limits of the line, no stops, no neutral sections",
+        source="ftorek-2025",
+        labels=("ENOC energy",),
+    )
+)

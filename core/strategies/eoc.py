@@ -21,6 +21,7 @@ from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.resistance import resistance_slope
 from railjoule.core.strategies.plain_line import PlainLine, SampledRun, check_feasible, plain_line
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -28,13 +29,13 @@ Variant = Literal["optimal", "as_printed"]
 # Relative residual of the collocation: energies are right to 1e-12, with some 2000 nodes; 1e-6 gives 3e-10 with 400
 TOLERANCE = 1e-8
 # Nodes of the first guess, and where the solver gives up: 20 times what runs of 200 to 1200 s on Ftorek's line need
-FIRST_NODES, MOST_NODES = 101, 50_000
+FIRST_NODES, MAX_NODES = 101, 50_000
 # Samples of the solution, on which Simpson's rule gives energies to 2e-12; 401 samples to 2e-8
 SAMPLES = 4001
 # A scaling of the speeds between moving ends leaves the share of the time in the first and the last cell of its error
 SCALINGS = 3
 # Beyond, the mesh does not resolve the run: 5 m leave 1e-5 of runs between stops
-MOST_SCALED = 0.01
+MAX_SCALED = 0.01
 # Share of the mean speed below which a speed is rest: rounding of the solution leaves 1e-9 of it
 SAME_SPEED = 1e-6
 
@@ -82,7 +83,7 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     parabola = scipy.interpolate.CubicHermiteSpline([0, 1], [0, 1], [first, last])
     guess = np.vstack([parabola(grid, order) for order in range(3)])
     solution = scipy.integrate.solve_bvp(
-        derivatives, end_conditions, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MOST_NODES
+        derivatives, end_conditions, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MAX_NODES
     )
     if not solution.success:
         raise SolverError(f"the boundary value problem of EOC was not solved: {solution.message}")
@@ -139,15 +140,34 @@ def eoc(task: Task) -> Trajectory:
     line = plain_line(task)
     variant = task.scenario.eoc.variant
     solution = solve_eoc(line, task.running_time_s, variant)
-    speed2 = speed2_at(solution, line, task.course.position_m)
+    speed2 = speed2_at(solution, line, task.mesh.position_m)
     # between the nodes of the mesh the run is a polygon of speed squared: keep its time, not its samples
     for _ in range(SCALINGS):
-        factor = running_time(task.course.data.cell_length_m, speed2) / task.running_time_s
-        if abs(factor - 1) > MOST_SCALED:
+        factor = running_time(task.mesh.data.cell_length_m, speed2) / task.running_time_s
+        if abs(factor - 1) > MAX_SCALED:
             raise StrategyRefusedError("needs less time, or a shorter solver.mesh_m, as it all but stands on its way.")
         speed2[1:-1] *= factor**2
-    check_feasible(task.course, speed2)
+    check_feasible(task.mesh, speed2)
     notes = line.notes
     if variant == "as_printed":
         notes = ("EOC as printed: the work of drag is left out of its cost.", *notes)
-    return make_trajectory(task.scenario, task.course, "eoc", speed2, notes=notes)
+    return make_trajectory(task.scenario, task.mesh, "eoc", speed2, notes=notes)
+
+
+register(
+    Strategy(
+        name="eoc",
+        run=eoc,
+        order=30,
+        label="EOC",
+        colour=("#A62B0E", "#F26B2C"),
+        dash=(8, 3),
+        help=(
+            "Energy-optimal control of the Ftorek paper: the effort that the optimality conditions prescribe, a "
+            "boundary value problem. It changes smoothly over the run. For level lines without limits."
+        ),
+        applies_to="copper loss; no limits of the line, no stops, no neutral sections",
+        source="ftorek-2025",
+        is_light=True,
+    )
+)

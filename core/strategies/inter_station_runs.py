@@ -13,12 +13,11 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation
+from railjoule.core.limit_search.problem import Evaluation, SetSpeedRun
 from railjoule.core.limit_search.search import LimitSearch
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.strategies.line_parts import arrival_name, inner_stations, part_of, parts_between, stop_nodes
 from railjoule.core.strategies.literal_regulator import literal_run
-from railjoule.core.strategies.set_speed_run import SetSpeedRun
 from railjoule.core.task import Task
 
 
@@ -29,7 +28,7 @@ def inter_station_runs(task: Task) -> tuple[Task, ...]:
     runs: list[Task] = []
     for first, last, running_s in parts_between(task, given):
         inside = [stop for stop in stops if first <= stop <= last]
-        length_m = np.diff(task.course.position_m[inside]) - task.scenario.deducted_m
+        length_m = np.diff(task.mesh.position_m[inside]) - task.scenario.deducted_m
         for (a, b), share in zip(pairwise(inside), length_m / length_m.sum(), strict=True):
             runs.append(part_of(task, a, b, float(share * running_s)))
     return tuple(runs)
@@ -47,14 +46,13 @@ def require_slack(task: Task, runs: Sequence[Task]) -> None:
 
 
 def drive_literal_runs(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
-    """Return the runs of the printed regulator from stop to stop as one; arguments and errors as `literal_run`."""
+    """Return the runs of the literal regulator from stop to stop as one; arguments and errors as `literal_run`."""
     runs = []
     for part in inter_station_runs(task):
-        first, last = part.course.position_m[[0, -1]]
+        first, last = part.mesh.position_m[[0, -1]]
         sections = slice(np.searchsorted(boundaries_m, first, "right"), np.searchsorted(boundaries_m, last) + 1)
         inside = boundaries_m[(boundaries_m > first) & (boundaries_m < last)]
-        run = literal_run(part, limits_ms[sections], inside)
-        runs.append(SetSpeedRun(run.course, run.speed2, limits_ms[sections], inside, run.switches))
+        runs.append(literal_run(part, limits_ms[sections], inside))
     # as given: a station need not be a border
     return join_runs(task, runs)._replace(limits_ms=limits_ms, boundaries_m=boundaries_m)
 
@@ -71,16 +69,16 @@ def join_runs(task: Task, runs: Sequence[SetSpeedRun]) -> SetSpeedRun:
     # the last node of a run is the first of the next one, at which the relay may stand until its effort moves the train
     position, speed2 = (
         np.concatenate([values[0], *(later[1:] for later in values[1:])])
-        for values in ([run.course.position_m for run in runs], [run.speed2 for run in runs])
+        for values in ([run.mesh.position_m for run in runs], [run.speed2 for run in runs])
     )
-    course = build_course(task.scenario, *task.end_speeds_ms, position)
-    dwell, node = course.dwell_s.copy(), 0
+    mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, position)
+    dwell, node = mesh.dwell_s.copy(), 0
     for run in runs:
-        dwell[node] += run.course.dwell_s[0]
-        node += run.course.cell_count
+        dwell[node] += run.mesh.dwell_s[0]
+        node += run.mesh.cell_count
     stations = [station.position_m for station in inner_stations(task)]
     return SetSpeedRun(
-        replace(course, dwell_s=frozen_array(dwell)),
+        replace(mesh, dwell_s=frozen_array(dwell)),
         speed2,
         np.concatenate([run.limits_ms for run in runs]),
         np.union1d(np.concatenate([run.boundaries_m for run in runs]), stations),

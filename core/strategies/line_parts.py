@@ -14,6 +14,7 @@ later, which costs only the auxiliaries.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,13 +23,11 @@ from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.motion import running_time
 from railjoule.core.motion.cell_step import FULL_BRAKE, exit_speed2
-from railjoule.core.physics.course_data import cell_of, train_of
+from railjoule.core.physics.mesh_data import cell_of, train_of
 from railjoule.core.scenario import Station
-from railjoule.core.task import LEAST_SLACK, Task
+from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, make_trajectory
 
-Part = tuple[int, int, float]
-"""First node, last node and running time [s] of a part of a line."""
 Solver = Callable[[Task], Trajectory]
 """The best run of a task without windows."""
 # The reward only has to exceed what a second costs: more of it gives the same run, in more iterations
@@ -37,6 +36,14 @@ SLOWING_FACTORS = (0.0, 1.0, 10.0, 100.0)
 # a decision where the drive is on leaves a millionth, see `railjoule.core.bounds.minimum`
 LEFT_SHARE = 1e-5
 """Of the time of a part: so much is left over by rounding, not because more time saves nothing."""
+
+
+class Part(NamedTuple):
+    """First node, last node and running time of a part of a line."""
+
+    first: int
+    last: int
+    running_time_s: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +85,8 @@ def inner_stations(task: Task) -> tuple[Station, ...]:
 def stop_nodes(task: Task) -> list[int]:
     """Return the nodes at which the train stands: the start, the stations, the end."""
     # the mesh has a node at each station, but for the rounding of its sums
-    inner = [int(np.argmin(np.abs(task.course.position_m - s.position_m))) for s in inner_stations(task)]
-    return [0, *inner, task.course.cell_count]
+    inner = [int(np.argmin(np.abs(task.mesh.position_m - s.position_m))) for s in inner_stations(task)]
+    return [0, *inner, task.mesh.cell_count]
 
 
 def arrival_name(task: Task, number: int) -> str:
@@ -93,7 +100,7 @@ def arrival_name(task: Task, number: int) -> str:
 
 def shortest_times_s(task: Task, stops: Sequence[int]) -> FloatArray:
     """Return the shortest running time from each stop to the next [s]; shape (k - 1,) for k stops."""
-    length, speed2 = task.course.data.cell_length_m, task.greatest_speed2
+    length, speed2 = task.mesh.data.cell_length_m, task.fastest_speed2
     return np.array([running_time(length[a:b], speed2[a : b + 1]) for a, b in pairwise(stops)])
 
 
@@ -102,13 +109,13 @@ def longest_time_s(task: Task, stop: int) -> float:
 
     The train brakes fully from the start down to the lowest speed of a run, and keeps that.
     """
-    data = task.course.data
+    data = task.mesh.data
     speed2 = np.empty(stop + 1)
     speed2[0] = data.fixed_speed2[0]
     for i in range(stop):
         braked = exit_speed2(cell_of(data, i), train_of(data), data.traction, data.braking, speed2[i], FULL_BRAKE)
         speed2[i + 1] = max(braked, SLOWEST_SPEED2)
-    speed2[stop] = max(data.fixed_speed2[stop], 0.0)
+    speed2[stop] = np.nan_to_num(data.fixed_speed2[stop])
     return running_time(data.cell_length_m[:stop], speed2)
 
 
@@ -123,15 +130,15 @@ def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
     running_time_s : float
         Time allowed, without the dwells between them [s].
     """
-    part, speed2 = task.course.between(first, last), task.greatest_speed2[first : last + 1]
+    part, speed2 = task.mesh.between(first, last), task.fastest_speed2[first : last + 1]
     shortest_s = running_time(part.data.cell_length_m, speed2)
     return Task(task.scenario, part, speed2, shortest_s, running_time_s, can_be_remeshed=False)
 
 
 def with_auxiliaries(task: Task, power_w: float) -> Task:
     """Return a task with another power of its auxiliaries [W]."""
-    course = task.course
-    return replace(task, course=replace(course, data=course.data._replace(auxiliary_power_w=power_w)))
+    mesh = task.mesh
+    return replace(task, mesh=replace(mesh, data=mesh.data._replace(auxiliary_power_w=power_w)))
 
 
 def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ...]:
@@ -150,17 +157,18 @@ def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ..
         If a station cannot be reached in time.
     """
     inner, stops = len(inner_stations(task)), stop_nodes(task)
-    dwell, shortest = task.course.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
-    parts, first, departed_s = [], 0, 0.0
+    dwell, shortest = task.mesh.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
+    parts: list[Part] = []
+    first, departed_s = 0, 0.0
     for number, arrival in sorted({inner: task.travel_time_s, **arrivals_s}.items()):
         stop = number + 1
         standing = float(dwell[first + 1 : stop].sum())
         running, least = arrival - departed_s - standing, float(shortest[first:stop].sum())
         # at the shortest time itself the optimum has no inside to search
-        if running <= least * (1 + LEAST_SLACK):
+        if running <= least * (1 + MIN_SLACK):
             where, earliest = arrival_name(task, number), departed_s + least + standing
             raise ScenarioError(f"The arrival at {where} after {arrival:.1f} s must be later than {earliest:.1f} s.")
-        parts.append((stops[first], stops[stop], running))
+        parts.append(Part(stops[first], stops[stop], running))
         first, departed_s = stop, arrival + float(dwell[stop])
     return tuple(parts)
 
@@ -176,19 +184,15 @@ def timed_run(task: Task, part: Part, optimum: Solver, takes_exactly: bool) -> T
     early_s = alone.travel_time_s - run.travel_time_s
     if early_s <= ON_TIME_S:
         return TimedRun(part, run, True, 0.0, run.price_of_time_w, run.bound)
-    if _last_stop_is_at_rest(task, part):
+    # only the first part of a line may begin in motion
+    if task.mesh.data.fixed_speed2[_last_stop(task, part)] == 0.0:
         return TimedRun(part, run, True, early_s, 0.0, run.bound)
     return _slowed(part, alone, run, optimum)
 
 
-def _last_stop_is_at_rest(task: Task, part: Part) -> bool:
-    # only the first part of a line may begin in motion
-    return bool(task.course.data.fixed_speed2[_last_stop(task, part)] == 0.0)
-
-
 def _last_stop(task: Task, part: Part) -> int:
     """Return the node of the last stop before the end of a part."""
-    return max(node for node in stop_nodes(task) if node < part[1])
+    return max(node for node in stop_nodes(task) if node < part.last)
 
 
 def _slowed(part: Part, alone: Task, early: Trajectory, optimum: Solver) -> TimedRun:
@@ -197,9 +201,9 @@ def _slowed(part: Part, alone: Task, early: Trajectory, optimum: Solver) -> Time
     Its price of a second is negative. A constant that is paid for each second makes the price that the solver finds
     positive, and changes nothing else: all runs take the same time.
     """
-    greatest_j = alone.course.data.half_inertia_kg * float(alone.greatest_speed2.max())
+    max_j = alone.mesh.data.half_inertia_kg * float(alone.fastest_speed2.max())
     for factor in SLOWING_FACTORS:
-        reward_w = factor * greatest_j / alone.running_time_s
+        reward_w = factor * max_j / alone.running_time_s
         try:
             run = _in_time(with_auxiliaries(alone, -reward_w), optimum)
         except RailjouleError:
@@ -229,10 +233,10 @@ def arrivals_of(task: Task, line: LineParts) -> list[float]:
     for timed in line:
         first, last, _ = timed.part
         inside = [stop for stop in stops if first < stop <= last]
-        arrivals += [departed_s + timed.run.arrival_s(place) for place in task.course.position_m[inside].tolist()]
+        arrivals += [departed_s + timed.run.arrival_s(place) for place in task.mesh.position_m[inside].tolist()]
         # the train waits at the last stop before the end
         arrivals[-1] += timed.wait_s
-        departed_s = arrivals[-1] + float(task.course.dwell_s[last])
+        departed_s = arrivals[-1] + float(task.mesh.dwell_s[last])
     return arrivals
 
 
@@ -240,14 +244,14 @@ def joined(task: Task, line: LineParts, bound: Bound | None) -> Trajectory:
     """Return runs that follow one another as one, with the dwells and waits between them."""
     if len(line) == 1 and not line[0].takes_exactly:
         return line[0].run
-    dwell_s = task.course.dwell_s.copy()
+    dwell_s = task.mesh.dwell_s.copy()
     for timed in line:
         dwell_s[_last_stop(task, timed.part)] += timed.wait_s
     runs = [timed.run for timed in line]
     speed2 = [run.node_speed_ms**2 for run in runs]
     run = make_trajectory(
         task.scenario,
-        replace(task.course, dwell_s=dwell_s),
+        replace(task.mesh, dwell_s=dwell_s),
         "optimal",
         # the last node of a part is the first of the next, a stop: it counts once
         np.concatenate([speed2[0], *(values[1:] for values in speed2[1:])]),

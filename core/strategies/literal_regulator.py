@@ -1,4 +1,4 @@
-"""The run of the printed regulator, as one that the train can drive, or why there is none.
+"""The run of the literal regulator, as one that the train can drive, or a refusal with its reason.
 
 Between its steps of time the regulator sees the forces of the line in the mean over the cells of the mesh. Over the
 steps themselves they differ a little, and so do efforts: the run follows the speeds of the regulator as closely as the
@@ -6,7 +6,6 @@ limits of efforts and accelerations allow, and where it asks for nothing, the tr
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,8 +20,9 @@ from railjoule.core.limit_search.literal import (
     literal_regulation,
     literal_trip,
 )
-from railjoule.core.limit_search.whole_cells import followed
-from railjoule.core.motion import Course, build_course
+from railjoule.core.limit_search.problem import SetSpeedRun
+from railjoule.core.motion import MeshedLine, build_meshed_line
+from railjoule.core.motion.driving import drive
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.plain_line import check_accelerations, require_no_neutral_sections
 from railjoule.core.task import Task
@@ -39,26 +39,8 @@ PASSED_SHARE = 1e-6
 """A limit of speed counts as passed where it is exceeded by more than this share, as in the check of a run."""
 
 
-class LiteralRun(NamedTuple):
-    """What the printed regulator drives.
-
-    Parameters
-    ----------
-    course : Course
-        With a node after each step of time, and its standing time at the start.
-    speed2 : array of shape (n + 1,)
-        Squares of speed at the nodes [m2/s2].
-    switches : int
-        How often it changes between driving, nothing and braking.
-    """
-
-    course: Course
-    speed2: FloatArray
-    switches: int
-
-
-def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> LiteralRun:
-    """Return the run of the printed regulator.
+def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
+    """Return the run of the literal regulator.
 
     Parameters
     ----------
@@ -78,46 +60,57 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     options = task.scenario.search
     require_literal(task)
     relay = _relay(options)
-    regulation, curve = literal_regulation(task.course, options.stop_deceleration_ms2, relay.dead_zone_ms)
+    regulation, curve = literal_regulation(task.mesh, options.stop_deceleration_ms2, relay.dead_zone_ms)
     # beside the steps, the node at the start and what rounds up
     most = int(LONGEST_SHARE * task.running_time_s / options.time_step_s) + 2
     position, speed2, effort = np.empty(most), np.empty(most), np.empty(most)
     nodes, standing, switches, status = literal_trip(
-        task.course.data, regulation, curve, boundaries_m, limits_ms, relay, position, speed2, effort
+        task.mesh.data, regulation, curve, boundaries_m, limits_ms, relay, position, speed2, effort
     )
     if status != ARRIVED:
         raise StrategyRefusedError(_failure(task, status, position[nodes - 1], speed2[nodes - 1]))
     places, wanted2, coasts = _joined(position[:nodes], speed2[:nodes], effort[:nodes])
-    course = build_course(task.scenario, float(np.sqrt(speed2[0])), 0.0, position_m=places)
-    driven2 = followed(course.data, wanted2, coasts)
-    _require_arrival(task, course, driven2)
-    _require_limits(task, course, driven2)
-    check_accelerations(course, driven2)
+    mesh = build_meshed_line(task.scenario, float(np.sqrt(speed2[0])), 0.0, position_m=places)
+    # not into a stand, nor past the speed that is prescribed at the end
+    coasts[0] &= wanted2[0] > 0.0
+    coasts[-1] = False
+    driven2, stand = drive(mesh.data, wanted2, float(wanted2[0]), coasts=coasts)
+    if stand >= 0 or driven2[-1] < 0.0:
+        raise StrategyRefusedError(_failure(task, STANDS, float(mesh.position_m[stand - 1]), 0.0))
+    if driven2[-1] > 0.0:
+        raise StrategyRefusedError(_overshoot(task, float(mesh.position_m[-1]), float(driven2[-1])))
+    _require_limits(task, mesh, driven2)
+    check_accelerations(mesh, driven2)
     # the time in which effort grows at the start has no distance: the run has it as a dwell
-    dwell = np.zeros(len(course.position_m))
+    dwell = np.zeros(len(mesh.position_m))
     dwell[0] = standing
-    return LiteralRun(replace(course, dwell_s=frozen_array(dwell)), driven2, switches)
+    return SetSpeedRun(replace(mesh, dwell_s=frozen_array(dwell)), driven2, limits_ms, boundaries_m, switches)
 
 
 def require_literal(task: Task) -> None:
-    """Refuse a task that the printed regulator cannot drive at all; errors as `literal_run`."""
+    """Refuse a task that the literal regulator cannot drive at all; errors as `literal_run`."""
     require_no_neutral_sections(task)
-    if (task.course.data.fixed_speed2[1:-1] == 0.0).any():
+    if (task.mesh.data.fixed_speed2[1:-1] == 0.0).any():
         raise StrategyRefusedError(
             "needs a line without stops between its ends for the literal regulator, or a search for each inter-station "
             "run (search.inter_station_runs = 'separate')."
         )
-    if np.isfinite(task.course.permitted_deceleration_ms2):
+    if np.isfinite(task.mesh.permitted_deceleration_ms2):
         # it reacts in steps of time, and would pass the curve by what it drives in one
         raise StrategyRefusedError(
             "needs a train without a permitted deceleration (vehicle.braking.permitted_deceleration) for the literal "
             "regulator."
         )
-    _require_few_steps(task.scenario.search.time_step_s, task.running_time_s)
+    most, step_s = current_budget().cell_count, task.scenario.search.time_step_s
+    if task.running_time_s > most * step_s:
+        raise StrategyRefusedError(
+            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
+            f"{task.running_time_s / step_s:,.0f}. Use {rounded_up(task.running_time_s / most):g} s or more."
+        )
 
 
 def literal_cost(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[float, float]:
-    """Return time [s] and net energy at the line [J] of the printed regulator's run, infinite where it drives none.
+    """Return time [s] and net energy at the line [J] of the literal regulator's run, infinite where it drives none.
 
     Arguments as for `literal_run`.
     """
@@ -125,7 +118,7 @@ def literal_cost(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) ->
         run = literal_run(task, limits_ms, boundaries_m)
     except StrategyRefusedError:
         return np.inf, np.inf
-    made = make_trajectory(task.scenario, run.course, "speed_limits", run.speed2)
+    made = make_trajectory(task.scenario, run.mesh, "speed_limits", run.speed2)
     return made.travel_time_s, made.energy.net_j
 
 
@@ -137,16 +130,6 @@ def _relay(options: SearchOptions) -> Relay:
         options.effort_rate_share,
         options.time_step_s,
     )
-
-
-def _require_few_steps(step_s: float, running_time_s: float) -> None:
-    """Refuse a step of time that makes more cells of the printed regulator's run than the current budget has."""
-    most = current_budget().cell_count
-    if running_time_s > most * step_s:
-        raise StrategyRefusedError(
-            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
-            f"{running_time_s / step_s:,.0f}. Use {rounded_up(running_time_s / most):g} s or more."
-        )
 
 
 def _joined(
@@ -173,17 +156,17 @@ def _failure(task: Task, status: int, place_m: float, speed2: float) -> str:
     if status == GOES_ON:
         return f"does not arrive within {LONGEST_SHARE * task.running_time_s:.0f} s {_with_step(task)}."
     if status == STANDS:
-        return f"comes to a stand at {place_m:.1f} m of {task.course.position_m[-1]:.1f} m {_with_step(task)}."
+        return f"comes to a stand at {place_m:.1f} m of {task.mesh.position_m[-1]:.1f} m {_with_step(task)}."
     return _overshoot(task, place_m, speed2)
 
 
 def _overshoot(task: Task, place_m: float, speed2: float) -> str:
     """Return by how much a train passes the end of the line that brakes fully from a place and a square of speed."""
     # at half of the speed, the mean one of a train that slows down evenly to rest
-    data, end_m = task.course.data, task.course.position_m[-1]
+    data, end_m = task.mesh.data, task.mesh.position_m[-1]
     speed = np.array([0.5 * np.sqrt(speed2)])
     brake = float(data.braking.effort_n(speed)[0]) + data.friction_effort_n
-    resisting = float(task.course.running_resistance_n(np.full(task.course.cell_count + 1, 0.25 * speed2))[-1])
+    resisting = float(task.mesh.running_resistance_n(np.full(task.mesh.cell_count + 1, 0.25 * speed2))[-1])
     deceleration = (brake + resisting + float(data.line_force_n[-1])) / (2 * data.half_inertia_kg)
     deceleration = min(deceleration, data.max_deceleration_ms2)
     if deceleration <= 0:
@@ -195,22 +178,12 @@ def _overshoot(task: Task, place_m: float, speed2: float) -> str:
     )
 
 
-def _require_arrival(task: Task, course: Course, speed2: FloatArray) -> None:
-    """Refuse a run that does not come to rest at the end of the line."""
-    if speed2[-1] == 0.0:
-        return
-    if speed2[-1] < 0.0:
-        last = int(np.argmax(speed2 < 0.0)) - 1 if (speed2[:-1] < 0.0).any() else len(speed2) - 2
-        raise StrategyRefusedError(_failure(task, STANDS, float(course.position_m[last]), 0.0))
-    raise StrategyRefusedError(_overshoot(task, float(course.position_m[-1]), float(speed2[-1])))
-
-
-def _require_limits(task: Task, course: Course, speed2: FloatArray) -> None:
+def _require_limits(task: Task, mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that is too fast for line or vehicle: a relay passes its mark by as much as it takes to react."""
-    line = task.course
-    places = np.union1d(line.position_m, course.position_m)
+    line = task.mesh
+    places = np.union1d(line.position_m, mesh.position_m)
     # v^2 is linear within a cell: between two neighbours of these places it is greatest at one of them
-    between2 = np.interp(places, course.position_m, speed2)
+    between2 = np.interp(places, mesh.position_m, speed2)
     middle = 0.5 * (places[1:] + places[:-1])
     limit = line.cell_limit_ms[np.searchsorted(line.position_m, middle) - 1]
     excess = np.sqrt(np.maximum(between2[1:], between2[:-1])) - limit

@@ -9,7 +9,7 @@ from dataclasses import replace
 from railjoule.core.bounds import Solution, certify, minimise
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
     arrival_windows,
@@ -19,9 +19,9 @@ from railjoule.core.strategies.arrival_windows import (
     optimum_within,
 )
 from railjoule.core.strategies.bellman import bellman
-from railjoule.core.strategies.decisions import DecidedRun
 from railjoule.core.strategies.line_parts import joined
-from railjoule.core.strategies.switching import best_switched
+from railjoule.core.strategies.switching import DecidedRun, best_switched
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
 
@@ -36,15 +36,15 @@ def optimal(task: Task) -> Trajectory:
     `drive.least_switching_s`. Its bound and the saving in its notes are those of runs with free switching. The runs
     near that of `bellman` are compared only where no other lies within 0.5 % of free switching.
 
-    Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
+    If the interior point does not converge, it is the best run of dynamic programming, without a bound, with a note.
 
-    Windows of arrival are kept, if need be by waiting at the stop before. Where one binds, the bound is that of runs
+    Windows of arrival are kept, if need be by waiting at the stop before. If one binds, the bound is that of runs
     that keep them all.
 
     Parameters
     ----------
     task : Task
-        What is asked for.
+        The task.
 
     Raises
     ------
@@ -81,20 +81,20 @@ def known_optimum(task: Task) -> Trajectory | None:
     try:
         return _by_interior_point(task)
     except RailjouleError:
-        # another run stands without it
+        # the reference is optional
         return None
 
 
 def _by_interior_point(task: Task) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
-    if not task.course.drive.jumps_at_no_effort:
+    if not task.mesh.drive.has_idle_losses:
         return _smooth_optimum(task)
     # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
     run = best_switched(task, solution.optimum)
     best = make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "optimal",
         run.speed2,
         bound=certify(task, solution.optimum),
@@ -114,7 +114,7 @@ def _smooth_optimum(task: Task) -> Trajectory:
         solution, proven = minimise(task), None
     best = make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "optimal",
         solution.optimum.speed2,
         bound=certify(task, solution.optimum, proven),
@@ -144,13 +144,13 @@ def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
     """Return in one sentence what an optimal run is, and what free switching could save at most."""
     friction = (
         "friction brakes take over where electric braking would draw power"
-        if task.course.data.friction_effort_n > 0
+        if task.mesh.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
     parts = [f"{_kept_words(task, run)}; this is the best such run found, not proven"]
     energy_j, optimum = run.energy_j + task.dwell_energy_j, relaxed.optimum
     # what free switching needs at least, as far as the relaxed optimum is the best of its problem
-    gap_j = optimum.relative_gap * reference_energy(task.course.data, optimum.energy_j, task.running_time_s)
+    gap_j = optimum.relative_gap * reference_energy(task.mesh.data, optimum.energy_j, task.running_time_s)
     saving = 1 - (relaxed.energy_j - gap_j) / energy_j if energy_j > 0 else -1.0
     # a relaxed energy above the run's is not the best of its problem
     if saving >= 0:
@@ -161,7 +161,7 @@ def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
 
 def _kept_words(task: Task, run: DecidedRun) -> str:
     """Return the words for how often a run's drive is switched."""
-    least, shortest = task.least_switching_s, shortest_stretch_s(task.course.data, run.speed2)
+    least, shortest = task.least_switching_s, shortest_stretch_s(task.mesh.data, run.speed2)
     if least == 0.0:
         return "Each cell is driven, braked or coasted as a whole"
     if shortest < least:
@@ -170,3 +170,22 @@ def _kept_words(task: Task, run: DecidedRun) -> str:
             f"switched after {shortest:.1f} s"
         )
     return f"The drive stays on or off for at least {least:g} s, to the nearest cell, but between driving and braking"
+
+
+register(
+    Strategy(
+        name="optimal",
+        run=optimal,
+        order=10,
+        label="Optimal",
+        colour=("#0B5BD3", "#7AA2FF"),
+        dash="solid",
+        help=(
+            "The run that needs the least energy in the given time, found by an interior-point method. A lower "
+            "bound, computed separately, shows how far it can be from the true optimum."
+        ),
+        applies_to="every scenario",
+        labels=("Optimum",),
+        is_light=True,
+    )
+)

@@ -1,7 +1,7 @@
 """The run in four phases, as tram drivers know it: start, cruise, coast, brake.
 
-The start is at full effort or with a current that is given or free, braking is full electric braking, and between the
-two the train holds its speed, then coasts. Stops and changes of the speed limit divide the line into parts whose times
+The start is at full effort or with a current that is given or free, braking is full electric braking, and between them
+the train holds its speed, then coasts. Stops and changes of the speed limit divide the line into parts whose times
 are chosen together. Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`: of tables over
 speed on a plain line, which has one limit, gradient and curve, and cell by cell on all others.
 """
@@ -11,12 +11,13 @@ from itertools import pairwise
 
 import numpy as np
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
-from railjoule.core.motion import Course, build_course, running_time
+from railjoule.core.motion import MeshedLine, build_meshed_line, running_time
 from railjoule.core.phase_planning.line_planner import LinePlan, plan_line
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
-from railjoule.core.phase_planning.run import PhaseRun, lay_out
+from railjoule.core.phase_planning.run import lay_out
 from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.physics.adhesion import adhesive_weight
 from railjoule.core.strategies.plain_line import (
@@ -26,6 +27,7 @@ from railjoule.core.strategies.plain_line import (
     require_no_neutral_sections,
     require_no_passing_points,
 )
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
@@ -37,9 +39,7 @@ SAME_KMH = 0.05
 """Speeds that differ by less are one speed in a sentence."""
 SLOWEST_BRAKE_KMH = 0.05
 """Below this speed one decimal would round the start of braking to 0."""
-
-
-MOST_SENTENCES = 8
+MAX_SENTENCES = 8
 """A run of more stretches is not described stretch by stretch."""
 
 
@@ -62,16 +62,16 @@ def phases(task: Task) -> Trajectory:
         # the timetable can be kept: only these phases need longer
         least = TimetableError(task.travel_time_s, late.shortest_time_s + task.dwell_s)
         raise StrategyRefusedError(
-            f"needs at least {least.least_tenth_s:.1f} s with these phases; the fastest run needs "
+            f"needs at least {least.min_tenth_s:.1f} s with these phases; the fastest run needs "
             f"{task.shortest_travel_time_s:.1f} s."
         ) from late
 
 
 def _is_plain(task: Task) -> bool:
     """Return whether one table over speed holds for each phase, wherever it is driven."""
-    course, limits = task.course, plain_limits_ms(task.course)
-    force, tunnels = course.data.line_force_n, course.tunnel_factor
-    uneven = np.ptp(force) > UNEVEN * course.data.half_inertia_kg or np.any(np.abs(tunnels - 1) > UNEVEN)
+    mesh, limits = task.mesh, plain_limits_ms(task.mesh)
+    force, tunnels = mesh.data.line_force_n, mesh.tunnel_factor
+    uneven = np.ptp(force) > UNEVEN * mesh.data.half_inertia_kg or np.any(np.abs(tunnels - 1) > UNEVEN)
     if uneven or np.ptp(limits) > UNEVEN * np.max(limits):
         return False
     # the planner of a plain line divides the time of parts that end at rest
@@ -85,10 +85,9 @@ def _is_plain(task: Task) -> bool:
 def _plain_run(task: Task) -> Trajectory:
     """Compute the run over a plain line."""
     planner = _planner(task)
-    first, last = task.course.position_m[[0, -1]].tolist()
+    first, last = task.mesh.position_m[[0, -1]].tolist()
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
-    distances = np.diff([first, *stops, last]).tolist()
-    initial, final = task.end_speeds_ms
+    distances, (initial, final) = np.diff([first, *stops, last]).tolist(), task.end_speeds_ms
     if len(distances) == 1:
         return _plain_trajectory(task, planner, (planner.plan(distances[0], task.running_time_s, initial, final),))
     return _plain_trajectory(task, planner, planner.plan_parts(distances, task.running_time_s, initial))
@@ -97,18 +96,29 @@ def _plain_run(task: Task) -> Trajectory:
 def _line_run(task: Task) -> Trajectory:
     """Compute the run over a line with several limits or gradients."""
     task.require_budget("phases")
-    plan = plan_line(task.scenario, task.course, task.running_time_s)
-    check_accelerations(task.course, plan.speed2)
-    check_speeds(task.course, plan.speed2)
+    plan = plan_line(task.scenario, task.mesh, task.running_time_s)
+    _require_exit_speed(task, float(plan.speed2[-1]))
+    check_accelerations(task.mesh, plan.speed2)
+    check_speeds(task.mesh, plan.speed2)
     price = plan.price_of_time_w
     return make_trajectory(
         task.scenario,
-        task.course,
+        task.mesh,
         "phases",
         plan.speed2,
-        price_of_time_w=None if price is None else price - task.course.data.auxiliary_power_w,
-        notes=_stretch_sentences(task.course, plan),
+        price_of_time_w=None if price is None else price - task.mesh.data.auxiliary_power_w,
+        notes=_stretch_sentences(task.mesh, plan),
     )
+
+
+def _require_exit_speed(task: Task, exit_speed2: float) -> None:
+    """Refuse a run that ends slower than its timetable asks for, as no phase accelerates the train before the end."""
+    asked_kmh, found_kmh = task.end_speeds_ms[1] / MS_PER_KMH, exit_speed2**0.5 / MS_PER_KMH
+    if found_kmh < asked_kmh - SAME_KMH:
+        raise StrategyRefusedError(
+            f"leaves the line at {found_kmh:.1f} km/h with these phases, where timetable.exit_speed_kmh asks for "
+            f"{asked_kmh:.1f} km/h."
+        )
 
 
 def _planner(task: Task) -> PhasePlanner:
@@ -119,51 +129,51 @@ def _planner(task: Task) -> PhasePlanner:
     StrategyRefusedError
         If a starting current is given that the drive does not have.
     """
-    scenario, course = task.scenario, task.course
+    scenario, mesh = task.scenario, task.mesh
     vehicle, driven_n = scenario.vehicle, adhesive_weight(scenario).driven_n
     if np.isfinite(driven_n):
         # the friction brakes have what adhesion leaves them
-        friction_kn = course.data.friction_effort_n / N_PER_KN
+        friction_kn = mesh.data.friction_effort_n / N_PER_KN
         braking = vehicle.braking.model_copy(update={"friction_effort_kn": friction_kn})
         vehicle = vehicle.model_copy(update={"braking": braking})
-    force_n, top_ms = float(course.data.line_force_n[0]), float(plain_limits_ms(course)[0])
+    force_n, top_ms = float(mesh.data.line_force_n[0]), float(plain_limits_ms(mesh)[0])
     model = phase_model(vehicle, force_n, top_ms, scenario.line.head_wind_kmh * MS_PER_KMH, driven_n)
     return PhasePlanner(model, scenario.phases)
 
 
 def _plain_trajectory(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
     """Return the trajectory of plans for the parts of a task's line, in order."""
-    nodes, speeds = [task.course.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
-    for run in _laid_out(task, planner, plans):
-        nodes.append(nodes[-1][-1] + run.position_m[1:])
-        speeds.append(run.speed_ms[1:])
+    nodes, speeds = [task.mesh.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
+    for place, speed in _laid_out(task, planner, plans):
+        nodes.append(nodes[-1][-1] + place[1:])
+        speeds.append(speed[1:])
     position = np.concatenate(nodes)
-    # the sum of parts may miss the end by its rounding, and a course ends where the line does
-    position[-1] = task.course.position_m[-1]
-    course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
-    # what a second costs is alike in all parts, as their time is divided by it: the first tells it
+    # the sum of parts may miss the end by its rounding, and a meshed line ends where the line does
+    position[-1] = task.mesh.position_m[-1]
+    mesh = build_meshed_line(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
+    # the marginal energy per second is equal in all parts, as their time is divided by it
     price, speed2 = planner.price_of_time_w(plans[0]), np.concatenate(speeds) ** 2
-    # where the line slows a coasting train down more than is allowed, no brake mends it
-    check_accelerations(course, speed2)
-    # it starts and coasts by plans that know of no curve, and brakes no harder than it
-    check_speeds(course, speed2)
+    # no brake helps where the line slows a coasting train down more than is allowed
+    check_accelerations(mesh, speed2)
+    # starts and coasting are planned without a braking curve; brakes are no stronger than it
+    check_speeds(mesh, speed2)
     return make_trajectory(
         task.scenario,
-        course,
+        mesh,
         "phases",
         speed2,
-        price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
+        price_of_time_w=None if price is None else price - mesh.data.auxiliary_power_w,
         notes=tuple(_sentence(plan) for plan in plans),
     )
 
 
-def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> list[PhaseRun]:
-    """Return the runs of plans, in time together.
+def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> list[tuple[FloatArray, FloatArray]]:
+    """Return the nodes and speeds of plans, in time together.
 
-    A fastest run has no time to keep, and misses that of its tables: what it loses, the part with most time gains.
+    A fastest run has no time to keep, and misses that of its tables: the part with most time makes up for its delay.
     """
     runs = [lay_out(planner.model, plan) for plan in plans]
-    late_s = sum(running_time(np.diff(run.position_m), run.speed_ms**2) for run in runs) - task.running_time_s
+    late_s = sum(running_time(np.diff(place), speed**2) for place, speed in runs) - task.running_time_s
     free = [k for k, plan in enumerate(plans) if not plan.fastest]
     if late_s > ON_TIME * task.running_time_s and free:
         k = max(free, key=lambda k: plans[k].running_time_s)
@@ -172,7 +182,7 @@ def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -
 
 
 def _sentence(plan: PhasePlan) -> str:
-    """Tell the numbers of a plan."""
+    """Describe a plan with its numbers."""
     first = {"start": "It starts", "coast": "It coasts", "brake": "It brakes"}[plan.first]
     if plan.first == "start" and plan.starting_current_a is not None:
         first += f" with {plan.starting_current_a:.0f} A"
@@ -187,13 +197,13 @@ def _sentence(plan: PhasePlan) -> str:
     return f"{words} and brakes from {brake_kmh:.1f} km/h."
 
 
-def _stretch_sentences(course: Course, plan: LinePlan) -> tuple[str, ...]:
+def _stretch_sentences(mesh: MeshedLine, plan: LinePlan) -> tuple[str, ...]:
     """Describe the cycles of a plan, one sentence per stretch; or all in one where they are many."""
     borders, speed_kmh = plan.border_m, np.sqrt(plan.speed2) / MS_PER_KMH
     count = len(borders) - 1
-    if count > MOST_SENTENCES:
+    if count > MAX_SENTENCES:
         return (f"It drives {count} stretches between stops and changes of the limit in one cycle of phases each.",)
-    nodes = np.searchsorted(course.position_m, borders)
+    nodes = np.searchsorted(mesh.position_m, borders)
     sentences = []
     for k, (first, last) in enumerate(pairwise(nodes.tolist())):
         entry, peak, end = (float(speed_kmh[first]), float(np.max(speed_kmh[first : last + 1])), float(speed_kmh[last]))
@@ -205,3 +215,26 @@ def _stretch_sentences(course: Course, plan: LinePlan) -> tuple[str, ...]:
         steps += [f"brakes to {goal}"] if coasts_to - end >= SAME_KMH else []
         sentences.append(" and ".join([words, *steps]) + ".")
     return tuple(sentences)
+
+
+register(
+    Strategy(
+        name="phases",
+        run=phases,
+        order=50,
+        label="Four phases",
+        colour=("#00845C", "#36D39A"),
+        dash=(4, 3),
+        help=(
+            "The best run of four phases between two stops: full power, hold a speed, coast, brake. It is what a "
+            "driver can remember."
+        ),
+        applies_to=(
+            "every scenario without neutral sections and passing points; more than one cycle (`phases.cycles`) "
+            "only on one gradient, curve and limit from end to end"
+        ),
+        source="rawicki-2013",
+        labels=("Phases", "Phase"),
+        seconds_per_cell=3e-4,
+    )
+)

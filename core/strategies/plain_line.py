@@ -1,4 +1,4 @@
-"""What Ftorek's strategies know of a line: its length, and one resistance for all of it."""
+"""A line as Ftorek's strategies model it, with one resistance, and the checks of runs from formulas."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -8,17 +8,17 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion import Course
+from railjoule.core.motion import MeshedLine
 from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
+from railjoule.core.physics.mesh_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
 
 ALLOWED_EXCESS = 1e-6
-"""By which share a run may pass a limit: of the limit itself, of an effort as a share of the greatest tractive one."""
-# It is ten times what a step of dynamic programming may: these runs come from formulas, and their forces are
-# differences of squares of speed, whose rounding grows as cells get short
+"""Share by which a run may exceed a limit; of an effort, a share of the maximum tractive effort."""
+# It is ten times the share of a step of dynamic programming: these runs come from formulas, and their forces are
+# differences of squares of speed, whose rounding grows as cells get short.
 
 # Lengths and resistances that differ by less, relatively, are the same: sums over a mesh round their last digits
 SAME = 1e-9
@@ -41,7 +41,7 @@ class PlainLine:
     loss_coefficient : float
         Copper loss over effort squared [W/N2].
     notes : tuple of str
-        What was simplified.
+        The simplifications.
     initial_speed_ms, final_speed_ms : float
         Speeds at the ends [m/s], omega_0 and omega_m of (10).
     """
@@ -57,12 +57,12 @@ class PlainLine:
     final_speed_ms: float = 0.0
 
     def resistance_n(self, speed_ms: FloatArray) -> FloatArray:
-        """Return what resists at speeds [m/s], line included [N]; shape as the argument's."""
+        """Return the resistance at speeds [m/s], line included [N]; shape as the argument's."""
         return running_resistance(self.constant_n, self.linear, self.quadratic, speed_ms, np.square(speed_ms))
 
 
 def plain_line(task: Task) -> PlainLine:
-    """Return what is left of a task's line, or refuse it.
+    """Model a task's line with one resistance, or refuse it.
 
     Raises
     ------
@@ -70,27 +70,34 @@ def plain_line(task: Task) -> PlainLine:
         If the run has planned stops, passing points, neutral sections or a lower limit than the vehicle's, or the drive
         no copper loss.
     """
-    course, scenario = task.course, task.scenario
-    data = course.data
+    mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
     require_no_passing_points(task)
     require_no_neutral_sections(task)
-    if np.min(plain_limits_ms(course)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME):
-        raise StrategyRefusedError("needs a line without limits.")
-    if data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0:
-        raise StrategyRefusedError("needs a drive with copper loss.")
-    if np.ptp(data.resistance_quadratic) > SAME * data.resistance_quadratic[0]:
-        raise StrategyRefusedError("needs a line without tunnels, or one that lies in a tunnel from end to end.")
-    # over a closed distance the mean force does the work of the true one; what differs is where
+    is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
+    for is_refused, needs in (
+        (is_limited, "line without limits"),
+        (data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0, "drive with copper loss"),
+        (
+            np.ptp(data.resistance_quadratic) > SAME * data.resistance_quadratic[0],
+            "line without tunnels, or one that lies in a tunnel from end to end",
+        ),
+    ):
+        if is_refused:
+            raise StrategyRefusedError(f"needs a {needs}.")
+    # over a closed distance the mean force does the work of the true one; only the places differ
     line_force = float(np.average(data.line_force_n, weights=data.cell_length_m))
     notes = []
     if np.ptp(data.line_force_n) > SAME * max(1.0, abs(line_force)):
-        notes.append(_note_on_the_mean(course))
+        mean = float(np.average(mesh.gradient_permille, weights=data.cell_length_m))
+        has_gradients = np.ptp(mesh.gradient_force_n) > 0
+        gradients = f"Gradients are replaced by their mean, {mean:.2f} per mille."
+        notes.append(gradients if has_gradients else "Curves are replaced by their mean resistance.")
     if scenario.vehicle.drive.recuperation_factor < 1:
         notes.append("The plan assumes that all the energy generated in braking is recuperated.")
     return PlainLine(
-        distance_m=course.length_m,
+        distance_m=mesh.length_m,
         inertia_kg=2 * data.half_inertia_kg,
         constant_n=data.resistance_constant_n + line_force,
         linear=data.resistance_linear,
@@ -111,7 +118,7 @@ class SampledRun:
     time_s, position_m, speed_ms, acceleration_ms2, effort_n : array
         Samples of the run; a jump of the effort is two samples at one time.
     energy_j : array
-        Energy taken so far, copper loss and work at the shaft [J].
+        Energy so far, copper loss and work at the shaft [J].
     shaft_energy_j : float
         Work against resistance over the whole run [J].
     """
@@ -131,20 +138,20 @@ class SampledRun:
 
     @property
     def peak_energy_j(self) -> float:
-        """Most energy taken at any time [J]."""
+        """Maximum of the energy so far [J]."""
         return float(np.max(self.energy_j))
 
 
-def plain_limits_ms(course: Course) -> FloatArray:
-    """Return the limits of a course [m/s] without a braking curve of the vehicle; shape (n,) with one, else (n + 1,).
+def plain_limits_ms(mesh: MeshedLine) -> FloatArray:
+    """Return the limits of a mesh [m/s] without a braking curve of the vehicle; shape (n,) with one, else (n + 1,).
 
     Whether a run keeps such a curve shows once there is a run.
     """
-    return course.cell_limit_ms if _has_braking_curve(course) else np.sqrt(course.data.largest_speed2)
+    return mesh.cell_limit_ms if _has_braking_curve(mesh) else np.sqrt(mesh.data.limit_speed2)
 
 
-def _has_braking_curve(course: Course) -> bool:
-    return bool(np.isfinite(course.permitted_deceleration_ms2))
+def _has_braking_curve(mesh: MeshedLine) -> bool:
+    return bool(np.isfinite(mesh.permitted_deceleration_ms2))
 
 
 def require_no_passing_points(task: Task) -> None:
@@ -159,14 +166,7 @@ def require_no_neutral_sections(task: Task) -> None:
         raise StrategyRefusedError("needs a line without neutral sections.")
 
 
-def _note_on_the_mean(course: Course) -> str:
-    if not np.ptp(course.gradient_force_n):
-        return "Curves are replaced by their mean resistance."
-    mean = float(np.average(course.gradient_permille, weights=course.data.cell_length_m))
-    return f"Gradients are replaced by their mean, {mean:.2f} per mille."
-
-
-def check_feasible(course: Course, speed2: FloatArray) -> None:
+def check_feasible(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that needs more effort, speed or acceleration than available.
 
     Raises
@@ -174,23 +174,19 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     StrategyRefusedError
         With the first place where it does.
     """
-    data = course.data
-    check_speeds(course, speed2)
-    for broken in broken_efforts(course, speed2):
-        # what stands for a missing brake is none
-        negligible = broken.limit < ALLOWED_EXCESS * data.traction.constant_n
-        available = 0.0 if negligible else broken.limit
-        needed, most = distinct_numbers(broken.reached / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
-        place = course.position_m[broken.cell]
-        raise StrategyRefusedError(
-            f"{broken.does} with {needed} kN at {place:.0f} m, where at most {most} kN are available."
-        )
-    check_accelerations(course, speed2)
+    check_speeds(mesh, speed2)
+    for does, cell, reached, limit in broken_efforts(mesh, speed2):
+        # a missing brake has a negligible effort
+        available = limit if limit >= ALLOWED_EXCESS * mesh.data.traction.constant_n else 0.0
+        needed, most = distinct_numbers(reached / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
+        place = mesh.position_m[cell]
+        raise StrategyRefusedError(f"{does} with {needed} kN at {place:.0f} m, where at most {most} kN are available.")
+    check_accelerations(mesh, speed2)
 
 
-def check_speeds(course: Course, speed2: FloatArray) -> None:
+def check_speeds(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that is faster than limits or a braking curve permit; errors as `check_feasible`."""
-    permitted2 = course.data.largest_speed2
+    permitted2 = mesh.data.limit_speed2
     over = np.flatnonzero(speed2 > permitted2 * (1 + ALLOWED_EXCESS))
     if not len(over):
         return
@@ -198,25 +194,25 @@ def check_speeds(course: Course, speed2: FloatArray) -> None:
     speed_kmh, limit_kmh = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (speed2, permitted2))
     needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
     # of both cells that meet at the node
-    limit_ms = np.min(course.cell_limit_ms[max(node - 1, 0) : node + 1])
-    if _has_braking_curve(course) and permitted2[node] < limit_ms**2 * (1 - SAME):
+    limit_ms = np.min(mesh.cell_limit_ms[max(node - 1, 0) : node + 1])
+    if _has_braking_curve(mesh) and permitted2[node] < limit_ms**2 * (1 - SAME):
         raise StrategyRefusedError(
-            f"needs {needed} km/h at {course.position_m[node]:.0f} m, but the permitted deceleration "
+            f"needs {needed} km/h at {mesh.position_m[node]:.0f} m, but the permitted deceleration "
             f"(vehicle.braking.permitted_deceleration) allows only {allowed} km/h there."
         )
     raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
 
 
-def check_accelerations(course: Course, speed2: FloatArray) -> None:
+def check_accelerations(mesh: MeshedLine, speed2: FloatArray) -> None:
     """Refuse a run that accelerates or slows down more than is allowed; errors as `check_feasible`."""
-    for broken in broken_accelerations(course, speed2):
-        place = course.position_m[broken.cell]
-        by, allowed = distinct_numbers(broken.reached, broken.limit, EFFORT_DIGITS)
-        raise StrategyRefusedError(f"{broken.does} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
+    for does, cell, reached, limit in broken_accelerations(mesh, speed2):
+        by, allowed = distinct_numbers(reached, limit, EFFORT_DIGITS)
+        place = mesh.position_m[cell]
+        raise StrategyRefusedError(f"{does} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
 
 
 class BrokenLimit(NamedTuple):
-    """The first cell in which a run breaks a limit, and what it does there; efforts in N, accelerations in m/s2."""
+    """The first cell in which a run breaks a limit, and its action there; efforts in N, accelerations in m/s2."""
 
     does: str
     cell: int
@@ -224,33 +220,30 @@ class BrokenLimit(NamedTuple):
     limit: float
 
 
-def broken_efforts(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
-    """Return which of the limits of tractive and braking effort a run breaks by more than rounding."""
-    data = course.data
-    speed = np.sqrt(speed2)
-    mean = mean_speed(speed[:-1], speed[1:])
-    force = course.net_force_n(speed2)
-    pulls = force - tractive_limit_n(data, mean), force, "pulls"
-    brakes = -force - electric_limit_n(data, mean) - data.friction_effort_n, -force, "brakes"
-    broken = []
-    for excess, effort, does in (pulls, brakes):
-        over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
-        if len(over):
-            cell = int(over[0])
-            broken.append(BrokenLimit(does, cell, abs(float(effort[cell])), abs(float(effort[cell])) - excess[cell]))
-    return broken
+def broken_efforts(mesh: MeshedLine, speed2: FloatArray) -> list[BrokenLimit]:
+    """Return the limits of tractive and braking effort that a run breaks by more than rounding."""
+    data, speed = mesh.data, np.sqrt(speed2)
+    mean, force = mean_speed(speed[:-1], speed[1:]), mesh.net_force_n(speed2)
+    braking_n = electric_limit_n(data, mean) + data.friction_effort_n
+    allowed_n = ALLOWED_EXCESS * data.traction.constant_n
+    return [
+        *_broken("pulls", force, tractive_limit_n(data, mean), allowed_n),
+        *_broken("brakes", -force, braking_n, allowed_n),
+    ]
 
 
-def broken_accelerations(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
-    """Return which of the limits of acceleration and deceleration a run breaks by more than rounding."""
-    data = course.data
+def broken_accelerations(mesh: MeshedLine, speed2: FloatArray) -> list[BrokenLimit]:
+    """Return the limits of acceleration and deceleration that a run breaks by more than rounding."""
     # dv/dt = v dv/dx = d(v^2 / 2)/dx, exact in a cell, over which the square of speed is linear
-    acceleration = 0.5 * np.diff(speed2) / data.cell_length_m
-    speeds_up = acceleration, data.max_acceleration_ms2, "accelerates"
-    slows_down = -acceleration, data.max_deceleration_ms2, "slows down"
-    broken = []
-    for reached, limit, does in (speeds_up, slows_down):
-        over = np.flatnonzero(reached > limit * (1 + ALLOWED_EXCESS))
-        if len(over):
-            broken.append(BrokenLimit(does, int(over[0]), float(reached[over[0]]), limit))
-    return broken
+    acceleration = 0.5 * np.diff(speed2) / mesh.data.cell_length_m
+    up, down = mesh.data.max_acceleration_ms2, mesh.data.max_deceleration_ms2
+    return [
+        *_broken("accelerates", acceleration, np.full_like(acceleration, up), ALLOWED_EXCESS * up),
+        *_broken("slows down", -acceleration, np.full_like(acceleration, down), ALLOWED_EXCESS * down),
+    ]
+
+
+def _broken(does: str, reached: FloatArray, limit: FloatArray, allowed: float) -> list[BrokenLimit]:
+    """Return the first of the cells in which a limit is exceeded by more than allowed."""
+    over = np.flatnonzero(reached > limit + allowed)[:1].tolist()
+    return [BrokenLimit(does, cell, float(reached[cell]), float(limit[cell])) for cell in over]

@@ -13,14 +13,14 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point.duty import COASTED, DRIVEN
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def round_shares(
-    driving: FloatArray, braking: FloatArray, durations_s: FloatArray, interrupted_by: IntArray, least_s: float
-) -> FloatArray:
+    driving: FloatArray, braking: FloatArray, durations_s: FloatArray, interrupted_by: IntArray, min_s: float
+) -> IntArray:
     """Return a decision, an array of shape (n,), whose stretches last and which keeps close to given shares.
 
     Parameters
@@ -29,7 +29,7 @@ def round_shares(
         Shares of the cells on which the drive is on, and times of the cells [s].
     interrupted_by : array of shape (n,)
         Interruption of the drive before each cell.
-    least_s : float
+    min_s : float
         For how long a stretch lasts at least [s].
     """
     n = durations_s.shape[0]
@@ -39,14 +39,14 @@ def round_shares(
         t = durations_s[i]
         if interrupted_by[i] != NOTHING:
             does, lasts = OFF, np.inf
-        owed_driving, drive = _owes(owed_driving, driving, i, t, least_s, does == DRIVING)
-        owed_braking, brake = _owes(owed_braking, braking, i, t, least_s, does == BRAKING)
-        wanted = DRIVING if drive else BRAKING if brake else OFF
+        owed_driving, drive = _owes(owed_driving, driving, i, t, min_s, does == DRIVE)
+        owed_braking, brake = _owes(owed_braking, braking, i, t, min_s, does == BRAKE)
+        wanted = DRIVE if drive else BRAKE if brake else OFF
         # to the nearest cell, as `shortest_stretch_s` counts
-        if wanted != does and lasts + 0.5 * t >= least_s:
+        if wanted != does and lasts + 0.5 * t >= min_s:
             does, lasts = wanted, 0.0
-        owed_driving -= t if does == DRIVING else 0.0
-        owed_braking -= t if does == BRAKING else 0.0
+        owed_driving -= t if does == DRIVE else 0.0
+        owed_braking -= t if does == BRAKE else 0.0
         decision[i] = does
         lasts += t
     return decision
@@ -54,7 +54,7 @@ def round_shares(
 
 @njit(cache=True, error_model="numpy")
 def _owes(
-    owed_s: float, share: FloatArray, cell: int, duration_s: float, least_s: float, is_on: bool
+    owed_s: float, share: FloatArray, cell: int, duration_s: float, min_s: float, is_on: bool
 ) -> tuple[float, bool]:
     """Return for how long the drive is owed to be on at the end of a cell [s], and whether it is to be on there.
 
@@ -64,7 +64,7 @@ def _owes(
     part = share[cell]
     if part >= DRIVEN or part <= COASTED:
         return 0.0, bool(part >= DRIVEN)
-    half_swing = 0.5 * least_s * max(part, 1.0 - part)
+    half_swing = 0.5 * min_s * max(part, 1.0 - part)
     if cell == 0 or not COASTED < share[cell - 1] < DRIVEN:
         owed_s = 0.0
     owed_s += part * duration_s

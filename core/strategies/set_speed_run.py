@@ -5,23 +5,22 @@ A task may be that of a whole line or of one inter-station run, a part of its no
 
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, limit_problem
+from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, SetSpeedRun, limit_problem
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.strategies.literal_regulator import literal_cost, literal_run, require_literal
 from railjoule.core.strategies.plain_line import require_no_neutral_sections
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
-LEAST_LIMIT_KMH = 1.0
+MIN_LIMIT_KMH = 1.0
 """Below (16): the least limit of a section."""
 # near its stop a train's motors begin to draw power: where, only short cells tell
 HALVINGS_AT_STOPS = 6
@@ -30,39 +29,15 @@ HALVINGS_AT_STOPS = 6
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
 
 
-class SetSpeedRun(NamedTuple):
-    """A run under limits.
-
-    Parameters
-    ----------
-    course : Course
-        Over its own nodes, with its dwells.
-    speed2 : array of shape (n + 1,)
-        Squares of speed at the nodes [m2/s2].
-    limits_ms : array of shape (k,)
-        Of the sections [m/s].
-    boundaries_m : array of shape (k - 1,)
-        Between them [m].
-    switches : int
-        How often the printed relay changes between driving, nothing and braking; 0 with the others.
-    """
-
-    course: Course
-    speed2: FloatArray
-    limits_ms: FloatArray
-    boundaries_m: FloatArray
-    switches: int = 0
-
-
 def build_limit_problem(task: Task) -> LimitProblem:
     """Return the problem that the search of a task solves: trips within the latest time that its window allows.
 
-    The printed relay is searched with its own runs.
+    The literal regulator is searched with its own runs.
 
     Raises
     ------
     StrategyRefusedError
-        If the line has neutral sections, or the printed relay does not take the task.
+        If the line has neutral sections, or the literal regulator does not take the task.
     """
     options = task.scenario.search
     earliest_s, latest_s = ((1 + sign * options.time_window) * task.running_time_s for sign in (-1, 1))
@@ -74,28 +49,28 @@ def build_limit_problem(task: Task) -> LimitProblem:
 
 
 def problem_within(task: Task, running_time_s: float) -> LimitProblem:
-    """Return the problem of a task with an ideal regulator within a time [s]; the printed relay's ideal brakes."""
+    """Return the problem of a task with an ideal regulator within a time [s]; the literal regulator's ideal brakes."""
     require_no_neutral_sections(task)
     options, vehicle = task.scenario.search, task.scenario.vehicle
-    stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
-    nodes = finer_at_stops(task.course.position_m, stops, HALVINGS_AT_STOPS)
+    stops = task.mesh.position_m[task.mesh.data.fixed_speed2 == 0].tolist()
+    nodes = finer_at_stops(task.mesh.position_m, stops, HALVINGS_AT_STOPS)
     return limit_problem(
-        course_over(task, nodes),
+        mesh_over(task, nodes),
         options.stop_deceleration_ms2,
         options.regulator != "coast",
-        LEAST_LIMIT_KMH * MS_PER_KMH,
+        MIN_LIMIT_KMH * MS_PER_KMH,
         vehicle.traction.max_speed_kmh * MS_PER_KMH,
         running_time_s,
     )
 
 
-def course_over(task: Task, position_m: FloatArray) -> Course:
-    """Return the course of a task over other nodes between the same ends [m]."""
-    course = build_course(task.scenario, *task.end_speeds_ms, position_m)
+def mesh_over(task: Task, position_m: FloatArray) -> MeshedLine:
+    """Return the meshed line of a task over other nodes between the same ends [m]."""
+    mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, position_m)
     # a part of a line ends at stations, whose dwells are none of its run's
-    dwell = course.dwell_s.copy()
+    dwell = mesh.dwell_s.copy()
     dwell[[0, -1]] = 0.0
-    return replace(course, dwell_s=frozen_array(dwell))
+    return replace(mesh, dwell_s=frozen_array(dwell))
 
 
 def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpeedRun:
@@ -107,7 +82,7 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
         If the regulator drives no run that the train can, or comes too late.
     """
     if task.scenario.search.regulator == "literal":
-        return drive_literal(task, best.limits_ms, best.boundaries_m)
+        return literal_run(task, best.limits_ms, best.boundaries_m)
     # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
     finer, best = _over_corners(task, problem, best, whole_cells=False)
     cells, best = _over_corners(task, finer, best, whole_cells=True)
@@ -116,13 +91,7 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
         raise StrategyRefusedError(_failure(cells, places, speed2))
     if not np.isfinite(best.energy_j):
         raise StrategyRefusedError(_too_late(task, cells, best.running_time_s))
-    return SetSpeedRun(cells.course, speed2, best.limits_ms, best.boundaries_m)
-
-
-def drive_literal(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
-    """Return the run of the printed regulator; arguments and errors as `literal_run`."""
-    run = literal_run(task, limits_ms, boundaries_m)
-    return SetSpeedRun(run.course, run.speed2, limits_ms, boundaries_m, run.switches)
+    return SetSpeedRun(cells.mesh, speed2, best.limits_ms, best.boundaries_m)
 
 
 def _over_corners(
@@ -132,8 +101,8 @@ def _over_corners(
     places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
     # the second time those cells are short already
     fast = [] if whole_cells else _within_fast_changes(places, speed2)
-    nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
-    finer = problem.over(course_over(task, nodes), whole_cells)
+    nodes = _merged(problem.mesh.position_m, np.concatenate([places, fast]))
+    finer = problem.over(mesh_over(task, nodes), whole_cells)
     if best.stage == "given":
         return finer, finer.as_given(best.limits_ms, best.boundaries_m)
     return finer, finer.evaluate("refine", best.limits_ms, best.boundaries_m)
@@ -174,7 +143,7 @@ def no_limits_reason(task: Task, problem: LimitProblem, found: LimitSearch) -> s
     fastest = min(found.evaluations, key=lambda one: one.running_time_s)
     if np.isfinite(fastest.running_time_s):
         return _too_late(task, problem, fastest.running_time_s)
-    cells = problem.over(problem.course, whole_cells=True)
+    cells = problem.over(problem.mesh, whole_cells=True)
     return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
 
 
@@ -184,7 +153,7 @@ def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) 
     if speed2[-1] <= 0.0:
         return f"comes to a stand at {place:.0f} m with these set speeds."
     if not np.isfinite(speed2[-1]):
-        most = problem.course.data.max_deceleration_ms2
+        most = problem.mesh.data.max_deceleration_ms2
         return (
             f"slows down by more than the {most:g} m/s2 that are allowed before {place:.0f} m, which it approaches at "
             f"{np.sqrt(speed2[-2]) / MS_PER_KMH:.1f} km/h, even at full effort."
@@ -207,7 +176,7 @@ def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
 
 
 def run_notes(task: Task, run: SetSpeedRun) -> tuple[str, ...]:
-    """Return the set speeds of a run as a sentence, and one on the printed relay."""
+    """Return the set speeds of a run as a sentence, and one on the literal regulator."""
     limits = ", ".join(f"{limit / MS_PER_KMH:.1f}" for limit in run.limits_ms)
     borders = ", ".join(f"{border:.0f}" for border in run.boundaries_m)
     words = f"Set speeds: {limits} km/h, changing at {borders} m." if borders else f"Set speed: {limits} km/h."

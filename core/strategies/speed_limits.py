@@ -15,7 +15,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import bounded
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.limit_search.problem import LEAST_SECTION_M, LimitProblem
+from railjoule.core.limit_search.problem import MIN_SECTION_M, LimitProblem, SetSpeedRun
 from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Scenario
@@ -30,19 +30,19 @@ from railjoule.core.strategies.inter_station_runs import (
 from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.strategies.plain_line import require_no_passing_points
 from railjoule.core.strategies.set_speed_run import (
-    LEAST_LIMIT_KMH,
-    SetSpeedRun,
+    MIN_LIMIT_KMH,
     build_limit_problem,
     drive_limits,
     no_limits_reason,
     problem_within,
     run_notes,
 )
+from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
-MOST_SECTIONS = 12
+MAX_SECTIONS = 12
 """Of one inter-station run, or of a line without stations."""
 
 
@@ -65,12 +65,12 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     """Return the run and the path of the search that led to it; errors as `speed_limits`."""
     options = task.scenario.search
     borders = section_boundaries(task.scenario)
-    if task.course.data.fixed_speed2[-1] > 0:
+    if task.mesh.data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that ends at rest.")
     require_no_passing_points(task)
     if options.limits_kmh is not None:
         is_literal = options.regulator == "literal"
-        limits = _given_limits(task.scenario, len(borders) + 1)
+        limits = _given_limits(task.scenario)
         problem = problem_within(task, task.running_time_s)
         given = problem.as_given(limits, borders)
         run = drive_literal_runs(task, limits, borders) if is_literal else drive_limits(task, problem, given)
@@ -98,7 +98,7 @@ def _search_separately(task: Task, borders_m: FloatArray) -> tuple[SetSpeedRun, 
     parts = inter_station_runs(task)
     require_slack(task, parts)
     for number, part in enumerate(parts):
-        first, last = part.course.position_m[[0, -1]]
+        first, last = part.mesh.position_m[[0, -1]]
         inside = borders_m[(borders_m > first) & (borders_m < last)]
         try:
             problem = build_limit_problem(part)
@@ -145,7 +145,7 @@ def section_boundaries(scenario: Scenario) -> FloatArray:
             )
         return frozen_array(borders)
     if not options.boundaries_m or options.inter_station_runs == "separate":
-        near = np.abs(np.subtract.outer(borders, stations)).min(axis=1, initial=np.inf) < LEAST_SECTION_M
+        near = np.abs(np.subtract.outer(borders, stations)).min(axis=1, initial=np.inf) < MIN_SECTION_M
         borders = np.union1d(borders[~near], stations)
     _require_few_sections(line.stops_m, borders)
     return frozen_array(borders)
@@ -155,33 +155,23 @@ def _require_few_sections(stops_m: tuple[float, ...], borders_m: FloatArray) -> 
     """Refuse more sections between two stops than a search is made for."""
     for start, end in pairwise(stops_m):
         count = 1 + int(((borders_m > start) & (borders_m < end)).sum())
-        if count > MOST_SECTIONS:
+        if count > MAX_SECTIONS:
             where = "the line" if len(stops_m) == 2 else f"the run from {start:.0f} to {end:.0f} m"
             raise StrategyRefusedError(
                 f"needs borders of sections (search.boundaries_m): {where} has {count} sections, and it searches over "
-                f"at most {MOST_SECTIONS}."
+                f"at most {MAX_SECTIONS}."
             )
 
 
-def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
+def _given_limits(scenario: Scenario) -> FloatArray:
     """Return the limits that a scenario gives [m/s]."""
     most, given = scenario.vehicle.traction.max_speed_kmh, scenario.search.limits_kmh
     assert given is not None
-    if len(given) != sections:
-        raise ScenarioError(f"search.limits_kmh has {len(given)} entries for {sections} sections.")
     for index, limit in enumerate(given):
-        if not LEAST_LIMIT_KMH <= limit <= most:
-            bound = f"at least {LEAST_LIMIT_KMH:g}" if limit < LEAST_LIMIT_KMH else f"at most the vehicle's {most:g}"
+        if not MIN_LIMIT_KMH <= limit <= most:
+            bound = f"at least {MIN_LIMIT_KMH:g}" if limit < MIN_LIMIT_KMH else f"at most the vehicle's {most:g}"
             raise ScenarioError(f"search.limits_kmh[{index}] = {limit:g} must be {bound}.")
     return np.array(given) * MS_PER_KMH
-
-
-def literal_trajectory(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> Trajectory:
-    """Return the run of the printed regulator under limits.
-
-    Arguments and errors as `railjoule.core.strategies.literal_regulator.literal_run`.
-    """
-    return _made(task, drive_literal_runs(task, limits_ms, boundaries_m))
 
 
 def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Trajectory:
@@ -190,7 +180,7 @@ def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Traje
     The bound holds over its own nodes; what it is measured against is the optimum over the scenario's.
     """
     notes = (*run_notes(task, driven), *words)
-    run = bounded(task, make_trajectory(task.scenario, driven.course, "speed_limits", driven.speed2, notes=notes))
+    run = bounded(task, make_trajectory(task.scenario, driven.mesh, "speed_limits", driven.speed2, notes=notes))
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
     best = known_optimum(late) if late.has_slack else None
     return run if best is None else replace(run, reference=best.reference)
@@ -199,8 +189,28 @@ def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Traje
 def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
     samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
     moved = " and section ends" if free else ""
-    alone = ", each inter-station run by itself" if found.runs else ""
+    each = ", each inter-station run by itself" if found.runs else ""
     return (
-        f"{len(found.evaluations)} combinations of set speeds{moved} tried{alone}, the first {samples} evenly spread; "
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
         "not a proof.",
     )
+
+
+register(
+    Strategy(
+        name="speed_limits",
+        run=speed_limits,
+        order=60,
+        label="Set speeds",
+        colour=("#D6409F", "#EE92C6"),
+        dash=(12, 4),
+        help=(
+            "One set speed for each section of the line: below it the train drives, above it it coasts or brakes. "
+            "The strategy searches the set speeds that need the least energy."
+        ),
+        applies_to="every scenario without neutral sections; it can be late within its time window, and proves nothing",
+        source="shtompel-2025",
+        labels=("Speed limits",),
+        seconds_per_cell=1.6e-3,
+    )
+)

@@ -1,9 +1,9 @@
-"""Many scenarios at once, as labelled tables."""
+"""Studies of many runs, as labelled tables."""
 
 from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
-from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
+from railjoule.core.studies.montecarlo import monte_carlo, monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, find_robust_plan, robust_plan_steps
-from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import sensitivity, sensitivity_steps
 from railjoule.core.studies.storage import (
     Storage,
     StorageNeed,
@@ -12,17 +12,17 @@ from railjoule.core.studies.storage import (
     storage_need,
     with_storage,
 )
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
 
 __all__ = [
     "BrakingSensors",
     "Frontier",
-    "MonteCarloTable",
     "RobustPlan",
-    "SensitivityTable",
     "Storage",
     "StorageNeed",
     "StorageRun",
+    "StudyTable",
     "energy_time_frontier",
     "enoc_frontier",
     "find_robust_plan",

@@ -1,4 +1,4 @@
-"""What a wrong rotor resistance in the motor control costs: energy, current and tracking over its factor.
+"""The cost of a wrong rotor resistance in the motor control: energy, current and tracking over its factor.
 
 Source: the question of Ftorek et al. 2025, Figure 1, whose control needs the rotor's resistance for the angle of its
 flux; a warm rotor has up to half more than a cold one.
@@ -6,7 +6,7 @@ flux; a warm rotor has up to half more than a cold one.
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import solve
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order
@@ -25,9 +25,16 @@ from railjoule.core.units import J_PER_KWH
 if TYPE_CHECKING:
     import xarray
 
-# a warm rotor has up to half more than a cold one, so 0.67 to 1.5 is what happens; the rest shows where the loop gives
-# way
+# 0.67 to 1.5 is what temperature does; the rest shows where the loop fails
 FACTORS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0)
+UNITS = {
+    "energy_kwh": "kWh",
+    "magnetising_loss_kwh": "kWh",
+    "max_current_a": "A",
+    "max_phase_voltage_v": "V",
+    "max_tracking_error_m": "m",
+}
+"""The columns of the table, in order."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +44,17 @@ class DetuningTable:
     Parameters
     ----------
     scenario : Scenario
-        What was simulated, but for the factor.
+        The simulated scenario, but for the factor.
     rotor_resistance_factors : tuple of float
         Rotor resistance that the control assumes, over the true one.
     energy_kwh, magnetising_loss_kwh : array of shape (k,)
-        Energy that the machines take, and what of it the flux's current loses in the stator [kWh].
+        Input energy of the machines, and the part that the flux's current loses in the stator [kWh].
     max_current_a, max_phase_voltage_v : array of shape (k,)
         Peaks [A, V].
     max_tracking_error_m : array of shape (k,)
         Largest distance from the planned place [m].
     done : int
-        How many are computed.
+        Number of computed runs.
     """
 
     scenario: Scenario
@@ -61,17 +68,10 @@ class DetuningTable:
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the table with its labels and units."""
-        import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
+        import xarray  # noqa: PLC0415  (slow to import)
 
-        columns = {
-            "energy_kwh": (self.energy_kwh, "kWh"),
-            "magnetising_loss_kwh": (self.magnetising_loss_kwh, "kWh"),
-            "max_current_a": (self.max_current_a, "A"),
-            "max_phase_voltage_v": (self.max_phase_voltage_v, "V"),
-            "max_tracking_error_m": (self.max_tracking_error_m, "m"),
-        }
         return xarray.Dataset(
-            {name: (("rotor_resistance_factor",), values, {"units": unit}) for name, (values, unit) in columns.items()},
+            {name: (("rotor_resistance_factor",), getattr(self, name), {"units": u}) for name, u in UNITS.items()},
             coords={"rotor_resistance_factor": list(self.rotor_resistance_factors)},
             attrs={"title": self.scenario.title, "strategy": self.scenario.strategy},
         )
@@ -88,18 +88,18 @@ def detuning(
     Parameters
     ----------
     scenario : Scenario
-        What is simulated, but for the factor.
+        The simulated scenario, but for the factor.
     factors : sequence of float
         Assumed over true rotor resistance.
     plan : Trajectory, optional
-        What to follow; the scenario's own strategy where absent.
+        The run to follow; the scenario's own strategy where absent.
     executor : Executor, optional
-        What does the runs; by default this thread.
+        Executor of the runs; by default this thread.
 
     Raises
     ------
     RailjouleError
-        As `railjoule.core.simulate.field_oriented.simulate_field_oriented`.
+        As `railjoule.core.simulation.field_oriented.simulate_field_oriented`.
     """
     *_, last = detuning_steps(scenario, factors, plan, executor)
     return last
@@ -117,44 +117,31 @@ def detuning_steps(
     # all of them before the first run: a factor out of its bounds is no result
     for factor in factors:
         _variant(scenario, factor)
-    # one plan for all factors: what differs in the table is the control alone
+    # one plan for all factors: only the control differs in the table
     planned = plan if plan is not None else solve(scenario)
-    values = np.full((5, len(factors)), np.nan)
-    table = _filled(DetuningTable(scenario, tuple(factors), *(frozen_array(values[0]),) * 5), values, 0)
-    yield table
+    values = np.full((len(UNITS), len(factors)), np.nan)
+    yield _table(scenario, factors, values, 0)
     # a loop that loses the train is a result of this study and no error of it: its column stays NaN
-    work = RowByRow(partial(_simulated, scenario, planned), 5, (InfeasibleLineError, SolverError))
+    work = RowByRow(partial(_simulated, scenario, planned), len(UNITS), (InfeasibleLineError, SolverError))
     for rows in rows_in_order(work, np.array(factors, dtype=float)[:, None], executor):
         done = len(rows.values)
         values[:, :done] = rows.values.T
-        yield _filled(table, values, done)
+        yield _table(scenario, factors, values, done)
+
+
+def _table(scenario: Scenario, factors: Sequence[float], values: FloatArray, done: int) -> DetuningTable:
+    energy, magnetising, current, voltage, tracking = map(frozen_array, values)
+    return DetuningTable(scenario, tuple(factors), energy, magnetising, current, voltage, tracking, done)
 
 
 def _variant(scenario: Scenario, factor: float) -> Scenario:
-    return scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)})
+    return scenario.replace(**{"simulation.rotor_resistance_factor": float(factor)})
 
 
 def _simulated(
     scenario: Scenario, planned: Trajectory, factor: Sequence[float]
 ) -> tuple[float, float, float, float, float]:
-    return _figures(simulate_field_oriented(_variant(scenario, *factor), planned))
-
-
-def _filled(table: DetuningTable, values: FloatArray, done: int) -> DetuningTable:
-    """Return a table with other values, rows of which are its columns."""
-    energy, magnetising, current, voltage, tracking = (frozen_array(row) for row in values)
-    return replace(
-        table,
-        energy_kwh=energy,
-        magnetising_loss_kwh=magnetising,
-        max_current_a=current,
-        max_phase_voltage_v=voltage,
-        max_tracking_error_m=tracking,
-        done=done,
-    )
-
-
-def _figures(run: FieldOrientedRun) -> tuple[float, float, float, float, float]:
+    run = simulate_field_oriented(_variant(scenario, *factor), planned)
     return (
         float(run.energy_by_input_power_j[-1]) / J_PER_KWH,
         run.magnetising_loss_kwh,

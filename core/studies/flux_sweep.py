@@ -14,7 +14,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.machine import SteadyState, phase_voltage_v, steady_state, torque_constant
-from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
+from railjoule.core.drive.induction.traction import traction_machines
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
 from railjoule.core.scenario import Vehicle
@@ -66,7 +66,7 @@ class FluxSweep:
         Voltage limit, amplitude per phase [V].
     points : tuple of FluxPoint
         Over rising flux, up to the rated one, whether or not the voltage allows it.
-    least_loss, within_voltage, rated : FluxPoint
+    min_loss, within_voltage, rated : FluxPoint
         With the flux of minimum loss, the largest flux that the voltage allows, and the rated flux.
     """
 
@@ -74,7 +74,7 @@ class FluxSweep:
     effort_n: float
     max_phase_voltage_v: float
     points: tuple[FluxPoint, ...]
-    least_loss: FluxPoint
+    min_loss: FluxPoint
     within_voltage: FluxPoint
     rated: FluxPoint
 
@@ -107,24 +107,33 @@ def sweep_flux(vehicle: Vehicle, speed_ms: float) -> FluxSweep:
     machine = machines.machine
     effort = running_resistance(*resistance_coefficients(vehicle), speed_ms, speed_ms**2)
     shaft_nm = effort / (machines.motors * machines.turns_per_metre * machines.gear_efficiency)
+    shaft_w = shaft_nm * machines.turns_per_metre * speed_ms
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed_ms
-    electromagnetic_nm = shaft_nm + machine.mechanical_loss_torque_nm
-    rated = machine.magnetising_current_a
-    best = flux_current_of_least_loss(machine, electromagnetic_nm, rotor_rads)
-    allowed = flux_current_within_voltage(machine, electromagnetic_nm, rotor_rads)
+    torque_nm = shaft_nm + machine.mechanical_loss_torque_nm
+    best = flux_current_of_least_loss(machine, torque_nm, rotor_rads)
 
     def at(flux_current: float) -> FluxPoint:
-        return _point(machines, shaft_nm, rotor_rads, flux_current)
+        torque_current = torque_nm / (torque_constant(machine) * flux_current)
+        state = steady_state(machine, flux_current, torque_current, rotor_rads)
+        return FluxPoint(
+            flux_current_a=flux_current,
+            torque_current_a=torque_current,
+            phase_voltage_v=phase_voltage_v(state),
+            input_power_w=state.input_power_w,
+            loss_w=state.input_power_w - shaft_w,
+            efficiency=shaft_w / state.input_power_w,
+            power_factor=power_factor(state, flux_current, torque_current),
+        )
 
-    currents = np.linspace(FIRST_SHARE * best, rated, POINTS).tolist()
+    currents = np.linspace(FIRST_SHARE * best, machine.magnetising_current_a, POINTS).tolist()
     return FluxSweep(
         speed_ms=speed_ms,
         effort_n=effort,
         max_phase_voltage_v=machine.max_phase_voltage_v,
         points=tuple(map(at, currents)),
-        least_loss=at(best),
-        within_voltage=at(allowed),
-        rated=at(rated),
+        min_loss=at(best),
+        within_voltage=at(flux_current_within_voltage(machine, torque_nm, rotor_rads)),
+        rated=at(machine.magnetising_current_a),
     )
 
 
@@ -141,20 +150,3 @@ def power_factor(state: SteadyState, flux_current_a: float, torque_current_a: fl
     # three phases of sinusoidal amplitudes carry 3/2 of the product
     apparent = 1.5 * phase_voltage_v(state) * math.hypot(flux_current_a, torque_current_a)
     return state.input_power_w / apparent
-
-
-def _point(machines: TractionMachines, shaft_nm: float, rotor_rads: float, flux_current_a: float) -> FluxPoint:
-    """Return the steady state at a torque of the shaft [N m] and a rotor frequency [rad/s]."""
-    machine = machines.machine
-    torque_current = (shaft_nm + machine.mechanical_loss_torque_nm) / (torque_constant(machine) * flux_current_a)
-    state = steady_state(machine, flux_current_a, torque_current, rotor_rads)
-    shaft_w = shaft_nm * rotor_rads / machine.pole_pairs
-    return FluxPoint(
-        flux_current_a=flux_current_a,
-        torque_current_a=torque_current,
-        phase_voltage_v=phase_voltage_v(state),
-        input_power_w=state.input_power_w,
-        loss_w=state.input_power_w - shaft_w,
-        efficiency=shaft_w / state.input_power_w,
-        power_factor=power_factor(state, flux_current_a, torque_current),
-    )

@@ -1,10 +1,9 @@
-"""A plan under random conditions: load, resistance, voltage, departure and errors of measurement are drawn."""
+"""A plan under random conditions: load, resistance, voltage, departure and errors of measurement."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,153 +12,91 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
-from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulate.actual_vehicle import voltage_notes
-from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
-from railjoule.core.studies.labelled import label_rows
+from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
+from railjoule.core.simulation.actual_vehicle import voltage_notes
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
 from railjoule.core.studies.sweep.rows import RowByRow
 from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    import xarray
 
 # The order is part of the result: each quantity has a column of the random numbers, so that the same seed always draws
 # the same runs. Quantities that are added to a block would change all of its numbers: they need a block of their own.
 CONDITIONS = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
 SENSOR_ERRORS = ("d1_error_m", "d2_error_m", "d3_error_m")
 QUANTITIES = (*CONDITIONS, "speed_error", *SENSOR_ERRORS)
-"""What is drawn, in the order of the random numbers: a block of conditions, and one of errors of measurement."""
-UNITS = {"load_factor": "1", "departure_delay_s": "s", **dict.fromkeys(("coordinate_error_m", *SENSOR_ERRORS), "m")}
+"""The random quantities in the order of their numbers: a block of conditions, and one of errors of measurement."""
 RESULTS = 3
 """Energy, delay and stopping error."""
-# Wide enough to cut nothing off the defaults, whose standard deviations are 3 and 8 per cent, and narrow enough that a
-# drive keeps some voltage and a train some resistance: with none of either there is no run to simulate.
+# Wide enough for the defaults, whose standard deviations are 3 and 8 per cent, and narrow enough that a drive keeps
+# some voltage and a train some resistance: a run without them cannot be simulated.
 FACTOR_BOUNDS = (0.05, 2.0)
-"""Between these drawn factors lie: a train without any voltage or resistance is not meant."""
-# a day, and half of the speed, as the scenario bounds its own delay and error
-LONGEST_DELAY_S, LARGEST_SPEED_ERROR = 86400.0, 0.5
+"""Bounds of random factors."""
+LONGEST_DELAY_S, MAX_SPEED_ERROR = 86400.0, 0.5
+"""The bounds of the scenario for its own delay and error."""
 # Energy bends little over the load: straight lines between nine plans are exact to 2e-4 (measured on liashenko-ii and
 # tram-950m), and nine plans are fewer than one a run.
 PLANNED_LOADS = np.linspace(0.0, 1.0, 9)
 """Shares of the largest load whose own plans are computed; between them their energy is interpolated."""
-# a page redraws its histogram at each step: some ten times a second, and not at every run
 RUNS_PER_STEP = 40
+"""A page draws its histogram at each step: about ten times a second."""
 
 
-@dataclass(frozen=True, eq=False)
-class MonteCarloTable:
-    """What was drawn and what came out, run by run; NaN where the real train cannot pass the line.
+def monte_carlo(scenario: Scenario, executor: Executor | None = None) -> StudyTable:
+    """Return random runs of a plan, with a row for each run; NaN where the real train cannot pass the line.
 
-    Parameters
-    ----------
-    scenario : Scenario
-        The plan, and the distributions in its `montecarlo`.
-    planned_kwh : float
-        Energy of the plan [kWh].
-    drawn : dict
-        What was drawn, by `QUANTITIES`: arrays of shape (runs,).
-    replanned_kwh : array of shape (runs,)
-        Energy of the plan of a train that knows its load [kWh].
-    energy_kwh, delay_s, stop_error_m : array of shape (done,)
-        Energy as driven [kWh], delay at the end [s], last stopping error [m] of the runs done so far.
-    """
-
-    scenario: Scenario
-    planned_kwh: float
-    drawn: dict[str, FloatArray]
-    replanned_kwh: FloatArray
-    energy_kwh: FloatArray
-    delay_s: FloatArray
-    stop_error_m: FloatArray
-
-    @property
-    def done(self) -> int:
-        """How many runs are done."""
-        return len(self.energy_kwh)
-
-    @property
-    def runs(self) -> int:
-        """How many runs are asked for."""
-        return len(self.replanned_kwh)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What is drawn and changes nothing, in sentences."""
-        same = np.all(self.drawn["line_voltage_factor"] == 1)
-        return () if same else voltage_notes(self.scenario.vehicle)
-
-    @property
-    def overconsumption(self) -> FloatArray:
-        """Energy over that of the plan, less 1; shape (done,)."""
-        return share_above(self.energy_kwh, self.planned_kwh)
-
-    @property
-    def over_replanned(self) -> FloatArray:
-        """Energy over that of the plan of a train that knows its load, less 1; shape (done,)."""
-        return share_above(self.energy_kwh, self.replanned_kwh[: self.done])
-
-    def to_dataset(self) -> "xarray.Dataset":
-        """Return the runs done so far with labels and units."""
-        columns = {name: (values[: self.done], UNITS.get(name, "1")) for name, values in self.drawn.items()}
-        columns |= {
-            "energy_kwh": (self.energy_kwh, "kWh"),
-            "overconsumption": (self.overconsumption, "1"),
-            "over_replanned": (self.over_replanned, "1"),
-            "delay_s": (self.delay_s, "s"),
-            "stop_error_m": (self.stop_error_m, "m"),
-        }
-        return label_rows(
-            "run",
-            columns,
-            {
-                "title": self.scenario.title,
-                "strategy": self.scenario.strategy,
-                "planned_energy_kwh": self.planned_kwh,
-                "seed": self.scenario.montecarlo.seed,
-                "notes": " ".join(self.notes),
-            },
-        )
-
-
-def monte_carlo(scenario: Scenario, executor: Executor | None = None) -> MonteCarloTable:
-    """Return what chance makes of a plan.
+    Its columns are the `QUANTITIES` drawn, energy as driven, overconsumption against the plan, and against the plan of
+    the actual load, delay at the end, last stopping error, and energy of the plan for the actual load.
 
     Parameters
     ----------
     scenario : Scenario
         The plan, and in `montecarlo` the distributions, the number of runs and the seed.
     executor : Executor, optional
-        What does the runs; by default this thread.
+        Executor of the runs; by default this thread.
 
     Raises
     ------
     ScenarioError
         If a distribution has nothing within the bounds of its quantity.
     RailjouleError
-        As `railjoule.core.solve` for the plan.
+        As in `railjoule.core.solve` for the plan.
     """
     *_, last = monte_carlo_steps(scenario, executor)
     return last
 
 
-def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> Iterator[MonteCarloTable]:
+def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> Iterator[StudyTable]:
     """Yield the table of `monte_carlo` empty, and again after every few runs; parameters and errors as there."""
     require_compiled()
     planned = plan_for(scenario)
     drawn = draw(scenario)
-    table = MonteCarloTable(
-        scenario,
-        planned.energy_kwh,
-        drawn,
-        frozen_array(_replanned_energies(scenario, drawn["load_factor"])),
-        *(frozen_array([]),) * RESULTS,
-    )
-    yield table
-    work = drawn_runs(planned, scenario)
-    for rows in rows_in_order(work, np.column_stack([drawn[name] for name in QUANTITIES]), executor, RUNS_PER_STEP):
-        energy, delay, stop_error = (frozen_array(column) for column in rows.values.T)
-        yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
+    replanned = _replanned_energies(scenario, drawn["load_factor"])
+    attributes = {
+        "title": scenario.title,
+        "strategy": scenario.strategy,
+        "planned_energy_kwh": planned.energy_kwh,
+        "seed": scenario.montecarlo.seed,
+        "notes": () if np.all(drawn["line_voltage_factor"] == 1) else voltage_notes(scenario.vehicle),
+    }
+
+    def table(results: FloatArray) -> StudyTable:
+        done, (energy, delay, stop_error) = len(results), results.T
+        columns = {
+            **{name: values[:done] for name, values in drawn.items()},
+            "energy_kwh": energy,
+            "overconsumption": share_above(energy, planned.energy_kwh),
+            "over_replanned": share_above(energy, replanned[:done]),
+            "delay_s": delay,
+            "stop_error_m": stop_error,
+            "replanned_kwh": replanned[:done],
+        }
+        return StudyTable(scenario, {"run": range(done)}, columns, attributes, done)
+
+    yield table(np.empty((0, RESULTS)))
+    work, samples = drawn_runs(planned, scenario), np.column_stack([drawn[name] for name in QUANTITIES])
+    for rows in rows_in_order(work, samples, executor, RUNS_PER_STEP):
+        yield table(rows.values)
 
 
 def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
@@ -170,9 +107,9 @@ def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
     planned : Trajectory
         The plan that is followed.
     scenario : Scenario
-        The train and the line as they are; rows of drawn values replace its disturbance.
+        The actual train and line; rows of random values replace its disturbance.
     """
-    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
+    # a train may be too heavy for a ramp: such a run stays NaN
     return RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
 
 
@@ -183,15 +120,14 @@ def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> 
 
 
 def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
-    """Return a scenario with drawn values of `QUANTITIES`; those that are not drawn stay."""
+    """Return a scenario with values of some `QUANTITIES`; the others do not change."""
     disturbance = {name: drawn[name] for name in CONDITIONS if name in drawn}
     if "load_factor" in disturbance:
         disturbance["actual_load_factor"] = disturbance.pop("load_factor")
-    options = scenario.simulation
-    planned = dict(zip(SENSOR_ERRORS, options.sensor_errors_m, strict=True))
+    values, options = {**planned_values(scenario), **drawn}, scenario.simulation
     measured = {
-        "speed_error": drawn.get("speed_error", options.speed_error),
-        "sensor_errors_m": tuple(drawn.get(name, planned[name]) for name in SENSOR_ERRORS),
+        "speed_error": values["speed_error"],
+        "sensor_errors_m": tuple(values[name] for name in SENSOR_ERRORS),
     }
     return scenario.model_copy(
         update={
@@ -199,6 +135,16 @@ def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
             "simulation": options.model_copy(update=measured),
         }
     )
+
+
+def planned_values(scenario: Scenario) -> dict[str, float]:
+    """Return the values of all `QUANTITIES` that the scenario itself has."""
+    return {
+        **{name: getattr(scenario.disturbance, name) for name in CONDITIONS if name != "load_factor"},
+        "load_factor": scenario.vehicle.load_factor,
+        "speed_error": scenario.simulation.speed_error,
+        **dict(zip(SENSOR_ERRORS, scenario.simulation.sensor_errors_m, strict=True)),
+    }
 
 
 def draw(scenario: Scenario) -> dict[str, FloatArray]:
@@ -226,27 +172,22 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
     # an error of a whole section would put the train at another stop; the bound itself is excluded
     places = np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)
     bounds = {
-        "load_factor": (0.0, _largest_load(scenario)),
+        "load_factor": (0.0, _max_load(scenario)),
         "coordinate_error_m": places,
         "resistance_factor": FACTOR_BOUNDS,
         "line_voltage_factor": FACTOR_BOUNDS,
         "departure_delay_s": (0.0, LONGEST_DELAY_S),
-        "speed_error": (np.nextafter(-LARGEST_SPEED_ERROR, 0), np.nextafter(LARGEST_SPEED_ERROR, 0)),
+        "speed_error": (np.nextafter(-MAX_SPEED_ERROR, 0), np.nextafter(MAX_SPEED_ERROR, 0)),
         **dict.fromkeys(SENSOR_ERRORS, places),
     }
-    planned = {
-        **{name: getattr(scenario.disturbance, name) for name in CONDITIONS if name != "load_factor"},
-        "load_factor": scenario.vehicle.load_factor,
-        "speed_error": scenario.simulation.speed_error,
-        **dict(zip(SENSOR_ERRORS, scenario.simulation.sensor_errors_m, strict=True)),
-    }
+    planned = planned_values(scenario)
     return {
         name: frozen_array(_truncated(name, getattr(options, name), planned[name], bounds[name], probabilities[:, k]))
         for k, name in enumerate(QUANTITIES)
     }
 
 
-def _largest_load(scenario: Scenario) -> float:
+def _max_load(scenario: Scenario) -> float:
     """Return the largest load factor that may be drawn: of full trains, unless more is asked for."""
     load = scenario.montecarlo.load_factor
     named = [getattr(load, name, None) or 0.0 for name in ("value", "mean", "median", "mode", "high")]
@@ -275,8 +216,8 @@ def _truncated(
 
 
 def _scipy_distribution(distribution: Distribution, planned: float) -> Any:
-    """Return a distribution as SciPy knows it."""
-    from scipy import stats  # noqa: PLC0415  (slow to import, and seldom needed)
+    """Return a distribution of SciPy."""
+    from scipy import stats  # noqa: PLC0415  (slow to import, and rarely needed)
 
     if isinstance(distribution, Uniform):
         return stats.uniform(distribution.low, distribution.high - distribution.low)
@@ -292,9 +233,9 @@ def _scipy_distribution(distribution: Distribution, planned: float) -> Any:
 
 
 def _replanned_energies(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
-    """Return the energy [kWh] of plans that know their load; NaN beyond the loads that can be planned for."""
-    # a load that cannot be planned for is left out, and beyond the known ones np.interp must not go on with the last
-    loads = (_largest_load(scenario) * PLANNED_LOADS).tolist()
+    """Return the energy [kWh] of plans for the actual load; NaN beyond the loads that have a plan."""
+    # loads without a plan are left out, and np.interp must not extrapolate
+    loads = (_max_load(scenario) * PLANNED_LOADS).tolist()
     planned = {load: plan_knowing_load(scenario, load) for load in loads}
     known = {load: plan.energy_kwh for load, plan in planned.items() if plan is not None}
     if not known:

@@ -1,9 +1,9 @@
-"""Efficiency over torque and speed of one motor for every drive that has it, and where in it a run works.
+"""Efficiency over torque and speed of one motor, and its operating points in a run.
 
 A gear that loses a share g of the power at the wheels makes the shaft carry F v (1 + g) in driving and F v (1 - g) in
 braking, over all motors.
 
-Source: Shtompel, Khvorost 2025, Figure 1 and (8)-(12), with the sign of the gear's loss in braking put right.
+Source: Shtompel, Khvorost 2025, Figure 1 and (8)-(12), with the sign of the gear's loss in braking corrected.
 """
 
 from dataclasses import dataclass
@@ -13,12 +13,15 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.compilation import require_compiled
 from railjoule.core.drive import make_drive
-from railjoule.core.drive.geared_parameters import turns_per_metre
+from railjoule.core.drive.geared import turns_per_metre
+from railjoule.core.drive.induction.traction import traction_machines
 from railjoule.core.drive.synchronous.drive import efficiency_maps, output_over_input, torque_envelope
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import GearedMotors, Synchronous
+from railjoule.core.simulation.actual_vehicle import actual_vehicle
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH
 
@@ -27,13 +30,13 @@ TORQUES, SPEEDS = 121, 96
 """Of a map, braking and driving together."""
 # power over speed is infinite at standstill, where the limits of effort and not of power hold
 SLOWEST_SHARE = 1e-3
-"""Where efforts are limited by power, the slowest speed at which they are asked for, over the greatest."""
+"""The slowest speed of efforts that are limited by power, over the greatest."""
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class MotorMap:
-    """Efficiencies over torque and speed of one motor; not a number where there is no such torque.
+    """Efficiencies over torque and speed of one motor; NaN where there is no such torque.
 
     Parameters
     ----------
@@ -42,26 +45,20 @@ class MotorMap:
     speed_rads : array of shape (m,)
         Its speeds, rising from 0 [rad/s].
     drive : array of shape (n, m)
-        Of motor and inverter.
+        Of motor and inverter; only of the motor in a map of an induction machine.
     motor : array of shape (n, m), optional
-        Of the motor alone, where the drive tells it apart.
+        Only of the motor, where the model of the drive separates it.
     """
 
     torque_nm: FloatArray
     speed_rads: FloatArray
     drive: FloatArray
-    motor: FloatArray | None
+    motor: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class OperatingPoints:
-    """Where one motor works in each cell of a run in which it is on.
-
-    Parameters
-    ----------
-    torque_nm, speed_rads : array of shape (k,)
-        Torque of the shaft [N m], negative where it brakes, and its speed [rad/s].
-    """
+    """Torques of the shaft of one motor [N m], negative where it brakes, and its speeds [rad/s]; both of shape (k,)."""
 
     torque_nm: FloatArray
     speed_rads: FloatArray
@@ -73,7 +70,7 @@ def motor_map(scenario: Scenario) -> MotorMap:
     Raises
     ------
     ScenarioError
-        If its drive tells no losses over torque and speed of a motor.
+        If its drive has no losses over torque and speed of a motor.
     """
     drive = _geared(scenario)
     require_compiled()
@@ -87,21 +84,44 @@ def motor_map(scenario: Scenario) -> MotorMap:
 
 
 def operating_points(run: Trajectory) -> OperatingPoints:
-    """Return where one motor works in the cells of a run, at their mean speeds.
-
-    Raises
-    ------
-    ScenarioError
-        As `motor_map`.
-    """
+    """Return the operating points of one motor in the cells of a run, at their mean speeds; errors as `motor_map`."""
     drive = _geared(run.scenario)
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
     # a drive that is off and a train at a station have no point in the map
     on = (effort != 0) & (speed > 0)
-    torque = effort[on] * _shaft_over_wheel_power(drive, effort[on]) / _newtons_per_nm(drive)
+    torque = effort[on] / _effort_over_torque(drive, effort[on])
     return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * turns_per_metre(drive)))
+
+
+def induction_map(scenario: Scenario) -> MotorMap:
+    """Return the efficiency of one machine up to the vehicle's largest speed, with the flux of `[simulation]`.
+
+    NaN beyond current or voltage; inverter and gear are not included.
+
+    Raises
+    ------
+    ScenarioError
+        If its drive has no induction machine.
+    """
+    # with the supply voltage of the disturbance, which limits the machines
+    vehicle = actual_vehicle(scenario).vehicle
+    machines = traction_machines(vehicle.drive)
+    speed = np.linspace(0.0, vehicle.traction.max_speed_kmh * MS_PER_KMH * machines.turns_per_metre, SPEEDS)
+    # At full voltage a machine generates with more torque than it drives with: the drop across its stator then helps.
+    most, least = (float(machines.max_torque_nm(speed, braking).max()) for braking in (False, True))
+    torque = np.linspace(-least, most, TORQUES)
+    efficiency = machines.efficiency(torque, speed, scenario.simulation.flux == "min_loss")
+    return MotorMap(frozen_array(torque), frozen_array(speed), frozen_array(efficiency))
+
+
+def machine_points(run: FieldOrientedRun) -> OperatingPoints:
+    """Return torque of the shaft and speed of one machine at the samples of a run at which the train moves."""
+    machines, moving = run.machines, run.speed_ms > 0
+    # the map is over the torque of the shaft, so the friction of the motor is subtracted from the electromagnetic one
+    torque = run.torque_nm[moving] - machines.machine.mechanical_loss_torque_nm
+    return OperatingPoints(frozen_array(torque), frozen_array(run.speed_ms[moving] * machines.turns_per_metre))
 
 
 def _geared(scenario: Scenario) -> GearedMotors:
@@ -114,30 +134,25 @@ def _geared(scenario: Scenario) -> GearedMotors:
 
 
 def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: FloatArray) -> MotorMap:
-    """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
-    drive, course = make_drive(parameters), build_course(scenario).data
+    """Return the map of a drive with given losses of all motors, within the limits of the vehicle's effort."""
+    drive, mesh = make_drive(parameters), build_meshed_line(scenario).data
     speed_ms = speed_rads / turns_per_metre(parameters)
     limit_speed_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
-    driving, braking = course.traction.effort_n(limit_speed_ms), course.braking.effort_n(limit_speed_ms)
+    driving, braking = mesh.traction.effort_n(limit_speed_ms), mesh.braking.effort_n(limit_speed_ms)
     ends = np.array([-braking.max(), driving.max()])
-    least, most = (ends * _shaft_over_wheel_power(parameters, ends) / _newtons_per_nm(parameters)).tolist()
+    least, most = (ends / _effort_over_torque(parameters, ends)).tolist()
     torque = np.linspace(least, most, TORQUES)
-    effort = (torque * _newtons_per_nm(parameters) / _shaft_over_wheel_power(parameters, torque))[:, None]
+    effort = (torque * _effort_over_torque(parameters, torque))[:, None]
     # at the ends of the map the effort is its own limit, which rounding may put on either side
     possible = (effort <= driving * (1 + ROUNDING)) & (effort >= -braking * (1 + ROUNDING))
-    # the formulas of some drives have no value beyond their limits: those points are computed at no effort and left
-    # out
+    # some drives have no values beyond their limits: those points are computed at no effort and left out
     power = drive.electrical_power_w(np.where(possible, effort, 0.0), np.broadcast_to(speed_ms, possible.shape))
     shaft = torque[:, None] * speed_rads[None, :]
     loss = np.where(possible, power / parameters.motors - shaft, np.nan)
-    return MotorMap(frozen_array(torque), frozen_array(speed_rads), frozen_array(output_over_input(shaft, loss)), None)
+    return MotorMap(frozen_array(torque), frozen_array(speed_rads), frozen_array(output_over_input(shaft, loss)))
 
 
-def _newtons_per_nm(drive: GearedMotors) -> float:
-    """Return effort of the train over torque of one motor, without loss in the gear [N/(N m)]."""
-    return drive.motors * turns_per_metre(drive)
-
-
-def _shaft_over_wheel_power(drive: GearedMotors, sign: FloatArray) -> FloatArray:
-    """Return power of the shafts over power at the wheels; negative signs brake."""
-    return np.where(np.asarray(sign) < 0, 1 - drive.gear_loss_share, 1 + drive.gear_loss_share)
+def _effort_over_torque(drive: GearedMotors, sign: FloatArray) -> FloatArray:
+    """Return effort of the train over torque of one motor [N/(N m)]; negative signs brake."""
+    shaft_over_wheel = np.where(sign < 0, 1 - drive.gear_loss_share, 1 + drive.gear_loss_share)
+    return drive.motors * turns_per_metre(drive) / shaft_over_wheel

@@ -1,9 +1,9 @@
 """The plan with the least expected energy among those that are on time with a chosen probability.
 
-A plan for one load can be followed on time only by trains that are not heavier, and with no reserve each delay on the
-way makes it late. A candidate assumes a load and a running resistance and arrives a little before its timetable; all
+Only trains that are not heavier can follow a plan for one load on time, and without a reserve each delay on the way
+makes the run late. A candidate assumes a load and a running resistance and arrives a little before its timetable. All
 candidates are followed under the same draws of `railjoule.core.studies.montecarlo`, so that their differences do not
-depend on the luck of a draw. Other draws, more of them, then check the chosen plan and the plan of the scenario.
+depend on a draw. Further draws then check the chosen plan and the plan of the scenario.
 
 The question is that of Chen, Li, Zhang, Tian, Robust optimization of energy-saving train trajectories under passenger
 load uncertainty, 2022, doi 10.1109/TTE.2022.3194698 (reference 27 of Liashenko, Yatsko 2025); the method is
@@ -13,7 +13,6 @@ railjoule's.
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,20 +21,17 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import InfeasibleLineError, RailjouleError, ScenarioError, SolverError, TimetableError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulate.actual_vehicle import actual_vehicle
-from railjoule.core.simulate.disturbances import LATE_S
-from railjoule.core.simulate.following import plan_for, plannable_task
-from railjoule.core.studies.labelled import label_rows
+from railjoule.core.simulation.actual_vehicle import actual_vehicle
+from railjoule.core.simulation.disturbances import LATE_S
+from railjoule.core.simulation.following import plan_for, plannable_task
 from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs
 from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    import xarray
 
 PROBABILITY, CANDIDATES, MAX_CANDIDATES = 0.9, 24, 1000
 CONFIDENCE = 0.95
-"""Of all intervals."""
+"""Confidence of all intervals."""
 CHECK_RATIO = 5
 """The check has this many times the draws of the search, which are `montecarlo.runs` in all."""
 RESERVE_RANGE = 2.0
@@ -43,7 +39,7 @@ RESERVE_RANGE = 2.0
 
 
 class UnreachedProbabilityError(RailjouleError):
-    """No candidate is on time as often as it should be."""
+    """No candidate is on time with the chosen probability."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,9 +49,9 @@ class DrawnRuns:
     Parameters
     ----------
     energy_kwh, lateness_s : array of shape (runs,)
-        Energy [kWh] and arrival after the timetable [s]; NaN where the train comes to a stand on its way.
+        Energy [kWh] and arrival after the timetable [s]; NaN where the train stops on its way.
     accepted_s : float
-        A train that arrives no later than this is on time [s].
+        Largest lateness of a train that is on time [s].
     """
 
     energy_kwh: FloatArray
@@ -69,7 +65,7 @@ class DrawnRuns:
 
     @property
     def on_time(self) -> int:
-        """Number of runs on time; a train that comes to a stand is not."""
+        """Number of runs on time; a train that stops on its way is not."""
         return int(np.sum(self.lateness_s <= self.accepted_s + LATE_S))
 
     @property
@@ -92,7 +88,7 @@ class DrawnRuns:
         return float(reached.mean()) if len(reached) else np.nan
 
     def late_quantile_s(self, probability: float) -> float:
-        """Return the lateness [s] that is not exceeded with a probability; infinite where the train stands."""
+        """Return the lateness [s] that is not exceeded with a probability; infinite where the train does not arrive."""
         known = np.where(np.isnan(self.lateness_s), np.inf, self.lateness_s)
         return float(np.quantile(known, probability, method="higher"))
 
@@ -106,7 +102,7 @@ class Candidate:
     load_factor, resistance_factor : float
         The load and the running resistance that the plan assumes.
     reserve_s : float
-        How much before the timetable it arrives [s].
+        Time before the timetable at which it arrives [s].
     plan : Trajectory
     drawn : DrawnRuns
     """
@@ -127,17 +123,17 @@ class RobustPlan:
     scenario : Scenario
         The timetable, the train, and in `montecarlo` the distributions.
     probability : float
-        How probable an arrival on time must be.
+        Smallest probability of an arrival on time.
     asked : int
-        How many candidates there are, the scenario's own plan not counted.
+        Number of candidates besides the scenario's own plan.
     candidates : tuple of Candidate
         The scenario's own plan first.
     refused : int
-        Candidates that no train with the assumed load and resistance can keep.
+        Candidates that are infeasible for the assumed load and resistance.
     chosen : Candidate or None
-        The robust plan; None until all candidates are there.
+        The robust plan; None until all candidates are known.
     checked : tuple of DrawnRuns or None
-        The scenario's own plan and the robust one under other draws; None until the search is at its end.
+        The scenario's own plan and the robust one under other draws; None until the search has ended.
     """
 
     scenario: Scenario
@@ -155,12 +151,12 @@ class RobustPlan:
 
     @property
     def is_held(self) -> bool:
-        """Whether the robust plan is on time as often as it should be under the draws of the check, too."""
+        """Whether the robust plan is on time with the probability under the draws of the check, too."""
         return self.checked is not None and self.checked[1].share_on_time >= self.probability
 
     @property
     def extra_kwh(self) -> tuple[float, float]:
-        """By how much the robust plan's expected energy is above that of the scenario's plan, and its error [kWh].
+        """Expected energy of the robust plan minus that of the scenario's plan, and its error [kWh].
 
         The error is half of the 95 % interval of the mean difference of runs under the same draws.
         """
@@ -174,30 +170,27 @@ class RobustPlan:
         error = norm.ppf(0.5 + 0.5 * CONFIDENCE) * difference.std(ddof=1) / len(difference) ** 0.5
         return float(difference.mean()), float(error)
 
-    def to_dataset(self) -> "xarray.Dataset":
-        """Return the candidates with labels and units, the scenario's own plan first."""
+    def to_table(self) -> StudyTable:
+        """Return the candidates as a table, the scenario's own plan first."""
         columns = {
-            "load_factor": ([one.load_factor for one in self.candidates], "1"),
-            "resistance_factor": ([one.resistance_factor for one in self.candidates], "1"),
-            "reserve_s": ([one.reserve_s for one in self.candidates], "s"),
-            "planned_kwh": ([one.plan.energy_kwh for one in self.candidates], "kWh"),
-            "expected_kwh": ([one.drawn.expected_kwh for one in self.candidates], "kWh"),
-            "share_on_time": ([one.drawn.share_on_time for one in self.candidates], "1"),
-            "share_low": ([one.drawn.share_interval[0] for one in self.candidates], "1"),
-            "share_high": ([one.drawn.share_interval[1] for one in self.candidates], "1"),
-            "is_chosen": ([int(one is self.chosen) for one in self.candidates], "1"),
+            "load_factor": [one.load_factor for one in self.candidates],
+            "resistance_factor": [one.resistance_factor for one in self.candidates],
+            "reserve_s": [one.reserve_s for one in self.candidates],
+            "planned_kwh": [one.plan.energy_kwh for one in self.candidates],
+            "expected_kwh": [one.drawn.expected_kwh for one in self.candidates],
+            "share_on_time": [one.drawn.share_on_time for one in self.candidates],
+            "share_low": [one.drawn.share_interval[0] for one in self.candidates],
+            "share_high": [one.drawn.share_interval[1] for one in self.candidates],
+            "is_chosen": [int(one is self.chosen) for one in self.candidates],
         }
-        return label_rows(
-            "candidate",
-            columns,
-            {
-                "title": self.scenario.title,
-                "strategy": self.scenario.strategy,
-                "probability": self.probability,
-                "accepted_delay_s": self.scenario.disturbance.accepted_delay_s,
-                "seed": self.scenario.montecarlo.seed,
-            },
-        )
+        attributes = {
+            "title": self.scenario.title,
+            "strategy": self.scenario.strategy,
+            "probability": self.probability,
+            "accepted_delay_s": self.scenario.disturbance.accepted_delay_s,
+            "seed": self.scenario.montecarlo.seed,
+        }
+        return StudyTable(self.scenario, {"candidate": range(len(self.candidates))}, columns, attributes)
 
 
 def find_robust_plan(
@@ -212,11 +205,11 @@ def find_robust_plan(
     ----------
     scenario : Scenario
         The timetable, in `montecarlo` the distributions, the seed and the number of draws of the check, and in
-        `disturbance.accepted_delay_s` the lateness that still counts as on time.
+        `disturbance.accepted_delay_s` the lateness that counts as on time.
     probability : float
-        How probable an arrival on time must be: the lower end of its 95 % interval in the search reaches it.
+        Smallest probability of an arrival on time: the lower end of its 95 % interval in the search reaches it.
     candidates : int
-        How many plans are tried beside the scenario's own.
+        Number of plans besides the scenario's own.
     executor : Executor, optional
         Executor of the runs; by default this thread.
 
@@ -227,7 +220,7 @@ def find_robust_plan(
     UnreachedProbabilityError
         If no candidate is on time with the probability.
     RailjouleError
-        As `railjoule.core.solve` for the scenario's plan.
+        As in `railjoule.core.solve` for the scenario's plan.
     """
     *_, last = robust_plan_steps(scenario, probability, candidates, executor)
     return last
@@ -239,41 +232,40 @@ def robust_plan_steps(
     candidates: int = CANDIDATES,
     executor: Executor | None = None,
 ) -> Iterator[RobustPlan]:
-    """Yield the candidates of `robust_plan` one after another, then the whole; arguments and errors as there."""
+    """Yield `find_robust_plan` after each candidate, then its result; arguments and errors as there."""
     if not 0 < probability < 1:
         raise ScenarioError(f"probability = {probability:g} must lie between 0 and 1.")
     if not 1 <= candidates <= MAX_CANDIDATES:
         raise ScenarioError(f"candidates = {candidates:g} must lie between 1 and {MAX_CANDIDATES:,}.")
     require_compiled()
-    search = _with_draws(scenario, max(1, scenario.montecarlo.runs // CHECK_RATIO), scenario.montecarlo.seed)
-    drawn = draw(search)
+    options = scenario.montecarlo
+    search = _draw(scenario, max(1, options.runs // CHECK_RATIO), options.seed)
     nominal = plan_for(scenario)
-    first = Candidate(scenario.vehicle.load_factor, 1.0, 0.0, nominal, _follow(nominal, search, executor))
+    first = Candidate(scenario.vehicle.load_factor, 1.0, 0.0, nominal, _follow(nominal, scenario, search, executor))
     found = RobustPlan(scenario, probability, candidates, (first,))
     yield found
-    for assumed in _assumptions(found, drawn, candidates):
+    for assumed in _assumptions(found, search, candidates):
         plan = _candidate_plan(scenario, *assumed)
         if plan is None:
             found = replace(found, refused=found.refused + 1)
             continue
-        candidate = Candidate(*assumed, plan, _follow(plan, search, executor))
+        candidate = Candidate(*assumed, plan, _follow(plan, scenario, search, executor))
         found = replace(found, candidates=(*found.candidates, candidate))
         yield found
     chosen = _choose(found)
-    # the seed beside gives other numbers, independent of those of the search
-    check = _with_draws(scenario, scenario.montecarlo.runs, scenario.montecarlo.seed + 1)
-    checked = tuple(_follow(plan, check, executor) for plan in dict.fromkeys((nominal, chosen.plan)))
+    # the next seed draws other numbers, independent of those of the search
+    check = _draw(scenario, options.runs, options.seed + 1)
+    checked = [_follow(plan, scenario, check, executor) for plan in dict.fromkeys((nominal, chosen.plan))]
     yield replace(found, chosen=chosen, checked=(checked[0], checked[-1]))
 
 
-def _with_draws(scenario: Scenario, runs: int, seed: int) -> Scenario:
+def _draw(scenario: Scenario, runs: int, seed: int) -> dict[str, FloatArray]:
     options = scenario.montecarlo.model_copy(update={"runs": runs, "seed": seed})
-    return scenario.model_copy(update={"montecarlo": options})
+    return draw(scenario.model_copy(update={"montecarlo": options}))
 
 
-def _follow(plan: Trajectory, scenario: Scenario, executor: Executor | None) -> DrawnRuns:
-    """Return the runs of a plan under the draws of a scenario."""
-    drawn = draw(scenario)
+def _follow(plan: Trajectory, scenario: Scenario, drawn: dict[str, FloatArray], executor: Executor | None) -> DrawnRuns:
+    """Return the runs of a plan under draws."""
     rows = all_rows(drawn_runs(plan, scenario), np.column_stack([drawn[name] for name in QUANTITIES]), executor)
     energy, delay, _ = rows.values.T
     # delays are against the plan, and the timetable is the same for all plans
@@ -284,8 +276,8 @@ def _follow(plan: Trajectory, scenario: Scenario, executor: Executor | None) -> 
 def _assumptions(found: RobustPlan, drawn: dict[str, FloatArray], count: int) -> list[tuple[float, float, float]]:
     """Return assumed load, resistance factor and reserve [s] of each candidate.
 
-    Points of Halton fill the three evenly: the first two as quantiles of their draws, the reserve up to twice the one
-    by which the scenario's plan would be on time.
+    Halton points fill the three dimensions evenly: the first two as quantiles of their draws, the reserve up to twice
+    the one with which the scenario's plan would be on time.
     """
     from scipy.stats import qmc  # noqa: PLC0415  (slow to import)
 

@@ -1,10 +1,10 @@
-"""Simple advice: the best run whose driver changes the regime seldom, and what that costs against the optimum.
+"""Simple advice: the best run with few changes of the driving regime, and its cost against the optimum.
 
-A driver gets few orders: full power, a speed to hold, coast, brake. With at most k changes of regime between two stops
-the best run is found by `railjoule.core.dynamic_programming.regimes`, for each k, until it needs hardly more than the
-optimum. Regimes change at nodes of the mesh, but for the end of one stretch of power, which brings the run in time.
-All regimes are driven beneath the greatest possible speeds: to brake for a limit or a stop and to keep to a limit is no
-change, so that on a line with limits a run has more orders than changes.
+A driver gets few instructions: full power, a speed to hold, coast, brake. For each number k of changes between two
+stops, `railjoule.core.dynamic_programming.regimes` finds the best run with at most k changes, until a run needs hardly
+more than the optimum. Regimes change at nodes of the mesh, except for the end of one stretch of power, which sets the
+running time. All regimes stay below the maximum possible speeds: braking for a limit or a stop and keeping to a limit
+is no change, so that a run on a line with limits has more instructions than changes.
 """
 
 import math
@@ -16,39 +16,38 @@ import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compilation import require_compiled
-from railjoule.core.dynamic_programming.backward import (
-    Steps,
-    laid_along_coasting,
-    least_speeds,
-    speed_grid,
-    tabulate_steps,
-)
+from railjoule.core.dynamic_programming.grid import speed_band
+from railjoule.core.dynamic_programming.labels import regime_labels
 from railjoule.core.dynamic_programming.power_table import NO_POWERS
-from railjoule.core.dynamic_programming.regimes import POWER, drive_regimes, roll_out_regimes, sweep_back_regimes
-from railjoule.core.dynamic_programming.search import log_price_range, price_scale_w
+from railjoule.core.dynamic_programming.recursion import roll_out, sweep_back
+from railjoule.core.dynamic_programming.regimes import drive_regimes
+from railjoule.core.dynamic_programming.search import log_price_range
+from railjoule.core.dynamic_programming.steps import POWER, tabulate_steps
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.mesh_data import MeshData
 from railjoule.core.strategies.arrival_windows import missed_windows
-from railjoule.core.strategies.decisions import line_energy_j
 from railjoule.core.strategies.optimal import known_optimum
+from railjoule.core.strategies.switching import supply_energy_j
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
-FEWEST_CHANGES, MOST_CHANGES = 2, 9
-"""Power, coast, brake; and more orders than one between two stations could be called simple."""
-# speeds of the grid at each node: see the tests for what half and double of it change
+FEWEST_CHANGES, MAX_CHANGES = 2, 9
+"""Power, coast, brake; and more instructions than anybody calls simple between two stations."""
 POINTS = 120
-# a run that needs so much more than the optimum gains nothing that a driver could notice from more orders
+"""Speeds of the grid at each node; the tests show the effect of half and twice as many."""
 FREE_SHARE = 1e-3
-# Of the logarithm of the price: regimes change at nodes, so that the time jumps and narrower brackets find nothing; and
-# by how much the bracket of the next number of changes is wider
+"""A run within this share of the optimum gains nothing from further changes that a driver could notice."""
 PRICE_WIDTH, NEXT_WIDTH = 2e-3, 0.5
-# of the runs that are found on the way, late and early, so many are brought in time
+"""Of the logarithm of the price of time: the final bracket, since times jump with changes at nodes and a narrower one
+finds nothing; and how much wider the first bracket is for the next number of changes, which hardly moves the price."""
 NEAREST = 6
-# in cells: less than a millimetre
+"""The last runs of the search, late and early, are nearest to the timetable; this many are adjusted to it."""
 PLACE_TOLERANCE = 1e-5
-MOST_CELLS = 4000
+"""In cells: less than a millimetre."""
+MAX_CELLS = 4000
+Driven = tuple[FloatArray, IntArray]
+"""Squared speeds of a run, and the regime of each cell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +57,11 @@ class SimpleRun:
     Parameters
     ----------
     changes_allowed : int
-        How often the regime may change between two stops.
+        Permitted changes of regime between two stops.
     changes : int
-        How often it does at most.
+        Most changes between two stops.
     run : Trajectory
-        The run; its advice has one order for each regime, and one where a limit is braked for or kept to.
+        The run; its advice has an instruction for each regime, and for each limit that is braked for or kept to.
     """
 
     changes_allowed: int
@@ -72,14 +71,14 @@ class SimpleRun:
 
 @dataclass(frozen=True, eq=False)
 class SimpleAdvice:
-    """Runs with ever more changes of regime, beside the optimum.
+    """Runs with an increasing number of changes of regime, beside the optimum.
 
     Parameters
     ----------
     optimum : Trajectory or None
         The optimum, where it is known.
     runs : tuple of SimpleRun
-        From the fewest changes on; each needs less than the one before.
+        From the fewest changes on; each needs less energy than the one before.
     refused : tuple of (int, str)
         Numbers of changes with which no run keeps the timetable, and why.
     """
@@ -89,18 +88,18 @@ class SimpleAdvice:
     refused: tuple[tuple[int, str], ...]
 
     def price_kwh(self, simple: SimpleRun) -> float:
-        """Return what a simple run needs beyond the optimum [kWh]; NaN where that is not known."""
+        """Return the extra energy of a simple run against the optimum [kWh]; NaN where that is unknown."""
         return math.nan if self.optimum is None else simple.run.energy_kwh - self.optimum.energy_kwh
 
 
-def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
+def simple_advice(task: Task, max_changes: int = MAX_CHANGES) -> SimpleAdvice:
     """Return the best runs with 2, 3, ... changes of regime, up to a number or until more gain nothing.
 
     Parameters
     ----------
     task : Task
-        The task; its windows of arrival do not count, and a run's notes name those that it misses.
-    most_changes : int
+        The task; its windows of arrival do not count, and the notes of a run list those that it misses.
+    max_changes : int
         The most changes between two stops that are tried.
 
     Raises
@@ -111,134 +110,110 @@ def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
         If the mesh has too many cells, or no run with so few changes keeps the timetable.
     """
     task.require_timetable()
-    task.require_few_cells(MOST_CELLS)
+    task.require_few_cells(MAX_CELLS)
     require_compiled()
-    optimum = known_optimum(task)
-    table = _Table(task)
+    optimum, search = known_optimum(task), _Search(task)
+    enough_j = -math.inf if optimum is None else optimum.energy.net_j * (1 + FREE_SHARE)
     runs: list[SimpleRun] = []
     refused: list[tuple[int, str]] = []
-    for changes in range(FEWEST_CHANGES, most_changes + 1):
+    for changes in range(FEWEST_CHANGES, max_changes + 1):
         try:
-            found = table.run(changes)
+            found = search.best_run(changes)
         except SolverError as failure:
             refused.append((changes, str(failure)))
             continue
-        # the grid rounds: a run that more changes do not improve is the one that there is
+        # the grid rounds: a run with more changes may need more energy
         if not runs or found.run.energy.net_j < runs[-1].run.energy.net_j:
             runs.append(found)
-        if found.changes < changes:
-            # more would not be used either
-            break
-        if optimum is not None and runs[-1].run.energy.net_j <= optimum.energy.net_j * (1 + FREE_SHARE):
+        # with unused changes, more would not be used either
+        if found.changes < changes or runs[-1].run.energy.net_j <= enough_j:
             break
     if not runs:
-        raise StrategyRefusedError(f"finds no run with at most {most_changes} changes of regime that is in time.")
+        raise StrategyRefusedError(f"finds no run with at most {max_changes} changes of regime that is in time.")
     return SimpleAdvice(optimum, tuple(runs), tuple(refused))
 
 
-class _Table:
-    """The steps of a task over one grid of speeds, and the runs found with them."""
+class _Search:
+    """A search for runs over one grid of speeds, whose steps are computed once for all numbers of changes."""
 
     def __init__(self, task: Task) -> None:
-        self.task, self.data = task, task.course.data
-        greatest = task.greatest_speed2
-        bounds = greatest, least_speeds(self.data, greatest), self.data.fixed_speed2
-        fastest = np.sqrt(greatest)
-        grid = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
-        self.grid: FloatArray = laid_along_coasting(self.data, grid, greatest)
-        self.steps: Steps = tabulate_steps(self.data, self.grid, NO_POWERS)
-        self.prices = log_price_range(self.data, price_scale_w(self.data, task.running_time_s))
+        self.task, self.data = task, task.mesh.data
+        greatest = task.fastest_speed2
+        self.grid = speed_band(self.data, greatest, 0.25 * greatest, math.sqrt(greatest.max()), POINTS)
+        self.steps = tabulate_steps(self.data, self.grid, NO_POWERS, by_regime=True)
+        self.log_prices = self.first_log_prices = log_price_range(self.data, task.running_time_s)
 
-    def run(self, changes: int) -> SimpleRun:
-        """Return the cheapest run with so many changes that is in time; raises SolverError where there is none."""
-        found = self._nearest(changes)
-        # the last ones, late and early, are nearest to the timetable: each is brought there by its own power
-        on_time = [run for driven in found for run in self._in_time(driven)]
-        if not on_time:
+    def best_run(self, changes: int) -> SimpleRun:
+        """Return the run of least energy with so many changes that is in time; raises SolverError if there is none."""
+        in_time = [run for driven in self._nearest_runs(changes) for run in self._adjusted_to_time(*driven)]
+        if not in_time:
             raise SolverError(f"no run with at most {changes} changes of regime is in time.")
-        best = min(on_time, key=lambda driven: driven.energy_j)
-        run = make_trajectory(self.task.scenario, self.task.course, "advised", best.speed2)
-        run = replace(run, notes=missed_windows(self.task, run))
-        return SimpleRun(changes, best.changes(self.data), run)
+        speed2, regimes = min(in_time, key=lambda driven: supply_energy_j(self.task, driven[0]))
+        run = make_trajectory(self.task.scenario, self.task.mesh, "advised", speed2)
+        return SimpleRun(changes, _max_changes(self.data, regimes), replace(run, notes=missed_windows(self.task, run)))
 
-    def _nearest(self, changes: int) -> list["_Driven"]:
+    def _nearest_runs(self, changes: int) -> list[Driven]:
         """Return runs at prices that close in on the timetable, the nearest last."""
-        least, most = self.prices
-        found: list[_Driven] = []
-        while most - least > PRICE_WIDTH:
-            price = 0.5 * (least + most)
-            driven = self._at_price(price, changes)
-            late = driven is None or self._time_s(driven.speed2) > self.task.running_time_s
-            least, most = (price, most) if late else (least, price)
-            if driven is not None:
-                found.append(driven)
-        # more changes hardly move the price
-        whole = log_price_range(self.data, price_scale_w(self.data, self.task.running_time_s))
-        self.prices = max(least - NEXT_WIDTH, whole[0]), min(most + NEXT_WIDTH, whole[1])
+        low, high = self.log_prices
+        found: list[Driven] = []
+        while high - low > PRICE_WIDTH:
+            log_price = 0.5 * (low + high)
+            price = math.exp(log_price)
+            labels = regime_labels(self.data.fixed_speed2, changes)
+            cost, _, _ = sweep_back(self.steps, self.grid, price, labels, keeps_cost=True)
+            speed2, regimes = roll_out(self.data, self.grid, cost, price, labels, 0)
+            arrives = speed2[-1] >= 0.0
+            if arrives:
+                found.append((speed2, regimes))
+            is_late = not arrives or self._lateness_s(speed2) > 0.0
+            low, high = (log_price, high) if is_late else (low, log_price)
+        first, last = self.first_log_prices
+        self.log_prices = max(low - NEXT_WIDTH, first), min(high + NEXT_WIDTH, last)
         return found[-NEAREST:]
 
-    def _at_price(self, log_price: float, changes: int) -> "_Driven | None":
-        price = math.exp(log_price)
-        cost = sweep_back_regimes(self.data, self.steps, self.grid, price, changes)
-        speed2, regimes = roll_out_regimes(self.data, self.grid, cost, price, changes)
-        return None if speed2[-1] < 0.0 else _Driven(speed2, regimes, 0.0)
-
-    def _in_time(self, driven: "_Driven") -> Iterator["_Driven"]:
-        """Yield runs of the same regimes in which one stretch of power is longer or shorter, until they are in time."""
-        regimes = driven.regimes
-        ends = [int(i) for i in np.flatnonzero((regimes[:-1] == POWER) & (regimes[1:] != POWER))]
-        for end in ends:
-            run = self._with_power_until(driven, end)
+    def _adjusted_to_time(self, speed2: FloatArray, regimes: IntArray) -> Iterator[Driven]:
+        """Yield runs of the same regimes that are in time, each by the end of another stretch of power."""
+        for end in np.flatnonzero((regimes[:-1] == POWER) & (regimes[1:] != POWER)).tolist():
+            run = self._with_power_until(speed2, regimes, end)
             if run is not None:
                 yield run
 
-    def _with_power_until(self, driven: "_Driven", end: int) -> "_Driven | None":
-        """Return the run whose power ends where it makes it be in time, in place of the end of a cell."""
-        regimes, after = driven.regimes, driven.regimes[end + 1]
+    def _with_power_until(self, speed2: FloatArray, regimes: IntArray, end: int) -> Driven | None:
+        """Return the run in time whose power ends within a cell instead of at the end of the cell `end`."""
+        after = regimes[end + 1]
         first = end - int(np.argmax(np.append(regimes[end::-1] != POWER, True))) + 1
-        # as far as the next regime reaches: beyond, it would be gone
+        # the next regime must not vanish
         last = end + int(np.argmax(np.append(regimes[end + 1 :] != after, True)))
 
-        def drive(place: float) -> tuple[FloatArray, IntArray]:
-            cell = min(int(place), last)
-            changed = regimes.copy()
+        def drive(place: float) -> Driven:
+            cell, changed = min(int(place), last), regimes.copy()
             changed[first : cell + 1] = POWER
             changed[cell + 1 : last + 1] = after
-            share = place - cell
-            return drive_regimes(self.data, self.task.greatest_speed2, driven.speed2, changed, cell, share), changed
+            driven = drive_regimes(self.data, self.task.fastest_speed2, speed2, changed, cell, place - cell)
+            return driven, changed
 
         def late_s(place: float) -> float:
-            speed2 = drive(place)[0]
-            # one that comes to a stand is too slow
-            return self._time_s(speed2) - self.task.running_time_s if speed2[-1] >= 0.0 else self.task.running_time_s
+            return self._lateness_s(drive(place)[0])
 
         low, high = float(first), float(last + 1)
         if late_s(high) > 0.0 or late_s(low) <= 0.0:
             return None
         place = float(scipy.optimize.brentq(late_s, low, high, xtol=PLACE_TOLERANCE))
-        # to the early side of the root: never late
+        # the early side of the root
         while late_s(place) > 0.0:
             place += PLACE_TOLERANCE
-        speed2, changed = drive(place)
-        return _Driven(speed2, changed, line_energy_j(self.task, speed2))
+        return drive(place)
 
-    def _time_s(self, speed2: FloatArray) -> float:
-        return running_time(self.data.cell_length_m, speed2)
+    def _lateness_s(self, speed2: FloatArray) -> float:
+        """Return running time minus that of the timetable [s]; a train that comes to a stand is late."""
+        target_s = self.task.running_time_s
+        return running_time(self.data.cell_length_m, speed2) - target_s if speed2[-1] >= 0.0 else target_s
 
 
-@dataclass(frozen=True, eq=False)
-class _Driven:
-    """A run, what each of its cells is driven in, and its energy [J] where it is known."""
-
-    speed2: FloatArray
-    regimes: IntArray
-    energy_j: float
-
-    def changes(self, data: CourseData) -> int:
-        """Return the most changes of regime between two stops."""
-        changed = np.append(False, self.regimes[1:] != self.regimes[:-1])
-        # a train that leaves a stop changes nothing
-        stops = np.flatnonzero(data.fixed_speed2[:-1] == 0.0)
-        changed[stops] = False
-        legs = np.split(changed, stops[stops > 0])
-        return max(int(leg.sum()) for leg in legs)
+def _max_changes(data: MeshData, regimes: IntArray) -> int:
+    """Return the most changes of regime between two stops."""
+    changed = np.append(False, regimes[1:] != regimes[:-1])
+    # leaving a stop is no change
+    stops = np.flatnonzero(data.fixed_speed2[:-1] == 0.0)
+    changed[stops] = False
+    return max(int(leg.sum()) for leg in np.split(changed, stops[stops > 0]))

@@ -1,10 +1,10 @@
-"""At which speeds the optimum holds, coasts and brakes on level track, from the price of a second alone.
+"""The speeds at which the optimum holds, coasts and brakes on level track, from the price of a second.
 
 On level track a train of constant efficiency has a first integral. With p, the adjoint variable of the kinetic energy,
-which is what a joule of motion is worth in joules at the line, e and k what the line gives for a joule at the wheels
-and gets back for one, R(v) the running resistance and m the price of a second, p f - P / v - p R - m / v is the same
-all along the run. So each speed tells p: full power where p > 1 / e, holding where p = 1 / e, coasting between k and 1
-/ e, braking with recuperation at k, braking beyond that below it. The speed held, V, balances V^2 R'(V) = e m, and
+which is the worth of a joule of motion in joules of the supply, e and k the efficiencies of driving, and of braking
+with recuperation, R(v) the running resistance and m the price of a second, p f - P / v - p R - m / v is the same all
+along the run. So each speed determines p: full power where p > 1 / e, holding where p = 1 / e, coasting between k and
+1 / e, braking with recuperation at k, braking beyond that below it. The speed held, V, balances V^2 R'(V) = e m, and
 braking begins at U where k R(U) + m / U = R(V) / e + m / V. A run that is too short for V coasts from its highest
 speed, which stands for V in that balance.
 
@@ -35,7 +35,7 @@ PhaseOfSpeed = Literal["full_power", "coast", "brake"]
 
 @dataclass(frozen=True, eq=False)
 class SteadySpeeds:
-    """What the price of a second tells of a run on level track.
+    """The speeds of a run on level track for a price of a second.
 
     Parameters
     ----------
@@ -95,13 +95,14 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     StrategyRefusedError
         If the drive has another loss model than a constant efficiency.
     """
-    drive = constant_efficiency_of(scenario)
+    drive = scenario.vehicle.drive
+    if not isinstance(drive, ConstantEfficiency):
+        raise StrategyRefusedError("needs a drive of constant efficiency.")
     driving = 1.0 / drive.traction_efficiency
     # k of the text: what of a joule at the wheels comes back to the line
     braking = drive.recuperation_factor * (drive.braking_efficiency or drive.traction_efficiency)
-    vehicle = scenario.vehicle
     _, linear, quadratic = _coefficients(scenario)
-    top = vehicle.traction.max_speed_kmh * MS_PER_KMH
+    top = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
 
     def hold_excess_w(speed: float) -> float:
         return driving * speed**2 * resistance_slope(linear, quadratic, speed) - price_of_time_w
@@ -148,19 +149,10 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
     return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)
 
 
-def constant_efficiency_of(scenario: Scenario) -> ConstantEfficiency:
-    """Return the drive of a scenario; raises StrategyRefusedError if its loss model is another."""
-    drive = scenario.vehicle.drive
-    if not isinstance(drive, ConstantEfficiency):
-        raise StrategyRefusedError("needs a drive of constant efficiency.")
-    return drive
-
-
 def _coefficients(scenario: Scenario) -> tuple[float, float, float]:
     return resistance_coefficients(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
 
 
 def _resistance_n(scenario: Scenario, speed_ms: FloatArray | float) -> FloatArray:
-    constant, linear, quadratic = _coefficients(scenario)
     speed = np.asarray(speed_ms, dtype=float)
-    return running_resistance(constant, linear, quadratic, speed, np.square(speed))
+    return running_resistance(*_coefficients(scenario), speed, np.square(speed))

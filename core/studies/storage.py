@@ -1,14 +1,13 @@
-"""How large an on-board storage must be to keep what braking generates, and what each size saves.
+"""The size of an on-board storage that keeps all braking energy, and the savings of each size.
 
-The drop of the cumulative energy at the link, (13), from one of its heights to the lowest point after it is what a
-storage without losses would have to hold. A storage charges with what braking generates, as far as its size and power
-reach, and gives it back to the next driving and to the auxiliaries; what it cannot take is dissipated in resistors. A
-run counts as one of many alike: it begins with the charge with which it ends.
+A storage without losses must hold the largest drop of the cumulative energy at the link, (13), from any point to any
+later one. A storage charges with braking energy within its size and power, and discharges for traction and auxiliaries;
+resistors dissipate the rest. A run is one of many equal ones: it begins with the charge with which it ends.
 
-Source: Shtompel, Khvorost 2025, (13) and conclusion 2; the storage with losses is ours.
+Source: Shtompel, Khvorost 2025, (13) and conclusion 2; the storage with losses is railjoule's.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,18 +19,18 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, W_PER_KW
 
-# Shtompel and Khvorost print no efficiency. Assumed: a storage with its converter keeps about 0.9 of what goes in and
-# out again, lost in equal parts. A saving is at most the product of both efficiencies times what braking generates.
+# Shtompel and Khvorost print no efficiency. Assumed: a storage with its converter returns about 0.9 of its input, with
+# equal losses in both directions. A saving is at most the product of both efficiencies times the braking energy.
 ASSUMED_EFFICIENCY = 0.95
-"""What a storage keeps of what it takes, and gives of what it keeps, where nothing else is stated."""
+"""Default efficiency of charging and of discharging."""
 # Assumed: 18 hours of service, and half a minute at a terminus. Only the cycles per day depend on these two, in
 # proportion to the first.
 ASSUMED_SERVICE_S, ASSUMED_TURNAROUND_S = 64_800.0, 30.0
-"""Service in a day, and standing time between two runs [s], where nothing else is stated."""
+"""Default service in a day, and standing time between two runs [s]."""
 DAY_S = 86_400.0
-# far below the last printed digit of a saving, far above the rounding of sums over thousands of cells
 SAME_CHARGE_SHARE = 1e-9
-"""Charges that differ by less than this share of a storage's size are the same."""
+"""Charges that differ by less than this share of the size are equal: far below the last printed digit of a saving, far
+above the rounding of sums over thousands of cells."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +40,11 @@ class Storage:
     Parameters
     ----------
     size_kwh : float
-        What it holds [kWh].
+        Usable energy [kWh].
     power_kw : float
-        Its largest power at the link, either way [kW].
+        Maximum power at the link, in both directions [kW].
     charging_efficiency, discharging_efficiency : float
-        What it stores of what it takes, and gives of what it stores.
+        Stored energy over energy taken, and energy given over stored energy.
     """
 
     size_kwh: float
@@ -66,23 +65,23 @@ class Storage:
 
 @dataclass(frozen=True)
 class StorageNeed:
-    """What a run asks of a storage that would keep all that it generates without loss.
+    """Requirements of a run on a storage without losses that keeps all braking energy.
 
     Parameters
     ----------
-    largest_drop_kwh : float
-        Of the cumulative energy at the link [kWh].
+    max_drop_kwh : float
+        Largest drop of the cumulative energy at the link [kWh].
     charging_peak_kw, discharging_peak_kw : float
         Largest powers at the link [kW].
     generated_kwh : float
-        What braking generates beyond the auxiliaries [kWh].
+        Braking energy beyond the auxiliaries [kWh].
     cycles : float
         Full cycles of that size in a run.
     cycles_per_day : float
-        The same in a day of service.
+        Full cycles in a day of service.
     """
 
-    largest_drop_kwh: float
+    max_drop_kwh: float
     charging_peak_kw: float
     discharging_peak_kw: float
     generated_kwh: float
@@ -92,19 +91,19 @@ class StorageNeed:
 
 @dataclass(frozen=True)
 class StorageRun:
-    """A run with a storage, beside the same without one.
+    """Energies of a run with a storage and without one.
 
     Parameters
     ----------
     storage : Storage
     energy_kwh : float
-        Taken from the line [kWh]; nothing goes back.
+        Energy from the supply with the storage; nothing is fed back [kWh].
     with_resistors_kwh : float
-        The same without storage, all that comes back dissipated [kWh].
+        Energy from the supply without storage, all braking energy dissipated [kWh].
     with_receptive_line_kwh : float
-        The same where the line takes all that comes back [kWh].
+        Net energy from the supply without storage, all braking energy fed back [kWh].
     storage_loss_kwh, dissipated_kwh : float
-        Lost in the storage, and dissipated in the resistors beside it [kWh].
+        Losses of the storage, and of the resistors beside it [kWh].
     cycles : float
         Full cycles of the storage in a run.
     """
@@ -119,18 +118,18 @@ class StorageRun:
 
     @property
     def saved_kwh(self) -> float:
-        """Less from the line than with resistors [kWh]."""
+        """Energy saved against resistors [kWh]."""
         return self.with_resistors_kwh - self.energy_kwh
 
 
 def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
-    """Return power at the link, auxiliaries included, negative where braking feeds it, and durations of all cells.
+    """Return power at the link [W], auxiliaries included, negative while braking, and duration [s] of all cells.
 
-    Both of shape (n,), in W and s; whatever the line takes back.
+    Both have the shape (n,) and do not depend on the receptivity of the supply.
     """
     vehicle = run.scenario.vehicle
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
-    # a dwell has no length: at speed 0 only the auxiliaries take power
+    # a dwell has no length: only the auxiliaries take power at speed 0
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
     power = make_drive(vehicle.drive).electrical_power_w(effort, speed) + vehicle.auxiliary_power_kw * W_PER_KW
@@ -140,12 +139,12 @@ def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
 def storage_need(
     run: Trajectory, service_time_s: float = ASSUMED_SERVICE_S, turnaround_s: float = ASSUMED_TURNAROUND_S
 ) -> StorageNeed:
-    """Return what a run asks of a storage.
+    """Return the requirements of a run on a storage.
 
     Parameters
     ----------
     run : Trajectory
-        Over one run or a whole line with its stations.
+        One run, or a whole line with its stations.
     service_time_s : float
         Service in a day [s].
     turnaround_s : float
@@ -154,20 +153,19 @@ def storage_need(
     Raises
     ------
     ScenarioError
-        If a time is negative, or there is none at all.
+        If a time is negative or longer than a day.
     """
     for name, value, most in (("service_time_s", service_time_s, DAY_S), ("turnaround_s", turnaround_s, DAY_S)):
         if not 0 <= value <= most:
             raise ScenarioError(f"{name} = {value:g} must be from 0 to {most:g}.")
     power, duration = link_power_w(run)
     energy = np.append(0.0, np.cumsum(power * duration))
-    # the largest fall from any height to any later point, not from the end: what is between them must be stored at
-    # once
+    # the largest fall from any point to any later one: this energy is stored at the same time
     drop = float(np.max(np.maximum.accumulate(energy) - energy))
     generated = float(-np.sum(np.minimum(power, 0.0) * duration))
     cycles = generated / drop if drop > 0 else 0.0
     return StorageNeed(
-        largest_drop_kwh=drop / J_PER_KWH,
+        max_drop_kwh=drop / J_PER_KWH,
         charging_peak_kw=float(-np.min(power, initial=0.0)) / W_PER_KW,
         discharging_peak_kw=float(np.max(power, initial=0.0)) / W_PER_KW,
         generated_kwh=generated / J_PER_KWH,
@@ -177,9 +175,8 @@ def storage_need(
 
 
 def with_storage(run: Trajectory, storage: Storage) -> StorageRun:
-    """Return what a storage makes of a run, which is driven as without it."""
-    power, duration = link_power_w(run)
-    return _stored(power, duration, storage)
+    """Return the energies of a run with a storage, which does not change how it is driven."""
+    return _stored(*link_power_w(run), storage)
 
 
 def saving_over_size(
@@ -189,23 +186,23 @@ def saving_over_size(
     charging_efficiency: float = ASSUMED_EFFICIENCY,
     discharging_efficiency: float = ASSUMED_EFFICIENCY,
 ) -> FloatArray:
-    """Return what storages of one power save against resistors [kWh]; shape as that of the sizes.
+    """Return the energy saved against resistors for several sizes [kWh]; shape of the sizes.
 
     Parameters
     ----------
     run : Trajectory
-        Over one run or a whole line with its stations.
+        One run, or a whole line with its stations.
     sizes_kwh : sequence of float
-        What they hold [kWh].
+        Sizes [kWh].
     power_kw : float
-        Their power [kW].
+        Power [kW].
     charging_efficiency, discharging_efficiency : float
         As in `Storage`.
 
     Raises
     ------
     ScenarioError
-        If a size or the power is negative, or an efficiency no share.
+        If a size or the power is negative, or an efficiency is not within 0 to 1.
     """
     power, duration = link_power_w(run)
     storages = [Storage(float(size), power_kw, charging_efficiency, discharging_efficiency) for size in sizes_kwh]
@@ -213,13 +210,19 @@ def saving_over_size(
 
 
 def _stored(power_w: FloatArray, duration_s: FloatArray, storage: Storage) -> StorageRun:
-    size, most = storage.size_kwh * J_PER_KWH, storage.power_kw * W_PER_KW
+    size_j, max_w = storage.size_kwh * J_PER_KWH, storage.power_kw * W_PER_KW
+    efficiencies = storage.charging_efficiency, storage.discharging_efficiency
 
     def one_run(charge_j: float) -> tuple[float, float, float, float, float]:
-        efficiencies = storage.charging_efficiency, storage.discharging_efficiency
-        return _one_run(power_w, duration_s, size, most, *efficiencies, charge_j)
+        return _one_run(power_w, duration_s, size_j, max_w, *efficiencies, charge_j)
 
-    drawn, dissipated, taken, given, _ = one_run(_lasting_charge_j(lambda charge_j: one_run(charge_j)[-1], size))
+    # The charge with which each of many equal runs begins and ends: a cell either raises the charge by an amount of its
+    # own, at most to full, or lowers it, at most to empty. So a run maps a charge c to min(max(c + a, low), high).
+    # Repeated from empty, this stays at `low` from the first run on unless a > 0; then it rises by a each time to
+    # `high`, after any number of runs, and one run from full ends there as well.
+    first = one_run(0.0)[-1]
+    is_steady = abs(one_run(first)[-1] - first) <= SAME_CHARGE_SHARE * max(size_j, 1.0)
+    drawn, dissipated, taken, given, _ = one_run(first if is_steady else one_run(size_j)[-1])
     demand = float(np.sum(np.maximum(power_w, 0.0) * duration_s))
     offered = float(-np.sum(np.minimum(power_w, 0.0) * duration_s))
     return StorageRun(
@@ -229,28 +232,8 @@ def _stored(power_w: FloatArray, duration_s: FloatArray, storage: Storage) -> St
         with_receptive_line_kwh=(demand - offered) / J_PER_KWH,
         storage_loss_kwh=(taken - given) / J_PER_KWH,
         dissipated_kwh=dissipated / J_PER_KWH,
-        cycles=taken * storage.charging_efficiency / size if size > 0 else 0.0,
+        cycles=taken * storage.charging_efficiency / size_j if size_j > 0 else 0.0,
     )
-
-
-def _lasting_charge_j(charge_after: Callable[[float], float], size_j: float) -> float:
-    """Return the charge with which a run of many alike begins and ends [J].
-
-    Parameters
-    ----------
-    charge_after : callable
-        The charge at the end of a run over that at its start [J].
-    size_j : float
-        The full charge [J].
-    """
-    # Each cell either raises the charge by an amount of its own, at most to full, or lowers it so, at most to empty.
-    # So a whole run makes min(max(c + a, low), high) of a charge c. Repeated from empty, that stays at `low` from the
-    # first run on unless a > 0; then it rises by a each time to `high`, however many runs that takes, and one run from
-    # full ends there as well.
-    first = charge_after(0.0)
-    second = charge_after(first)
-    settled = abs(second - first) <= SAME_CHARGE_SHARE * max(size_j, 1.0)
-    return first if settled else charge_after(size_j)
 
 
 @njit(cache=True, nogil=True)
@@ -268,7 +251,7 @@ def _one_run(
     for i in range(power.shape[0]):
         energy, limit = power[i] * duration[i], most * duration[i]
         if energy < 0.0:
-            # energies at the link: what goes in shrinks by the efficiency before it counts against the size
+            # the size limits the stored energy, which is the input times the efficiency
             into = min(-energy, limit, (size - charge) / charging)
             charge += into * charging
             taken += into

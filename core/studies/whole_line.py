@@ -1,13 +1,13 @@
-"""A whole line with its stations: how the running time is shared among the legs between them, and what that costs.
+"""A whole line with its stations: the distribution of the running time over its legs, and the energy of each.
 
-The optimum of a line is one solve: the speed is zero at each station, and one multiplier, the price of a second,
-shares the running time so that a second more saves alike on every leg. Beside it stand the two rules of timetable
-practice, supplements in proportion to the shortest times and the same supplement on every leg, and the timetable that
-the stations' `arrival_s` give. A station whose window of arrival binds parts the line: on either side of it a
-multiplier of its own holds, see `railjoule.core.strategies.line_parts`.
+The optimum of a line is one problem: the speed is zero at each station, and one multiplier, the price of time,
+distributes the running time so that a further second saves the same energy on every leg. Two rules of timetable
+practice are compared with it, supplements in proportion to the shortest times and equal supplements on all legs, and
+the timetable of the stations' `arrival_s`. A station with a binding window of arrival divides the line into two parts
+with a multiplier each, see `railjoule.core.strategies.line_parts`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
@@ -27,15 +27,16 @@ from railjoule.core.strategies.arrival_windows import (
 )
 from railjoule.core.strategies.line_parts import (
     LineParts,
-    Part,
     inner_stations,
     joined,
+    part_of,
     parts_between,
     shortest_times_s,
     station_name,
     stop_nodes,
 )
 from railjoule.core.strategies.optimal import unwindowed_optimum
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, J_PER_WH
@@ -55,16 +56,15 @@ class Leg:
     departs_from, arrives_at : str
         Names of the stations.
     start_m, end_m : float
-        Where they lie [m].
+        Their positions [m].
     departure_s, arrival_s : float
-        When the train leaves one and reaches the other [s].
+        Times of departure and arrival [s].
     shortest_time_s : float
         Shortest possible running time [s].
     energy_j : float
-        Net energy at the line while it runs, auxiliaries included [J].
+        Net energy at the line while the train runs, auxiliaries included [J].
     price_of_time_w : float
-        By how much that energy falls if the leg takes a second longer [J/s], negative where it rises; NaN where it is
-        not known.
+        Decrease of that energy if the leg takes a second longer [J/s], negative for an increase; NaN where unknown.
     """
 
     departs_from: str
@@ -84,7 +84,7 @@ class Leg:
 
     @property
     def supplement_s(self) -> float:
-        """What the running time exceeds the shortest one by [s]."""
+        """Running time beyond the shortest one [s]."""
         return self.running_time_s - self.shortest_time_s
 
 
@@ -95,8 +95,8 @@ class WholeLine:
     Parameters
     ----------
     sharing : str
-        How the running time is shared: by the optimum, in proportion to the shortest times, in equal supplements, or as
-        the stations' `arrival_s` say.
+        How the running time is distributed: by the optimum, in proportion to the shortest times, in equal supplements,
+        or by the stations' `arrival_s`.
     run : Trajectory
         All legs with the dwells between them.
     legs : tuple of Leg
@@ -108,7 +108,7 @@ class WholeLine:
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the legs as a table."""
-        import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+        import pandas  # noqa: PLC0415  (slow to import, and rarely needed)
 
         rows: list[dict[str, Any]] = [
             {
@@ -133,18 +133,18 @@ class WholeLine:
 def whole_line(
     scenario: Scenario, sharing: Sharing = "optimum", arrivals_s: Mapping[int, float] | None = None
 ) -> WholeLine:
-    """Return the run of least energy over a line whose running time is shared in one of four ways.
+    """Return the run of least energy over a line whose running time is distributed in one of four ways.
 
     Parameters
     ----------
     scenario : Scenario
-        Its line may have stations between its ends; their dwells count. The optimum keeps their windows of arrival; the
-        two rules keep those whose ends are equal, and a given timetable is kept as it is.
+        Its line may have stations between its ends; their dwells count. The optimum keeps their windows of arrival, the
+        two rules keep those with equal ends, and a given timetable is kept unchanged.
     sharing : str
         'optimum', 'proportional', 'equal' or 'given'.
     arrivals_s : mapping of int to float, optional
-        Fixed arrivals [s] by the number of the station between the ends, counted from 0; they take the place of the
-        stations' windows.
+        Fixed arrivals [s] by the number of the station between the ends, counted from 0; they replace the windows of
+        these stations.
 
     Raises
     ------
@@ -154,13 +154,13 @@ def whole_line(
     TimetableError
         If the timetable cannot be kept.
     SolverError
-        As `railjoule.core.strategies.optimal.optimal`.
+        As in `railjoule.core.strategies.optimal.optimal`.
     """
     return shared_line(prepare_task(scenario), sharing, arrivals_s)
 
 
 def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | None = None) -> WholeLine:
-    """Return as `whole_line` the run of a task that is prepared already."""
+    """Return the run of a prepared task; as in `whole_line`."""
     task.require_timetable()
     arrivals_s, inner = arrivals_s or {}, len(inner_stations(task))
     unknown = [number for number in arrivals_s if not 0 <= number < inner]
@@ -172,57 +172,54 @@ def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | 
     if sharing == "optimum":
         line = optimum_within(task, windows, unwindowed_optimum)
     else:
-        windows = _arrivals_by_rule(task, windows, sharing)
-        line = timed_line(task, {number: low for number, (low, _) in windows.items()}, unwindowed_optimum)
+        arrivals = _given_arrivals(task) if sharing == "given" else _arrivals_by_rule(task, windows, sharing)
+        line = timed_line(task, arrivals, unwindowed_optimum)
+        windows = {number: (at, at) for number, at in arrivals.items()}
     run = joined(task, line, bound_within(task, line, windows))
     return WholeLine(sharing, run, _legs(task, run, line))
 
 
-def _arrivals_by_rule(task: Task, windows: Windows, sharing: Sharing) -> dict[int, tuple[float, float]]:
-    """Return the arrivals that a rule or a timetable fixes, as windows with equal ends."""
-    line, end = task.scenario.line.in_running_order(), len(inner_stations(task))
-    if sharing == "given":
-        given = {k: s.arrival_s for k, s in enumerate(line.inner_stations) if s.arrival_s is not None}
-        if not given:
-            raise ScenarioError("No station between the ends has an arrival_s: there is no timetable to compare with.")
-        if line.end_station is not None and line.end_station.arrival_s is not None:
-            given[end] = line.end_station.arrival_s
-        return {number: (at, at) for number, at in given.items()}
-    stops = stop_nodes(task)
-    numbers = {node: number for number, node in enumerate(stops[1:])}
-    arrivals, ready_s = {}, 0.0
-    for part in parts_between(task, {number: low for number, (low, high) in windows.items() if low == high}):
-        for _, node, running_s in _shared(task, stops, part, sharing):
-            arrivals[numbers[node]] = ready_s + running_s
-            ready_s = arrivals[numbers[node]] + float(task.course.dwell_s[node])
+def _given_arrivals(task: Task) -> dict[int, float]:
+    """Return the arrivals of the stations' timetable."""
+    line = task.scenario.line.in_running_order()
+    given = {number: one.arrival_s for number, one in enumerate(line.inner_stations) if one.arrival_s is not None}
+    if not given:
+        raise ScenarioError("No station between the ends has an arrival_s: there is no timetable to compare with.")
+    if line.end_station is not None and line.end_station.arrival_s is not None:
+        given[len(line.inner_stations)] = line.end_station.arrival_s
+    return given
+
+
+def _arrivals_by_rule(task: Task, windows: Windows, sharing: Sharing) -> dict[int, float]:
+    """Return the arrivals of a rule of practice, between the windows with equal ends."""
+    stops, arrivals, ready_s = stop_nodes(task), dict[int, float](), 0.0
+    for first, last, running_s in parts_between(task, {k: low for k, (low, high) in windows.items() if low == high}):
+        inside = [stop for stop in stops if first <= stop <= last]
+        shortest_s = shortest_times_s(task, inside)
+        if sharing == "proportional":
+            times_s = shortest_s * (running_s / shortest_s.sum())
+        else:
+            times_s = shortest_s + (running_s - shortest_s.sum()) / len(shortest_s)
+        for node, time_s in zip(inside[1:], times_s.tolist(), strict=True):
+            number = stops.index(node) - 1
+            arrivals[number] = ready_s + time_s
+            ready_s = arrivals[number] + float(task.mesh.dwell_s[node])
+    end = len(stops) - 2
     if end not in windows:
-        # without a window there, the end is reached within the time
+        # without a window, the end is reached within the travel time
         del arrivals[end]
-    return {number: (at, at) for number, at in arrivals.items()}
-
-
-def _shared(task: Task, stops: list[int], part_of_line: Part, sharing: Sharing) -> list[Part]:
-    """Share the running time of a part of the line among its legs."""
-    first, last, running = part_of_line
-    inside = [stop for stop in stops if first <= stop <= last]
-    shortest = shortest_times_s(task, inside)
-    # the two rules of practice beside which the optimum is shown: so many per cent, or so many seconds a leg
-    if sharing == "proportional":
-        times = shortest * (running / shortest.sum())
-    else:
-        times = shortest + (running - shortest.sum()) / len(shortest)
-    return [(a, b, float(time)) for (a, b), time in zip(pairwise(inside), times, strict=True)]
+    return arrivals
 
 
 def nodes_at_stops(run: Trajectory, places_m: FloatArray) -> tuple[IntArray, IntArray]:
-    """Return the nodes of a run at which the train arrives at places [m], and those from which it leaves them."""
-    # a station has two nodes where the train stands for a while: it arrives at the first and leaves from the second
+    """Return the nodes of arrival and of departure at places [m]."""
+    # a station with a dwell has two nodes: the train arrives at the first and leaves from the second
     return np.searchsorted(run.position_m, places_m - 1e-6), np.searchsorted(run.position_m, places_m + 1e-6) - 1
 
 
 def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
     stops = stop_nodes(task)
-    places, shortest = task.course.position_m[stops], shortest_times_s(task, stops)
+    places, shortest = task.mesh.position_m[stops], shortest_times_s(task, stops)
     arrives, leaves = nodes_at_stops(run, places)
     stations = task.scenario.line.in_running_order().stations
     # to a millimetre, as places of the mesh are sums
@@ -233,8 +230,8 @@ def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
         first, last, _ = timed.part
         inside = [first <= a and b <= last for a, b in pairwise(stops)]
         if timed.price_of_time_w is not None:
-            # that of a part without auxiliaries: they take their power for a second more, too
-            auxiliary_w = task.course.data.auxiliary_power_w if timed.takes_exactly else 0.0
+            # the price of such a part excludes the auxiliaries, which take their power for a second more, too
+            auxiliary_w = task.mesh.data.auxiliary_power_w if timed.takes_exactly else 0.0
             prices[inside] = timed.price_of_time_w - auxiliary_w
     return tuple(
         Leg(
@@ -245,8 +242,47 @@ def _legs(task: Task, run: Trajectory, line: LineParts) -> tuple[Leg, ...]:
             departure_s=float(run.time_s[leaves[k]]),
             arrival_s=float(run.time_s[arrives[k + 1]]),
             shortest_time_s=float(shortest[k]),
-            energy_j=float(run.line_energy_j[arrives[k + 1]] - run.line_energy_j[leaves[k]]),
+            energy_j=float(run.supply_energy_j[arrives[k + 1]] - run.supply_energy_j[leaves[k]]),
             price_of_time_w=float(prices[k]),
         )
         for k in range(len(stops) - 1)
     )
+
+
+def leg_tables(task: Task, supplements_s: Sequence[float]) -> tuple[StudyTable, ...]:
+    """Return energy and price of time of each leg over its supplement, in running order, to share it out by hand.
+
+    Each value is the optimum of a leg by itself, from rest to rest. The sum of the energies is least where the prices
+    of all legs are equal: this price is the multiplier of `whole_line`. The columns are `energy_kwh` and
+    `price_of_time_wh_per_s`, NaN where it is unknown; the attribute `shortest_time_s` is the shortest running time.
+
+    Parameters
+    ----------
+    task : Task
+        Its line may have stations between its ends; windows of arrival and the travel time do not count.
+    supplements_s : sequence of float
+        Supplements to the shortest time of a leg [s], above 0.
+
+    Raises
+    ------
+    ScenarioError
+        If a supplement is not above 0.
+    TimetableError, SolverError
+        As in `railjoule.core.strategies.optimal.optimal`.
+    """
+    wrong = next((supplement for supplement in supplements_s if not supplement > 0), None)
+    if wrong is not None:
+        raise ScenarioError(f"supplements_s has {wrong:g}: each must be above 0 s.")
+    stops = stop_nodes(task)
+    tables = []
+    for ends, shortest_s in zip(pairwise(stops), shortest_times_s(task, stops).tolist(), strict=True):
+        runs = [unwindowed_optimum(part_of(task, *ends, shortest_s + more_s)) for more_s in supplements_s]
+        prices_w = np.array([run.price_of_time_w for run in runs], dtype=float)
+        columns = {
+            "energy_kwh": np.array([run.energy_kwh for run in runs]),
+            "price_of_time_wh_per_s": prices_w / J_PER_WH,
+        }
+        tables.append(
+            StudyTable(task.scenario, {"supplement_s": supplements_s}, columns, {"shortest_time_s": shortest_s})
+        )
+    return tuple(tables)

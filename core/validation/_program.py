@@ -1,6 +1,6 @@
-"""The problem of `railjoule.core.interior_point.layout` in CasADi's symbols; no derivative of it is ours.
+"""The problem of `railjoule.core.interior_point.layout` in CasADi's symbols, which derives it.
 
-What a drive draws comes from the kernels' own formula, so that the energies of two solvers mean the same.
+The power of a drive comes from the kernels' own formula, so that the energies of two solvers are comparable.
 """
 
 import importlib
@@ -10,26 +10,26 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive.formulas import constant_efficiency_power, copper_loss_power
 from railjoule.core.drive.kernels import may_draw_while_braking
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.drive.line_power import smooth_line_power
+from railjoule.core.drive.line_power import smooth_supply_power
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, cells_of
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.mesh_data import MeshData, cells_of
 
 # Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
 # cannot trace: they have no outside oracle here.
-DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency, COPPER_LOSS: copper_loss}
+DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency_power, COPPER_LOSS: copper_loss_power}
 
 
 class Program:
-    """Variables, constraints and objective of one course, scaled as in `layout`.
+    """Variables, constraints and objective of one meshed line, scaled as in `layout`.
 
     Parameters
     ----------
-    data : CourseData
-        What a run obeys.
+    data : MeshData
+        The discretised line and train.
     running_time_s : float
         Time allowed without dwells [s].
     reachable_speed2 : array of shape (n + 1,)
@@ -38,13 +38,11 @@ class Program:
         Whether the braking effort is a variable even where no friction brake makes it one.
     """
 
-    def __init__(
-        self, data: CourseData, running_time_s: float, reachable_speed2: FloatArray, own_braking: bool
-    ) -> None:
+    def __init__(self, data: MeshData, running_time_s: float, reachable_speed2: FloatArray, own_braking: bool) -> None:
         self.casadi: Any = importlib.import_module("casadi")
         self.data, self.scale = data, data.traction.constant_n
         # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside
-        self.free: BoolArray = data.fixed_speed2 < 0
+        self.free: BoolArray = np.isnan(data.fixed_speed2)
         self.has_braking = own_braking or data.friction_effort_n > 0
         self.may_draw = bool(may_draw_while_braking(data.drive_kind)) and data.recuperation_factor < 1
         cells = len(data.cell_length_m)
@@ -77,9 +75,9 @@ class Program:
             Floor of the squares of speed [m2/s2].
         """
         data, cells = self.data, np.ones(len(self.data.cell_length_m))
-        high = [data.largest_speed2[self.free], data.powered]
+        high = [data.limit_speed2[self.free], data.supply_share]
         if self.has_braking:
-            high.append(data.powered * (data.braking.constant_n / self.scale))
+            high.append(data.supply_share * (data.braking.constant_n / self.scale))
         if self.may_draw:
             high.append(cells * np.inf)
         # efforts and drawn power are positive, and all but the speeds begin at 0
@@ -127,7 +125,7 @@ class Program:
         if self.has_braking:
             self._keep(self.traction - force - braking, 0.0, data.friction_effort_n / self.scale)
         else:
-            self._keep(braking, 0.0, data.powered * (data.braking.constant_n / self.scale))
+            self._keep(braking, 0.0, data.supply_share * (data.braking.constant_n / self.scale))
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
             self._keep(acceleration_force, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
@@ -147,16 +145,14 @@ class Program:
 
     def _energy_per_metre(self, v: Any, braking: Any) -> Any:
         """Return the line energy of the cells over their length, without auxiliaries."""
-        drive, parameters, share = (
-            DRIVES[self.data.drive_kind],
-            self.data.drive_parameters,
-            self.data.recuperation_factor,
-        )
-        taken = _formula(drive.driving_power)(parameters, self.traction * self.scale, v)[0] / v / self.scale
-        generated = _formula(drive.generated_power)(parameters, braking * self.scale, v)[0] / v / self.scale
+        power, parameters = _formula(DRIVES[self.data.drive_kind]), self.data.drive_parameters
+        taken = power(parameters, False, self.traction * self.scale, v)[0] / v / self.scale
+        generated = -power(parameters, True, braking * self.scale, v)[0] / v / self.scale
         if self.may_draw:
             self._keep(self.drawn + generated, 0.0, np.inf)
-        return smooth_line_power(taken, generated, self.drawn if self.may_draw else 0.0, share)
+        return smooth_supply_power(
+            taken, generated, self.drawn if self.may_draw else 0.0, self.data.recuperation_factor
+        )
 
     def _limit_over_speed(self, effort: Any, limit: EffortLimit, v: Any, top_speed: FloatArray) -> None:
         """Keep an effort under its limit that varies with speed."""

@@ -1,4 +1,4 @@
-"""How long each strategy takes on the shipped scenarios, beside CasADi with IPOPT on the same discretised problem.
+"""Computing times of all strategies on the shipped scenarios, and of CasADi with IPOPT on the same problem.
 
 All times are warm medians in one process: the first call, which compiles or loads kernels, does not count.
 """
@@ -18,16 +18,16 @@ from railjoule.core.validation.ipopt import IpoptProblem, is_installed, is_known
 
 # longer is steadier; with some ten scenarios and ten solvers on each, a tenth of a second more takes ten seconds
 BUDGET_S = 0.3
-"""How long one call is repeated."""
+"""Time over which one call is repeated [s]."""
 # odd, so that a median is one of the times; slow strategies are timed at least five times whatever the budget
-FEWEST_CALLS, MOST_CALLS = 5, 201
+FEWEST_CALLS, MAX_CALLS = 5, 201
 ALONE, TEXTBOOK, TUNED = "interior point alone", "IPOPT, textbook", "IPOPT, tuned"
-"""What the solvers are called that are no strategies."""
+"""Names of the solvers that are no strategies."""
 
 
 @dataclass(frozen=True)
 class Timing:
-    """How long one solver takes on one scenario.
+    """Computing time of one solver on one scenario.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Timing:
     cell_count : int
         Cells of its mesh.
     solver : str
-        A strategy with all that it brings, the interior-point method alone, or CasADi with IPOPT.
+        A strategy with its bound and energy balance, the interior-point method without them, or CasADi with IPOPT.
     energy_kwh : float
         Net energy that it finds [kWh].
     iterations : int
@@ -56,10 +56,10 @@ class Timing:
 def warm_median_s(call: Callable[[], object], budget_s: float = BUDGET_S) -> float:
     """Return the median time of a call [s], repeated for about `budget_s` after one that does not count."""
     call()
-    # what compiles, loads or fills caches is in the call that does not count: it happens once in a session
+    # compiling, loading and filling caches happen once in a session: in the call that does not count
     times: list[float] = []
     until = time.perf_counter() + budget_s
-    while len(times) < FEWEST_CALLS or (len(times) < MOST_CALLS and time.perf_counter() < until):
+    while len(times) < FEWEST_CALLS or (len(times) < MAX_CALLS and time.perf_counter() < until):
         started = time.perf_counter()
         call()
         times.append(time.perf_counter() - started)
@@ -72,7 +72,7 @@ def benchmark(budget_s: float = BUDGET_S) -> Iterator[Timing]:
     Parameters
     ----------
     budget_s : float
-        How long each solver is repeated on each scenario [s].
+        Time over which each solver is repeated on each scenario [s].
     """
     for name in preset_names("scenarios"):
         task = prepare_task(load_scenario(name))
@@ -90,20 +90,20 @@ def _time_strategies(name: str, task: Task, budget_s: float) -> Iterator[Timing]
         except StrategyRefusedError:
             continue
         median = warm_median_s(partial(run_strategy, task, strategy), budget_s)
-        yield Timing(name, task.course.cell_count, strategy, run.energy_kwh, run.iterations, median)
+        yield Timing(name, task.mesh.cell_count, strategy, run.energy_kwh, run.iterations, median)
 
 
 def time_solver_alone(name: str, task: Task, budget_s: float = BUDGET_S) -> Timing:
-    """Return the time of the interior-point method on given arrays, without proof and energy account."""
+    """Measure the interior-point method on given arrays, without lower bound and energy balance."""
     solution = minimise(task)
     median = warm_median_s(partial(minimise, task), budget_s)
-    return Timing(name, task.course.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
+    return Timing(name, task.mesh.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
 
 
 def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Timing]:
-    """Yield the times of IPOPT on the textbook formulation and on ours, the building of the problem not included."""
+    """Yield the times of IPOPT on the textbook and on railjoule's formulation, without building the problem."""
     for words, textbook in ((TEXTBOOK, True), (TUNED, False)):
         problem = IpoptProblem(task, textbook)
         run = problem.solve()
         median = warm_median_s(problem.solve, budget_s)
-        yield Timing(name, task.course.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)
+        yield Timing(name, task.mesh.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)

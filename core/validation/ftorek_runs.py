@@ -8,9 +8,9 @@ from scipy.optimize import minimize_scalar
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import prepare_task, solve
-from railjoule.core.strategies.enoc import EnocCoefficients, best_acceleration_time, enoc_energy
+from railjoule.core.strategies.enoc import EnocCoefficients, best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.eoc import Variant, solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, SampledRun, plain_line
 from railjoule.core.trajectory import Trajectory
@@ -18,19 +18,17 @@ from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._trapezoid import sample_trapezoid
 from railjoule.core.validation.papers import printed_numbers
 
-PAPER = "ftorek-2025"
 # EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
 FINE_MESH_M = 0.5
+STRATEGIES = ("eoc", "enoc")
+TIMES_S = (270, 300, 330)
+"""Travel times of Tables 1 and 2 [s]."""
 BASE_TIME_S = 300
 """The travel time against which the paper gives changes [s]."""
-CHANGES = ("max_current_a", "min_current_a", "peak_energy_wh", "total_energy_wh")
-"""Quantities whose changes the paper prints, by the keys of its file."""
 # Found by matching the minimum of the surface; no number of the paper gives it. It is shown beside 1 so that nobody
 # takes the match for a confirmation.
 TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
-# The changes are printed with two decimals, some cut off and not rounded.
-LAST_DIGIT_POINTS = 0.02
 # far beyond the printed minimum, so that the bracket does not choose it
 LONGEST_TIME_S = 20_000.0
 
@@ -38,7 +36,7 @@ LONGEST_TIME_S = 20_000.0
 @cache
 def paper() -> dict[str, Any]:
     """Return the paper's printed numbers; not to be changed."""
-    return printed_numbers(PAPER)
+    return printed_numbers("ftorek-2025")
 
 
 @cache
@@ -49,81 +47,65 @@ def paper_scenario() -> Scenario:
 
 @cache
 def paper_line() -> PlainLine:
-    """Return its line and train."""
+    """Return the line and the train of the paper."""
     return plain_line(prepare_task(paper_scenario()))
 
 
-def amperes_per_newton(scenario: Scenario) -> float:
-    """Compute the current of one motor over the effort of all [A/N]."""
-    amperes = prepare_task(scenario).course.drive.amperes_per_newton
+@cache
+def amperes_per_newton() -> float:
+    """Return the current of one motor over the effort of all [A/N]."""
     # a drive with copper loss, as in every scenario of the paper, always has a current
-    assert amperes is not None
-    return amperes
+    return prepare_task(paper_scenario()).mesh.drive.amperes_per_newton or np.nan
 
 
 @cache
-def eoc_run(line: PlainLine, travel_time_s: float, variant: Variant = "as_printed") -> SampledRun:
+def coefficients() -> EnocCoefficients:
+    """Return the coefficients of ENOC's energy for the paper's line and train."""
+    return enoc_coefficients(paper_line())
+
+
+@cache
+def eoc_run(travel_time_s: float, variant: Variant = "as_printed") -> SampledRun:
     """Return EOC's run, without the work of drag in its cost unless `variant` is `optimal`."""
-    return solve_eoc(line, travel_time_s, variant)
+    return solve_eoc(paper_line(), travel_time_s, variant)
 
 
 @cache
-def enoc_run(line: PlainLine, travel_time_s: float) -> SampledRun:
-    """Return ENOC's run with the printed acceleration time of a printed travel time [s]."""
-    ramps = {entry["travel_time_s"]: entry["acceleration_time_s"] for entry in paper()["table_2"]}
-    return sample_trapezoid(line, travel_time_s, ramps[travel_time_s])
-
-
-def printed_run(line: PlainLine, strategy: str, travel_time_s: float) -> SampledRun:
-    """Return the run of Table 1 (`eoc`) or Table 2 (`enoc`)."""
-    return eoc_run(line, travel_time_s) if strategy == "eoc" else enoc_run(line, travel_time_s)
+def printed_run(strategy: str, travel_time_s: float) -> SampledRun:
+    """Return the run of Table 1 (`eoc`) or Table 2 (`enoc`, with the printed acceleration time)."""
+    if strategy == "eoc":
+        return eoc_run(travel_time_s)
+    ramp = printed_entry(strategy, travel_time_s)["acceleration_time_s"]
+    return sample_trapezoid(paper_line(), travel_time_s, ramp)
 
 
 def printed_entry(strategy: str, travel_time_s: float) -> dict[str, float]:
-    """Return what Table 1 (`eoc`) or Table 2 (`enoc`) prints for a travel time [s]."""
+    """Return the entry of Table 1 (`eoc`) or Table 2 (`enoc`) for a travel time [s]."""
     table: list[dict[str, float]] = paper()["table_1" if strategy == "eoc" else "table_2"]
     return next(entry for entry in table if entry["travel_time_s"] == travel_time_s)
 
 
-def run_values(run: SampledRun, amperes: float) -> dict[str, float]:
-    """Compute the columns of Tables 1 and 2, by their keys in the paper's file.
-
-    Parameters
-    ----------
-    run : SampledRun
-    amperes : float
-        Current of one motor over the effort of all [A/N].
-    """
+def run_values(run: SampledRun) -> dict[str, float]:
+    """Compute the columns of Tables 1 and 2, by their keys in the paper's file."""
     return {
         "max_speed_kmh": float(np.max(run.speed_ms)) / MS_PER_KMH,
-        "max_current_a": amperes * float(np.max(run.effort_n)),
-        "min_current_a": amperes * float(np.min(run.effort_n)),
+        "max_current_a": amperes_per_newton() * float(np.max(run.effort_n)),
+        "min_current_a": amperes_per_newton() * float(np.min(run.effort_n)),
         "shaft_energy_wh": run.shaft_energy_j / J_PER_WH,
         "peak_energy_wh": run.peak_energy_j / J_PER_WH,
         "total_energy_wh": run.total_energy_j / J_PER_WH,
     }
 
 
-def change_percent(line: PlainLine, amperes: float, strategy: str, travel_time_s: float) -> dict[str, float]:
-    """Compute by which percentage currents and energies of a printed run differ from those of 300 s."""
-    run, base = (run_values(printed_run(line, strategy, time), amperes) for time in (travel_time_s, BASE_TIME_S))
-    return {key: 100 * (run[key] / base[key] - 1) for key in CHANGES}
-
-
-def table_change_percent(strategy: str, travel_time_s: float, key: str) -> float:
-    """Compute the same of what Table 1 or Table 2 prints."""
-    return 100 * (printed_entry(strategy, travel_time_s)[key] / printed_entry(strategy, BASE_TIME_S)[key] - 1)
-
-
 @cache
-def optimal_run(scenario: Scenario, travel_time_s: float) -> Trajectory:
+def optimal_run(travel_time_s: float) -> Trajectory:
     """Return the optimum for a travel time [s]."""
-    return solve(scenario.with_(**{"timetable.travel_time_s": float(travel_time_s)}), "optimal")
+    return solve(paper_scenario().replace(**{"timetable.travel_time_s": float(travel_time_s)}), "optimal")
 
 
 @cache
 def closed_loop_run(
-    scenario: Scenario, strategy: str, travel_time_s: float, flux: str = "constant", precompensator: bool = True
+    strategy: str, travel_time_s: float, flux: str = "constant", precompensator: bool = True
 ) -> FieldOrientedRun:
     """Return a run of Table 1 or Table 2 driven in closed loop by the machines."""
     changes: dict[str, Any] = {
@@ -137,14 +119,15 @@ def closed_loop_run(
     }
     if strategy == "enoc":
         changes["enoc.acceleration_time_s"] = printed_entry(strategy, travel_time_s)["acceleration_time_s"]
-    return simulate_field_oriented(scenario.with_(**changes))
+    return simulate_field_oriented(paper_scenario().replace(**changes))
 
 
+@cache
 def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:
     """Compute travel time and acceleration time of the least energy of ENOC [s]."""
     # nested, as the best ramp for a time has a search of its own
     time = minimize_scalar(
-        lambda time_s: float(least_energies_j(coefficients, np.array([time_s]))[0]),
+        lambda time_s: float(min_energies_j(coefficients, np.array([time_s]))[0]),
         bounds=(1.0, LONGEST_TIME_S),
         method="bounded",
         options={"xatol": 1e-6},
@@ -152,7 +135,7 @@ def surface_minimum(coefficients: EnocCoefficients) -> tuple[float, float]:
     return float(time), best_acceleration_time(coefficients, time)
 
 
-def least_energies_j(coefficients: EnocCoefficients, times_s: FloatArray) -> FloatArray:
+def min_energies_j(coefficients: EnocCoefficients, times_s: FloatArray) -> FloatArray:
     """Compute ENOC's energies with its best acceleration times for travel times [J]; shape as the times."""
     ramps = np.array([best_acceleration_time(coefficients, float(time)) for time in times_s])
     return enoc_energy(coefficients, times_s, ramps)

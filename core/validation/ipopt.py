@@ -30,7 +30,7 @@ OPTIONS: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class IpoptRun:
-    """What IPOPT ends with.
+    """The result of IPOPT.
 
     Parameters
     ----------
@@ -40,11 +40,11 @@ class IpoptRun:
         Squares of speed at the nodes [m2/s2].
     iterations : int
     solve_time_s : float
-        Time of the solution alone, the building of the problem not included [s].
+        Time of the solution, without building the problem [s].
     status : str
-        IPOPT's own word for how it ended.
+        IPOPT's return status.
     converged : bool
-        Whether it claims an optimum.
+        Whether it reports an optimum.
     """
 
     energy_j: float
@@ -62,7 +62,7 @@ def is_installed() -> bool:
 
 def is_known(task: Task) -> bool:
     """Return whether a task's drive can be written in symbols; one that searches for its flux cannot."""
-    return task.course.data.drive_kind in DRIVES
+    return task.mesh.data.drive_kind in DRIVES
 
 
 class IpoptProblem:
@@ -88,8 +88,8 @@ class IpoptProblem:
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
         if not is_known(task):
             raise SolverError("this drive has no symbolic formula for IPOPT, because it searches for its flux.")
-        data, timetable_start = task.course.data, _start_of_own_method(task)
-        reachable = np.full_like(timetable_start, np.inf) if textbook else task.greatest_speed2
+        data, timetable_start = task.mesh.data, _start_of_own_method(task)
+        reachable = np.full_like(timetable_start, np.inf) if textbook else task.fastest_speed2
         first = _one_speed(task) if textbook else timetable_start
         # infinite reachable speeds leave all limits over speed in, as a textbook would have them
         program = Program(data, task.running_time_s, reachable, own_braking=textbook)
@@ -97,19 +97,19 @@ class IpoptProblem:
         self._solver = program.solver(OPTIONS)
         # the floor of our own method, so that crests taken at walking pace mean the same
         self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * timetable_start))
-        self._arguments["x0"] = program.start(first, task.course.net_force_n(first))
+        self._arguments["x0"] = program.start(first, task.mesh.net_force_n(first))
 
     def solve(self) -> IpoptRun:
         """Return IPOPT's optimum, from the same start each time."""
         started = time.perf_counter()
         solution = self._solver(**self._arguments)
         solve_time = time.perf_counter() - started
-        stats, data = self._solver.stats(), self._task.course.data
-        # the program has the free speeds alone; the others are as prescribed
+        stats, data = self._solver.stats(), self._task.mesh.data
+        # the program has only the free speeds; the others are as prescribed
         speed2 = data.fixed_speed2.copy()
         speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
         return IpoptRun(
-            # the program is scaled by the largest effort, and knows no dwells
+            # the program is scaled by the largest effort, and has no dwells
             energy_j=float(solution["f"]) * data.traction.constant_n + self._task.dwell_energy_j,
             speed2=frozen_array(speed2),
             iterations=int(stats["iter_count"]),
@@ -121,12 +121,12 @@ class IpoptProblem:
 
 def _start_of_own_method(task: Task) -> FloatArray:
     """Return the start of our own method: squares of speed [m2/s2], shape (n + 1,)."""
-    speed2 = np.empty(len(task.greatest_speed2))
-    start_speeds(task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s, speed2)
+    speed2 = np.empty(len(task.fastest_speed2))
+    start_speeds(task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s, speed2)
     return speed2
 
 
 def _one_speed(task: Task) -> FloatArray:
     """Return the square of the mean speed wherever it is allowed [m2/s2], shape (n + 1,)."""
-    data, mean = task.course.data, task.course.length_m / task.running_time_s
-    return np.where(data.fixed_speed2 < 0, np.minimum(mean**2, data.largest_speed2), data.fixed_speed2)
+    data, mean = task.mesh.data, task.mesh.length_m / task.running_time_s
+    return np.where(np.isnan(data.fixed_speed2), np.minimum(mean**2, data.limit_speed2), data.fixed_speed2)

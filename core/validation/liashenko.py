@@ -1,151 +1,315 @@
-"""The tables and figures of Liashenko, Yatsko 2025 beside ours."""
+"""Quantities of Liashenko, Yatsko 2025 that `assets/papers/liashenko-2025.toml` compares with the paper.
 
-from collections.abc import Sequence
-from functools import partial
+Tables 4 to 7 are judged by two measures: overconsumption by (12), over the plan for half load, and above a plan for the
+actual load. Effort, resistance and controller are not printed, so that single numbers of these tables decide nothing;
+orders and signs do.
+"""
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from typing import Any
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.validation.claim import list_claims
-from railjoule.core.validation.claims.liashenko import EXAMINATIONS
-from railjoule.core.validation.figures.liashenko import FIGURES
+from railjoule.core.energy import share_above
+from railjoule.core.scenario import Scenario, load_scenario
+from railjoule.core.simulation.following import follow, plan_for
+from railjoule.core.strategies import solve
+from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 from railjoule.core.validation.liashenko_runs import (
-    LEAST_SHOWN,
+    MIN_SHOWN,
     ComparedTable,
     above_own_time,
     both_directions,
     compared_table,
+    compared_tables,
     example,
     paper_numbers,
+    plan_knowing,
     rms,
 )
-from railjoule.core.validation.papers import citation, errata
-from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
-BY_PLAN, BY_LOAD = "overconsumption", "above a plan for the actual load"
-"""Quantities of the two measures: the paper's own (12), and one without the change of load."""
-ASSUMED = "The paper prints no controller, effort or resistance. They are assumed here, and none is fitted to it."
+Quantities = dict[str, Any]
+
+MEASURES = ("by_plan", "by_load", "printed")
 SMALL_PERCENT = 1e-6
 """A plan and its own run differ by less than this [%]."""
+SPEED_ERRORS = (-0.05, -0.02, 0.02, 0.05)
+SENSOR_ERRORS_M = (-5.0, -2.0, 2.0, 5.0)
+DECELERATIONS_MS2 = (0.3, 0.4, 0.5, 0.6, 0.8)
+MESHES_M = (10.0, 5.0, 1.0)
+PASSENGER_KG = 75.0
+"""Mass of a passenger below (4)."""
 
 
-def validate_liashenko() -> Validation:
-    """Return Tables 4 to 7 of Liashenko, Yatsko 2025 and the examples of Figures 3 to 6 beside ours."""
-    return liashenko_comparison().validation()
-
-
-def liashenko_comparison() -> Comparison:
-    """Return the tables, claims and figures of Liashenko, Yatsko 2025, not computed yet."""
-    paper = paper_numbers()
-    return Comparison(
-        paper="liashenko",
-        citation=citation(paper),
-        tables=(
-            *(partial(overconsumption, entry["place"]) for entry in paper["table"]),
-            partial(examples, tuple(figure["place"] for figure in paper["figure"])),
-        ),
-        errata=errata(paper),
-        claims=list_claims(paper, EXAMINATIONS),
-        figures=FIGURES,
-    )
-
-
-def overconsumption(place: str) -> Table:
-    """Return one of Tables 4 to 7 beside ours by both measures, and the root mean squares of the differences."""
+def cells(place: str) -> list[Quantities]:
+    """Compute the cells of one of Tables 4 to 7 by both measures, with the reasons of their differences."""
     table = compared_table(place)
-    measures = (
-        (BY_PLAN, table.by_plan, [_plan_note(table, k) for k in range(len(table.loads))]),
-        (BY_LOAD, table.by_load, [_late_note(table, k) for k in range(len(table.loads))]),
-    )
-    rows = []
+    loads = [_load(table, k) for k in range(len(table.loads))]
+    records = []
     for (m, k), printed in np.ndenumerate(table.printed):
-        case = f"{table.errors_m[m]:+g} m, load {table.loads[k]:g}"
-        for quantity, values, notes in measures:
-            note = ASSUMED if quantity == BY_LOAD and values[m, k] >= 0 else notes[k]
-            note = note if abs(values[m, k] - printed) > LEAST_SHOWN else ""
-            rows.append(Row(case, quantity, "%", float(printed), float(values[m, k]), note, f"{place}, {case}"))
-    title = f"{table.scenario.title}, 35 km/h, followed with wrong load and position, by two measures"
-    return Table(title, (*rows, *summary_rows(table)), place)
+        by_plan, by_load = table.by_plan[m, k], table.by_load[m, k]
+        records.append(
+            {
+                **loads[k],
+                "error": table.errors_m[m],
+                "printed": float(printed),
+                "by_plan": by_plan,
+                "by_load": by_load,
+                "load_note": "assumed" if by_load >= 0 else loads[k]["load_note"],
+                "is_plan_off": abs(by_plan - printed) > MIN_SHOWN,
+                "is_load_off": abs(by_load - printed) > MIN_SHOWN,
+            }
+        )
+    return records
 
 
-def _plan_note(table: ComparedTable, k: int) -> str:
-    """Return the note on the rows by (12) of one load."""
-    change, mass = table.load_change[k], 100 * table.mass_change(table.loads[k])
-    if k == table.planned_load:
-        return ASSUMED
-    if mass > 0:
-        return f"The plan for a train {mass:.1f} % heavier needs {change:.1f} % more, and (12) counts that as well."
-    note = f"The plan for a train {-mass:.1f} % lighter needs {-change:.1f} % less, and (12) counts that as well."
-    below = table.by_plan[:, k] < 0
-    if not below.any():
-        return note
-    return f"{note} Rows below zero: {_arrival(table.delay_s[below, k], table.stop_error_m[below, k])}."
-
-
-def _arrival(delay_s: FloatArray, stop_error_m: FloatArray) -> str:
-    """Return how late runs are and how far from the stop they stand."""
-    late, missed = float(np.max(delay_s)), float(np.max(np.abs(stop_error_m)))
-    arrival = f"at most {late:.1f} s late" if late >= LEAST_SHOWN else "not late"
-    return f"{arrival}, stopping error at most {missed:.2f} m"
-
-
-def _late_note(table: ComparedTable, k: int) -> str:
-    """Return the note on the rows of one load below zero against the plan for the actual load."""
-    below = table.by_load[:, k] < -SMALL_PERCENT
-    if not below.any():
-        return ASSUMED
+def _load(table: ComparedTable, k: int) -> Quantities:
+    """Compute the quantities of a table's column that explain its numbers: mass, plan, and the arrival below zero."""
+    mass, change = 100 * table.mass_change(table.loads[k]), table.load_change[k]
+    below, late = table.by_plan[:, k] < 0, table.by_load[:, k] < -SMALL_PERCENT
+    delay = float(np.max(table.delay_s[below, k], initial=0.0))
+    plan_note = "heavier" if mass > 0 else "lighter_below_zero" if below.any() else "lighter"
     changes = {"disturbance.actual_load_factor": float(table.loads[k])}
     above = [
         above_own_time(both_directions(table.scenario, **changes, **{"disturbance.coordinate_error_m": float(error)}))
-        for error in table.errors_m[below]
+        for error in table.errors_m[late]
     ]
-    return _own_time_sentence(float(np.max(table.delay_s[below, k])), above)
+    return {
+        "load": table.loads[k],
+        "mass": abs(mass),
+        "change": change if mass > 0 else -change,
+        "arrival": f"at most {delay:.1f} s late" if delay >= MIN_SHOWN else "not late",
+        "stop_error_m": float(np.max(np.abs(table.stop_error_m[below, k]), initial=0.0)),
+        "plan_note": "assumed" if k == table.planned_load else plan_note,
+        "load_note": "late" if late.any() else "assumed",
+        "late_s": float(np.max(table.delay_s[late, k], initial=0.0)),
+        "above": _range(above),
+    }
 
 
-def _own_time_sentence(delay_s: float, above: Sequence[float]) -> str:
-    """Return the reason of runs below zero that are late, with the shares of `above_own_time`."""
-    return (
-        f"Below zero, as the run is up to {delay_s:.1f} s late: against a plan for its load that takes as long it lies "
-        f"{' to '.join(dict.fromkeys(f'{100 * share:.1f}' for share in (min(above), max(above))))} % above."
+def _range(shares: list[float]) -> str:
+    """Return the smallest and the largest share in percent, or one of them if they read the same."""
+    return " to ".join(dict.fromkeys(f"{100 * share:.1f}" for share in (min(shares), max(shares)))) if shares else ""
+
+
+def summary(place: str) -> Quantities:
+    """Compute the root mean square of the differences of a table by each measure, and its cells without an error."""
+    table = compared_table(place)
+    by_plan, by_load = (rms(values - table.printed) for values in (table.by_plan, table.by_load))
+    corners = []
+    for k in (0, len(table.loads) - 1):
+        numbers = {key: float(getattr(table, key)[table.planned_error, k]) for key in MEASURES}
+        words = {"by_plan": "(12)", "by_load": "the plan for the actual load"}
+        same = [word for key, word in words.items() if numbers[key] * numbers["printed"] > 0]
+        corners.append({"load": table.loads[k], **numbers, "same": " and ".join(same) or "neither"})
+    nearer = "(12)" if by_plan < by_load else "the plan for the actual load"
+    return {"by_plan": by_plan, "by_load": by_load, "nearer": nearer, "corners": corners}
+
+
+def followed_plan(entry: Quantities) -> Quantities:
+    """Compute the plan of one of Figures 3 to 6 and the run that follows it."""
+    one = example(entry["place"])
+    run = one.following
+    return {
+        "planned_kwh": run.planned.energy_kwh,
+        "by_plan": 100 * run.overconsumption,
+        "by_load": 100 * one.by_load,
+        "is_below_plan": run.overconsumption < 0,
+        "is_below_load": one.by_load < 0,
+        "less": -100 * (one.own_plan.energy_kwh / run.planned.energy_kwh - 1),
+        "delay_s": run.delay_s,
+        "stop_error_m": run.stop_error_m,
+        "arrival": f"{abs(run.delay_s):.1f} s {'late' if run.delay_s > 0 else 'early'}",
+        "late_s": run.delay_s,
+        "above": _range([above_own_time((one.scenario,))] if one.by_load < 0 else []),
+    }
+
+
+def passenger_share() -> Quantities:
+    """Compute the share of passengers in the mass of the train at full and at crush load [%]."""
+    vehicle = _profiles()[0].vehicle
+    masses = [
+        vehicle.tare_kg + load * vehicle.capacity_passengers * vehicle.passenger_mass_kg
+        for load in (1.0, vehicle.crush_load_factor)
+    ]
+    shares = [100 * (1 - vehicle.tare_kg / mass) for mass in masses]
+    return {"full": shares[0], "crush": shares[1]}
+
+
+def changes_by_mass() -> Quantities:
+    """Compare plans for other loads with those for half load."""
+    changes, speeds = [], []
+    for plan in _plans():
+        for load in (0.0, 1.0):
+            own = plan_knowing(plan.scenario, load)
+            changes.append(100 * share_above(own.energy_kwh, plan.energy_kwh))
+            other = np.interp(plan.position_m, own.position_m, own.speed_ms)
+            speeds.append(np.max(np.abs(other - plan.speed_ms)) / MS_PER_KMH)
+    return {
+        "low": min(changes),
+        "high": max(changes),
+        "least": min(map(abs, changes)),
+        "speed_kmh": max(speeds),
+        "wrong": max(abs(table.by_load[table.planned_error]).max() for table in compared_tables()),
+    }
+
+
+@cache
+def recursion() -> Quantities:
+    """Compute the gap of the recursion, and the change of the optimum's energy with the mesh [%]."""
+    gaps = [solve(scenario, "bellman").gap for scenario in _base_scenarios()]
+    energies = np.array(
+        [[solve(one.replace(**{"solver.mesh_m": mesh})).energy_kwh for mesh in MESHES_M] for one in _base_scenarios()]
     )
+    return {
+        "gap": 100 * max(gap if gap is not None else np.inf for gap in gaps),
+        "mesh": 100 * np.max(np.abs(energies[:, :-1] / energies[:, -1:] - 1), axis=0),
+        "count": len(gaps),
+    }
 
 
-def summary_rows(table: ComparedTable) -> list[Row]:
-    """Return the root mean square of the differences of a table by each measure, with the nearer one."""
-    by_plan, by_load = rms(table.by_plan - table.printed), rms(table.by_load - table.printed)
-    nearer = f"Nearer in this table: {'(12)' if by_plan < by_load else 'the plan for the actual load'}."
-    case, unit = "root mean square of the differences", "percentage points"
-    corners = " ".join(_corner_sentence(table, k) for k in (0, len(table.loads) - 1))
-    return [Row(case, BY_PLAN, unit, None, by_plan, corners), Row(case, BY_LOAD, unit, None, by_load, nearer)]
+def scheduled_times() -> Quantities:
+    """Compute the times of the plans [s]."""
+    figures = [example(entry["place"]).following.planned for entry in paper_numbers()["figure"]]
+    return {
+        "figures": [plan.travel_time_s for plan in figures],
+        "base": [plan.travel_time_s for plan in _plans()[::2]],
+        "late_s": max(plan.travel_time_s - plan.scenario.travel_time_s for plan in (*figures, *_plans())),
+    }
 
 
-def _corner_sentence(table: ComparedTable, k: int) -> str:
-    """Return the printed number at a load without a position error beside both measures."""
-    row = table.planned_error
-    printed, by_plan, by_load = (float(one[row, k]) for one in (table.printed, table.by_plan, table.by_load))
-    measures = (("(12)", by_plan), ("the plan for the actual load", by_load))
-    same = [name for name, ours in measures if ours * printed > 0]
-    return (
-        f"Load {table.loads[k]:g}, 0 m: printed {printed:+.1f} %, by (12) {by_plan:+.1f} %, against the plan for the "
-        f"actual load {by_load:+.1f} %. Sign as printed: {' and '.join(same) or 'neither'}."
+def passenger_weight() -> Quantities:
+    """Compute the weight of a passenger, and its difference from the print."""
+    weight = PASSENGER_KG * STANDARD_GRAVITY_MS2 / N_PER_KN
+    return {"weight_kn": weight, "off": 100 * (weight / paper_numbers()["passenger_weight_kn"] - 1)}
+
+
+def gradient() -> Quantities:
+    """Compute the energies of profile 0 there and back."""
+    up, down = (plan.energy_kwh for plan in _plans()[:2])
+    return {"up": up, "down": down, "more": 100 * share_above(up, down)}
+
+
+def stops() -> Quantities:
+    """Compute the largest stopping error of Tables 4 to 7."""
+    worst = max(float(np.max(np.abs(table.stop_error_m))) for table in compared_tables())
+    errors = max(float(np.max(np.abs(table.errors_m))) for table in compared_tables())
+    return {"worst_m": worst, "errors_m": errors, "share": worst / errors}
+
+
+def speed_sensor() -> Quantities:
+    """Compute the stops with errors of the measured speed, with and without precision braking."""
+    changes = [{"simulation.speed_error": error} for error in SPEED_ERRORS]
+    worst, without = (_worst_stop_m(changes, is_braking) for is_braking in (True, False))
+    late = max(follow(plan, plan.scenario.replace(**changes[-1])).delay_s for plan in _plans())
+    return {"worst_m": worst, "without_m": without, "share": worst / without, "late_s": late}
+
+
+def sensors(places: list[int]) -> Quantities:
+    """Compute the stops with deviations of some of the sensors D1 to D3."""
+    errors = [[error if k == place else 0.0 for k in range(3)] for place in places for error in SENSOR_ERRORS_M]
+    options = _base_scenarios()[0].simulation
+    return {
+        "share": _worst_stop_m([{"simulation.sensor_errors_m": one} for one in errors]) / max(SENSOR_ERRORS_M),
+        "calibration_m": options.calibration_length_m,
+        "stop_sensor_m": options.stop_sensor_m,
+    }
+
+
+def decelerations() -> Quantities:
+    """Compute the energy of plans over the deceleration of the target curve [kWh]."""
+    totals = [
+        sum(
+            plan_for(one.replace(**{"simulation.target_deceleration_ms2": deceleration})).energy_kwh
+            for one in _base_scenarios()
+        )
+        for deceleration in DECELERATIONS_MS2
+    ]
+    return {
+        "totals": ", ".join(f"{total:.1f}" for total in totals),
+        "steps": ", ".join(f"{deceleration:g}" for deceleration in DECELERATIONS_MS2),
+        "largest_rise": max(np.diff(totals)),
+    }
+
+
+def braking_zone() -> Quantities:
+    """Compute the speeds at which optimal runs would enter the zone of precision braking [km/h]."""
+    free = _plans(is_braking=False)
+    options: Any = free[0].scenario.simulation
+    top: Any = free[0].scenario.vehicle.traction.max_speed_kmh
+    zone, deceleration = options.reset_sensor_m, options.target_deceleration_ms2
+    permitted = np.sqrt(2 * deceleration * zone) / MS_PER_KMH
+    entering = [np.interp(run.position_m[-1] - zone, run.position_m, run.speed_ms) / MS_PER_KMH for run in free]
+    return {
+        "permitted": permitted,
+        "slow": sum(speed <= permitted for speed in entering),
+        "count": len(entering),
+        "fastest": max(entering),
+        "excess": max(entering) - permitted,
+        "top": top,
+        "distance_m": (top * MS_PER_KMH) ** 2 / (2 * deceleration),
+    }
+
+
+def cells_below_zero() -> Quantities:
+    """Count the cells below zero by each measure."""
+    tables = compared_tables()
+    counts = {key: sum(int(np.sum(getattr(table, key) < -MIN_SHOWN)) for table in tables) for key in MEASURES}
+    fourth = 100 * example("Fig. 4").following.overconsumption
+    return {**counts, "cells": sum(table.printed.size for table in tables), "fourth": fourth}
+
+
+def largest(place: str) -> Quantities:
+    """Compute the largest cell of a table by each measure."""
+    table = compared_table(place)
+    found: Quantities = {"is_same": np.argmax(table.by_plan) == np.argmax(table.printed)}
+    for key in MEASURES:
+        m, k = np.unravel_index(np.argmax(getattr(table, key)), table.printed.shape)
+        found[key] = {"most": getattr(table, key)[m, k], "error": table.errors_m[m], "load": table.loads[k]}
+    return found
+
+
+def max_values() -> Quantities:
+    """Compute the largest values of Tables 4 to 7 by each measure, and whether they grow by one of them."""
+    values = {key: [float(getattr(table, key).max()) for table in compared_tables()] for key in MEASURES}
+    return {**values, "grows": any(np.all(np.diff(values[key]) > 0) for key in ("by_plan", "by_load"))}
+
+
+def effects(claim: Quantities) -> Quantities:
+    """Compute the largest effect of the position error and of the load, each without the other [points]."""
+    tables = [compared_table(place) for place in claim["places"]]
+    found = {key: [_effects(table, getattr(table, key)) for table in tables] for key in MEASURES}
+    held = {key: sum((a > b) == claim["is_position"] for a, b in found[key]) for key in MEASURES}
+    return {**found, "held": held}
+
+
+def _effects(table: ComparedTable, values: FloatArray) -> tuple[float, float]:
+    position, load = values[:, table.planned_load], values[table.planned_error]
+    return float(np.max(np.abs(position))), float(np.max(np.abs(load)))
+
+
+def _profiles() -> list[Scenario]:
+    return [load_scenario(entry["scenario"]) for entry in paper_numbers()["table"]]
+
+
+@cache
+def _plans(is_braking: bool = True) -> tuple[Trajectory, ...]:
+    """Return the plans for 35 km/h of the four profiles, there and back, with or without precision braking."""
+    changes = {} if is_braking else {"simulation.target_braking": False}
+    return tuple(plan_for(one) for profile in _profiles() for one in both_directions(profile, **changes))
+
+
+def _base_scenarios() -> list[Scenario]:
+    return [plan.scenario for plan in _plans()]
+
+
+def _worst_stop_m(changes: Iterable[Mapping[str, Any]], is_braking: bool = True) -> float:
+    """Return the largest stopping error of runs that follow the plans under changes [m]."""
+    return max(
+        abs(follow(plan, plan.scenario.replace(**change)).stop_error_m)
+        for change in changes
+        for plan in _plans(is_braking)
     )
-
-
-def examples(places: tuple[str, ...]) -> Table:
-    """Return the plans of Figures 3 to 6 and the runs that follow them."""
-    rows = []
-    for place in places:
-        one = example(place)
-        run, own = one.following, one.own_plan
-        less = -100 * (own.energy_kwh / run.planned.energy_kwh - 1)
-        delay = f"{abs(run.delay_s):.1f} s {'late' if run.delay_s > 0 else 'early'}"
-        lighter = f"Below zero: the plan for the lighter train needs {less:.1f} % less. The run is {delay}."
-        late = _own_time_sentence(run.delay_s, [above_own_time((one.scenario,))]) if one.by_load < 0 else ""
-        rows += [
-            Row(place, "planned energy", "kWh", None, run.planned.energy_kwh),
-            Row(place, BY_PLAN, "%", None, 100 * run.overconsumption, lighter if run.overconsumption < 0 else ""),
-            Row(place, BY_LOAD, "%", None, 100 * one.by_load, late),
-            Row(place, "delay", "s", None, run.delay_s),
-            Row(place, "stopping error", "m", None, run.stop_error_m),
-        ]
-    return Table("Examples of followed plans; no numbers are printed", tuple(rows))

@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
-from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.validation.papers import printed_numbers
@@ -18,7 +18,7 @@ from railjoule.core.validation.papers import printed_numbers
 PAPER = "liashenko-2025"
 BOTH_DIRECTIONS = (False, True)
 """Values of `line.reverse` over which (12) adds energies."""
-LEAST_SHOWN = 0.05
+MIN_SHOWN = 0.05
 """A difference [percentage points] or delay [s] below this reads as 0.0."""
 
 
@@ -39,7 +39,7 @@ class ComparedTable:
     load_change : array of shape (k,)
         Energy of the plan for each load over that of the plan [%].
     delay_s, stop_error_m : array of shape (m, k)
-        As in `SensitivityTable`.
+        As in `StudyTable`.
     """
 
     place: str
@@ -66,7 +66,7 @@ class ComparedTable:
     def mass_change(self, load_factor: float) -> float:
         """Return the mass at a load over that of the plan, minus 1."""
         planned = self.scenario.vehicle.total_mass_kg
-        return self.scenario.with_(**{"vehicle.load_factor": load_factor}).vehicle.total_mass_kg / planned - 1
+        return self.scenario.replace(**{"vehicle.load_factor": load_factor}).vehicle.total_mass_kg / planned - 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,12 +103,6 @@ def paper_numbers() -> dict[str, Any]:
 
 
 @cache
-def compared_tables() -> tuple[ComparedTable, ...]:
-    """Return Tables 4 to 7 beside railjoule's."""
-    return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
-
-
-@cache
 def compared_table(place: str) -> ComparedTable:
     """Return one of Tables 4 to 7 beside railjoule's."""
     paper = paper_numbers()
@@ -124,10 +118,15 @@ def compared_table(place: str) -> ComparedTable:
         printed=np.array(entry["overconsumption_percent"]),
         by_plan=100 * table.overconsumption.T,
         by_load=100 * table.over_replanned.T,
-        load_change=100 * share_above(table.replanned_kwh, table.planned_kwh),
+        load_change=100 * share_above(table.replanned_kwh, table.planned_energy_kwh),
         delay_s=table.delay_s.T,
         stop_error_m=table.stop_error_m.T,
     )
+
+
+def compared_tables() -> tuple[ComparedTable, ...]:
+    """Return Tables 4 to 7 beside railjoule's."""
+    return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
 
 
 @cache
@@ -135,16 +134,12 @@ def example(place: str) -> Example:
     """Return the run of one of Figures 3 to 6."""
     entry = next(entry for entry in paper_numbers()["figure"] if entry["place"] == place)
     scenario = load_scenario(entry["scenario"])
-    load = scenario.disturbance.actual_load_factor
-    assert load is not None
-    own = plan_knowing_load(scenario, load)
-    assert own is not None
-    return Example(place, scenario, follow(plan_for(scenario), scenario), own)
+    return Example(place, scenario, follow(plan_for(scenario), scenario), plan_knowing(scenario))
 
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:
     """Return a scenario with changes, there and back."""
-    return tuple(scenario.with_(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
+    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
 
 
 def above_own_time(scenarios: Sequence[Scenario]) -> float:
@@ -159,11 +154,17 @@ def above_own_time(scenarios: Sequence[Scenario]) -> float:
     for scenario in scenarios:
         actual = follow(plan_for(scenario), scenario).actual
         energy += actual.energy_kwh
-        load = scenario.disturbance.actual_load_factor
-        assert load is not None
-        own = plan_knowing_load(scenario.with_(**{"timetable.travel_time_s": actual.travel_time_s}), load)
-        planned += np.nan if own is None else own.energy_kwh
+        planned += plan_knowing(scenario.replace(**{"timetable.travel_time_s": actual.travel_time_s})).energy_kwh
     return share_above(energy, planned)
+
+
+def plan_knowing(scenario: Scenario, load_factor: float | None = None) -> Trajectory:
+    """Return the plan for a load, by default the actual one of the scenario."""
+    load: Any = scenario.disturbance.actual_load_factor if load_factor is None else load_factor
+    plan = plan_knowing_load(scenario, load)
+    # the shipped plans all keep their time with each load
+    assert plan is not None
+    return plan
 
 
 def rms(differences: FloatArray) -> float:

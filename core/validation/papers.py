@@ -1,15 +1,39 @@
-"""The papers' printed numbers, read from the assets."""
+"""The papers' files: printed numbers, and the descriptions of the tables and claims that are compared with railjoule.
+
+Rows and claims are data of `assets/papers/<paper>.toml`; the modules of the papers compute the quantities that they
+name.
+
+- `[[comparison]]` is one table: `title`, `place` and `reference` as in `Table`, and its `groups` of rows.
+- A group names the function that computes its quantities, `compute`, and one argument for each call, `each`: the key
+  of a list in the same file, or the list itself. The function returns a mapping of quantities, or several of them. For
+  each mapping, the group has the same `rows`; what they have in common stands in the group.
+- A row has `case`, `quantity`, `unit`, `note` and `source` as in `Row`, and the paths of its numbers, `printed` and
+  `value`, such as `above[1]`. A note is a text or the key of one in `[notes]`; it is shown where the quantity of the
+  path `when` is true, if there is one. Texts can contain the argument, or its items.
+- A `[[claim]]` has `compute` and the argument `of` for its quantities, its `place` and `text` in the paper, the texts
+  `found` and `reason`, and its tolerances: it is supported if each quantity of `holds_between` lies strictly between
+  its two bounds, and cannot be decided without bounds. Claims of one kind share the entries of `[kinds]` that they
+  name as their `kind`. Several mappings are the list `all`.
+
+All texts can contain quantities as in `str.format`.
+"""
 
 import tomllib
+from collections.abc import Iterator, Mapping
+from functools import partial
 from importlib.resources import files
+from string import Formatter
+from types import ModuleType
 from typing import Any
 
-from railjoule.core.validation.table import Erratum
+from railjoule.core.validation.figure import PaperFigure
+from railjoule.core.validation.table import Claim, Comparison, Erratum, Row, Table, Verdict
+
+Quantities = Mapping[str, Any]
 
 
 def printed_numbers(name: str) -> dict[str, Any]:
-    """Return a fresh copy of what a paper prints, as its file `assets/papers/<name>.toml` has it."""
-    # printed numbers are data of the assets, with their place in the paper, and never constants of the code
+    """Return a fresh copy of the content of `assets/papers/<name>.toml`."""
     return tomllib.loads((files("railjoule.assets") / "papers" / f"{name}.toml").read_text(encoding="utf-8"))
 
 
@@ -18,6 +42,78 @@ def citation(paper: dict[str, Any]) -> str:
     return f"{paper['authors']}: {paper['title']}, {paper['journal']}, {paper['year']}"
 
 
-def errata(paper: dict[str, Any]) -> tuple[Erratum, ...]:
-    """Return what must be corrected in a paper."""
-    return tuple(Erratum(**entry) for entry in paper["erratum"])
+def compare(name: str, quantities: ModuleType, figures: tuple[PaperFigure, ...]) -> Comparison:
+    """Return the tables and claims of a paper, not computed yet.
+
+    Parameters
+    ----------
+    name : str
+        Name of its file, such as 'ftorek-2025'.
+    quantities : module
+        Contains the functions that the file names.
+    figures : tuple of PaperFigure
+    """
+    paper = printed_numbers(name)
+    return Comparison(
+        paper=name.partition("-")[0],
+        citation=citation(paper),
+        tables=tuple(partial(_table, paper, quantities, table) for table in paper["comparison"]),
+        errata=tuple(Erratum(**entry) for entry in paper["erratum"]),
+        claims=tuple(partial(_claim, paper, quantities, claim) for claim in paper["claim"]),
+        figures=figures,
+    )
+
+
+def _table(paper: Quantities, module: ModuleType, table: Quantities) -> Table:
+    rows = tuple(row for group in table["groups"] for row in _rows(paper, module, group))
+    return Table(table["title"], rows, table.get("place", ""), table.get("reference", "printed"))
+
+
+def _rows(paper: Quantities, module: ModuleType, group: Quantities) -> Iterator[Row]:
+    each = group.get("each", [None])
+    for argument in paper[each] if isinstance(each, str) else each:
+        entry = argument if isinstance(argument, Mapping) else {"argument": argument}
+        computed = _computed(module, group, argument)
+        for quantities in computed if isinstance(computed, list) else [computed]:
+            for row in group["rows"]:
+                yield _row({**group, **row}, quantities, entry, paper["notes"])
+
+
+def _row(row: Quantities, quantities: Quantities, entry: Quantities, notes: Mapping[str, str]) -> Row:
+    # A printed number and the computed one can have the same name in an entry of the file and in the quantities.
+    words = {**entry, **quantities}
+    words |= {key: row.get(key, "").format_map(words) for key in ("case", "quantity")}
+    is_noted = "note" in row and ("when" not in row or _at(row["when"], words))
+    note = row["note"].format_map(words) if is_noted else ""
+    return Row(
+        case=words["case"],
+        quantity=words["quantity"],
+        unit=row.get("unit", "").format_map(words),
+        printed=_at(row["printed"], {**quantities, **entry}) if "printed" in row else None,
+        value=float(_at(row["value"], quantities)),
+        note=notes[note].format_map(words) if note in notes else note,
+        source=row.get("source", "").format_map(words),
+    )
+
+
+def _claim(paper: Quantities, module: ModuleType, claim: Quantities) -> Claim:
+    claim = {**(paper["kinds"][claim["kind"]] if "kind" in claim else {}), **claim}
+    quantities = _computed(module, claim, claim.get("of")) if "compute" in claim else {}
+    if isinstance(quantities, list):
+        quantities = {"all": quantities}
+    bounds = claim.get("holds_between", {})
+    holds = all(low < _at(path, quantities) < high for path, (low, high) in bounds.items())
+    verdict: Verdict = "cannot be decided" if not bounds else "supports" if holds else "refutes"
+    found, reason = (claim[key].format_map(quantities) for key in ("found", "reason"))
+    return Claim(claim["place"], claim["text"], found, verdict, reason)
+
+
+def _computed(module: ModuleType, entry: Quantities, argument: Any) -> Any:
+    """Return the quantities of a group or claim for one argument."""
+    function = getattr(module, entry["compute"])
+    return function() if argument is None else function(argument)
+
+
+def _at(path: str, quantities: Quantities) -> Any:
+    """Return the quantity at a path such as `above[1]`."""
+    return Formatter().get_field(path, (), quantities)[0]

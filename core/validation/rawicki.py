@@ -1,33 +1,34 @@
-"""The figures and phases of Rawicki's tram beside ours, and what had to be identified for them.
+"""Quantities of Rawicki 2013 that `assets/papers/rawicki-2013.toml` compares with the paper.
 
 His start holds its full current at all speeds; above 14 m/s the pull-out torque needs less, so the strategy `phases`
-needs a little less energy than his law. Here the runs are planned with his, and once with ours.
+needs a little less energy than his law. Here the runs are planned with his law, and once with `phases`. The argument of
+most functions is the recuperation factor kr.
 """
 
-from functools import partial
-from typing import get_args
+from functools import cache
+from typing import Any, get_args
+
+import numpy as np
 
 from railjoule.core.bounds import minimise
 from railjoule.core.energy import share_above
-from railjoule.core.scenario import Vehicle
+from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.scenario.disturbance import Reaction
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy, solve
+from railjoule.core.studies.flux_sweep import sweep_flux
 from railjoule.core.units import J_PER_KWH
-from railjoule.core.validation.claim import list_claims
-from railjoule.core.validation.claims.rawicki import EXAMINATIONS
-from railjoule.core.validation.figures.rawicki import FIGURES
-from railjoule.core.validation.papers import citation, errata
 from railjoule.core.validation.rawicki_identification import (
-    Identification,
     driven_values,
     identify,
     machine_values,
     nameplate_values,
+    printed_planner,
     value_names,
 )
 from railjoule.core.validation.rawicki_runs import (
     RECUPERATION_FACTORS,
-    Printed,
+    drive_part_one,
     energy_kwh,
     energy_with_stop_kwh,
     make_planner,
@@ -37,216 +38,287 @@ from railjoule.core.validation.rawicki_runs import (
     printed_paper,
     printed_phases,
     replan,
+    replan_two_segments,
     solve_phases,
+    supply_energy_kwh,
     tram_scenario,
 )
-from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
-# what the identification leaves open is said at each number that depends on it, not once in a footnote
-NOT_UNIQUE = (
-    "The printed numbers leave the tram open: other gear efficiencies and core losses than the assumed ones fit almost "
-    "as well."
-)
-DIFFERENCE = "Printed is the energy with the stop, less those of part I."
-BRAKING = "No single constant current meets distance and time of all printed braking phases."
-NAMEPLATE = "Voltage, current, power and power factor of the nameplate are not more consistent than this."
-TOGETHER = "Only the product with the inductances, the rated flux, is determined well: to {:.1f} %."
-DETERMINED = "Determined to about {:.1f} %."
-FLAT = "Ours needs the least energy in the same time. The optimum is flat: phases can change much, and energy little."
+Quantities = dict[str, Any]
+
 FLUX = ("drive.mutual_inductance_mh", "drive.rated_magnetising_current_a")
-BEST_LAW = "best of all force laws"
-LOCAL = "Printed is a local optimum of a smoothed power; ours drives and coasts cell by cell."
+"""Parameters of which only the product is determined well."""
 SYMBOLS = {"distance_m": ("s", "m"), "duration_s": ("t", "s"), "energy_kwh": ("En", "kWh")}
+LATER_S = 10.0
+"""An accepted delay that is tried."""
+GENTLE_SHARE = 0.5
+"""Braking current of a gentle driver over the full one."""
 
 
-def validate_rawicki() -> Validation:
-    """Return all printed numbers of Rawicki beside ours, and the identification behind ours."""
-    return rawicki_comparison().validation()
+def _entry(key: str, kr: float, place: str = "") -> Quantities:
+    """Return the first entry of a list of the file with a recuperation factor and the start of a place."""
+    entries = printed_paper()[key]
+    return next(one for one in entries if one["recuperation_factor"] == kr and one["place"].startswith(place))
 
 
-def rawicki_comparison() -> Comparison:
-    """Return what is to be compared of Rawicki."""
-    paper = printed_paper()
-    vehicle = tram_scenario(0.0).vehicle
-    return Comparison(
-        paper="rawicki",
-        citation=citation(paper),
-        # each is computed when it is asked for: the identification takes seconds, the figures do not
-        tables=(
-            partial(figures, paper),
-            partial(planned_phases, paper),
-            partial(free_current, paper),
-            partial(driven_phases, vehicle, paper),
-            replanned,
-            partial(nameplate, vehicle, paper["nameplate"]),
-            lambda: parameters(vehicle, identify(vehicle, paper)),
-            partial(whole_trajectories, paper),
-        ),
-        errata=errata(paper),
-        claims=list_claims(paper, EXAMINATIONS),
-        figures=FIGURES,
-    )
+def figure(place: str) -> Quantities:
+    """Compute the energies of one of Figures 1 to 4 [kWh]; the run with the stop as two plans."""
+    entry = next(one for one in printed_paper()["figure"] if one["place"] == place)
+    kr = float(entry["recuperation_factor"])
+    undisturbed, whole = energy_kwh(plan_run(kr)), energy_with_stop_kwh(kr)
+    penalty = 100 * share_above(whole, undisturbed)
+    return {
+        "kr": kr,
+        "printed": entry,
+        "undisturbed": undisturbed,
+        "whole": whole,
+        "second": energy_kwh(plan_part_two(kr)),
+        "printed_second": printed_part_two(kr),
+        "penalty": penalty,
+        "penalty_off": abs(penalty - entry.get("penalty_percent", 0.0)),
+    }
 
 
-def figures(paper: Printed) -> Table:
-    """Return the energies of Figures 1 to 4 beside ours; the run with the stop as two plans."""
-    rows: list[Row] = []
-    for entry in paper["figure"]:
-        place, kr, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
-        case, alone = f"{place}, kr = {kr:g}", energy_kwh(plan_run(kr))
-        if "penalty_percent" not in entry:
-            rows.append(Row(case, "En", "kWh", printed, alone, NOT_UNIQUE, place))
-            continue
-        whole, second = energy_with_stop_kwh(kr), energy_kwh(plan_part_two(kr))
-        penalty = 100 * share_above(whole, alone)
-        rows += [
-            Row(case, "En", "kWh", printed, whole, NOT_UNIQUE, place),
-            Row(case, "En of part II", "kWh", _printed_part_two(entry), second, f"{DIFFERENCE} {NOT_UNIQUE}"),
-            Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE, f"{place}, penalty"),
-        ]
-    return Table("Energies of the runs", tuple(rows), "Figs. 1 to 4")
+def printed_part_two(kr: float) -> float:
+    """Return the printed energy of the run with the stop, less that of part I [kWh]."""
+    entry = next(one for one in printed_paper()["figure"][2:] if one["recuperation_factor"] == kr)
+    part_one = sum(supply_energy_kwh(phase, kr) for phase in printed_phases("part I"))
+    return float(round(entry["energy_kwh"] - part_one, 3))
 
 
-def planned_phases(paper: Printed) -> Table:
-    """Return the printed phases of part II beside those of our best run with the same distance and time."""
-    rows: list[Row] = []
-    for kr in RECUPERATION_FACTORS:
-        part = f"part II, kr = {kr:g}"
-        ours = {phase.phase: phase for phase in make_planner(kr).phases_of(plan_part_two(kr))}
-        for printed in printed_phases(part):
-            own = ours[printed["phase"]]
-            case = f"{part}, {printed['phase']}"
-            rows += [
-                Row(case, "s", "m", printed["distance_m"], own.distance_m, FLAT, f"{case}, s"),
-                Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT, f"{case}, t"),
-                Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT, f"{case}, v"),
-            ]
-    ride = f"{paper['part_ii_length_m']:g} m in {part_two_time_s():g} s"
-    return Table(f"Phases of part II as planned by us, {ride}", tuple(rows), "below Figs. 3 and 4")
+def planned_phases(kr: float) -> list[Quantities]:
+    """Compute the phases of part II in the best run with the same distance and time."""
+    planned = {phase.phase: phase for phase in make_planner(kr).phases_of(plan_part_two(kr))}
+    return [{"printed": one, "own": planned[one["phase"]]} for one in printed_phases(f"part II, kr = {kr:g}")]
 
 
-def replanned() -> Table:
-    """Return the run with the stop as driver and computer replan it during the run; the paper prints the driver's."""
-    rows = []
-    for kr in RECUPERATION_FACTORS:
-        for reaction in get_args(Reaction):
-            run, case = replan(kr, reaction), f"kr = {kr:g}, {reaction}"
-            rows += [
-                Row(case, "En", "kWh", None, run.actual.energy_kwh),
-                Row(case, "late", "s", None, run.delay_s),
-            ]
-    return Table("The run replanned on the way, only ours", tuple(rows))
+def free_current(kr: float) -> Quantities:
+    """Compute the run of Figures 1 and 2 with a starting current of its choice, and at one speed."""
+    free, steady = plan_run(kr, free_starting_current=True), plan_run(kr, coast=False)
+    return {
+        "printed": _entry("reference", kr, "free"),
+        "free": energy_kwh(free),
+        "current_a": free.starting_current_a,
+        "steady": energy_kwh(steady),
+    }
 
 
-def free_current(paper: Printed) -> Table:
-    """Return what the run of Figures 1 and 2 needs with a starting current of its choice, and at one speed."""
-    rows: list[Row] = []
-    scenario = tram_scenario(0.0)
-    ride = f"{scenario.line.length_m:g} m in {scenario.travel_time_s:g} s"
-    for entry in paper["reference"]:
-        kr = float(entry["recuperation_factor"])
-        case = f"{ride}, kr = {kr:g}"
-        if entry["place"] == BEST_LAW:
-            # this reference is of other solvers without phases, over the same task
-            rows += _best_force_law(kr, case, entry)
-            continue
-        # his law has one current for all starts; what a free choice of it would save shows how much that law costs
-        free, steady = plan_run(kr, free_starting_current=True), plan_run(kr, coast=False)
-        assert free.starting_current_a is not None
-        rows += [
-            Row(case, "En, free starting current", "kWh", entry["energy_kwh"], energy_kwh(free)),
-            Row(case, "its starting current", "A", None, free.starting_current_a),
-            Row(case, "En at constant speed, without coasting", "kWh", None, energy_kwh(steady)),
-        ]
-    return Table(f"Other runs over {ride}", tuple(rows), reference="independent")
-
-
-def _best_force_law(kr: float, case: str, entry: Printed) -> list[Row]:
-    """Return the best of all force laws beside what other solvers found, without and with free switching."""
+def best_force_law(kr: float) -> Quantities:
+    """Compute the best of all force laws, without and with free switching [kWh]."""
     task = prepare_task(tram_scenario(kr))
     run = run_strategy(task, "optimal")
-    # the relaxed optimum: machines that switch on and off at will, which bounds all force laws from below
-    switched = minimise(task).energy_j
-    assert run.lower_bound_kwh is not None
+    return {
+        "printed": _entry("reference", kr, "best"),
+        "optimal": run.energy_kwh,
+        # the relaxed optimum: machines that switch on and off at will, which bounds all force laws from below
+        "switched": minimise(task).energy_j / J_PER_KWH,
+        "bound": run.lower_bound_kwh,
+    }
+
+
+def driven_phases() -> list[Quantities]:
+    """Compute the 24 printed numbers of phases, each phase driven between its printed speeds."""
+    phases = printed_paper()["phase"]
+    named = [(phase, name) for phase in phases for name in value_names(phase)]
+    values = driven_values(tram_scenario(0.0).vehicle, phases)
     return [
-        Row(case, f"En, {BEST_LAW}, without switching", "kWh", entry["energy_kwh"], run.energy_kwh, LOCAL),
-        Row(case, f"En, {BEST_LAW}, switched freely", "kWh", entry["switched_kwh"], switched / J_PER_KWH),
-        Row(case, "its lower bound", "kWh", None, run.lower_bound_kwh),
+        {
+            **phase,
+            "symbol": SYMBOLS[name][0],
+            "unit": SYMBOLS[name][1],
+            "printed": phase[name],
+            "value": value,
+            "is_braking": phase["phase"] == "brake",
+        }
+        for (phase, name), value in zip(named, values, strict=True)
     ]
 
 
-def driven_phases(vehicle: Vehicle, paper: Printed) -> Table:
-    """Return the 24 printed numbers of phases beside ours, each phase driven between its printed speeds."""
-    ours = iter(driven_values(vehicle, paper["phase"]))
-    rows = []
-    for phase in paper["phase"]:
-        for name in value_names(phase):
-            symbol, unit = SYMBOLS[name]
-            note = BRAKING if phase["phase"] == "brake" else ""
-            case = f"{phase['part']}, {phase['phase']}"
-            rows.append(Row(case, symbol, unit, phase[name], float(next(ours)), note, f"{case}, {symbol}"))
-    return Table("Phases between their printed speeds, with the identified tram", tuple(rows), "below Figs. 3 and 4")
+def replanned(kr: float) -> list[Quantities]:
+    """Compute the run with the stop as driver and computer replan it during the run; the paper prints the driver's."""
+    runs = {reaction: replan(kr, reaction) for reaction in get_args(Reaction)}
+    return [{"who": who, "energy": run.actual.energy_kwh, "late_s": run.delay_s} for who, run in runs.items()]
 
 
-def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
-    """Return the nameplate of a motor beside ours at rated flux, frequency and speed."""
-    quantities = (("U_m", "V"), ("I_m", "A"), ("P", "W"), ("cos phi", ""))
-    case = f"{plate['speed_rpm']:g} r/min at {plate['frequency_hz']:g} Hz"
-    printed, ours = nameplate_values(plate), machine_values(vehicle, plate)
-    rows = tuple(
-        Row(case, name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE, f"nameplate, {name}")
-        for (name, unit), a, b in zip(quantities, printed, ours, strict=True)
-    )
-    return Table("Nameplate of a motor, amplitudes per phase", rows, "rated data")
+def nameplate() -> Quantities:
+    """Compute the nameplate of a motor at rated flux, frequency and speed."""
+    plate = printed_paper()["nameplate"]
+    printed, own = nameplate_values(plate), machine_values(tram_scenario(0.0).vehicle, plate)
+    apparent = 3**0.5 * plate["voltage_v"] * plate["current_a"] * plate["power_factor"]
+    voltage, current, power, factor = own
+    return {
+        "printed": [float(f"{value:.5g}") for value in printed],
+        "own": own,
+        "by_plate": 100 * 1e3 * plate["power_kw"] / apparent,
+        "identified": 100 * power / (1.5 * voltage * current * factor),
+    }
 
 
-def parameters(vehicle: Vehicle, identification: Identification) -> Table:
-    """Return the numbers of the shipped tram beside those identified again, and how well they are determined."""
-    shipped = vehicle.model_dump()
-    rows = []
+def parameters() -> list[Quantities]:
+    """Identify the numbers of the shipped tram again, with their uncertainties [%].
+
+    The shipped file has the result of an earlier identification: the two must agree, which no printed number could
+    show.
+    """
+    vehicle = tram_scenario(0.0).vehicle
+    identification = identify(vehicle, printed_paper())
+    records = []
     for key, value in zip(identification.names, identification.values, strict=True):
-        *tables, last = key.split(".")
-        table = shipped
-        for name in tables:
-            table = table[name]
-        note = DETERMINED.format(identification.uncertainty_percent(key))
-        if key in FLUX or key == "drive.stator_inductance_mh":
-            note += " " + TOGETHER.format(identification.uncertainty_percent(*FLUX))
-        # the shipped file holds the result of an earlier identification: the two must agree, which no printed number
-        # could show
-        rows.append(Row("assets/vehicles/tram-105n.toml", key, "", table[last], float(value), note))
-    return Table("Parameters that the paper does not print, identified again", tuple(rows), reference="shipped")
-
-
-def whole_trajectories(paper: Printed) -> Table:
-    """Return what the strategy `phases` needs with its own start, which takes no more current than helps."""
-    rows = []
-    for entry, with_stop in zip(paper["figure"][:2], paper["figure"][2:], strict=True):
-        kr = float(entry["recuperation_factor"])
-        case, energy = f"{entry['place']}, whole trajectory", solve_phases(kr).energy_kwh
-        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], energy, NOT_UNIQUE, entry["place"]))
-        part = tram_scenario(kr).with_(
-            **{
-                "line.sections": [{"length_m": paper["part_ii_length_m"]}],
-                "timetable.travel_time_s": part_two_time_s(),
+        shipped: Any = vehicle.model_dump()
+        for name in key.split("."):
+            shipped = shipped[name]
+        records.append(
+            {
+                "key": key,
+                "shipped": shipped,
+                "value": value,
+                "percent": identification.uncertainty_percent(key),
+                "flux_percent": identification.uncertainty_percent(*FLUX),
+                "note": "together" if key in (*FLUX, "drive.stator_inductance_mh") else "determined",
             }
         )
-        rows.append(
-            Row(
-                f"part II, kr = {kr:g}, whole trajectory",
-                "En",
-                "kWh",
-                _printed_part_two(with_stop),
-                solve(part, "phases").energy_kwh,
-                f"{DIFFERENCE} Its start takes less than the full current where that pulls more.",
-            )
-        )
-    return Table("The strategy `phases`, with less than full current beyond the pull-out", tuple(rows), "Figs. 1 to 4")
+    return records
 
 
-def _printed_part_two(figure: Printed) -> float:
-    """Return the printed energy of a run with the stop, less that of part I [kWh]."""
-    kr, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in printed_phases("part I")]
-    # printed with kr = 1; braking energies are negative there and count by the share that is recuperated
-    part_one = sum(energy if energy > 0 else kr * energy for energy in energies)
-    return float(round(figure["energy_kwh"] - part_one, 3))
+def whole_trajectory(kr: float) -> Quantities:
+    """Compute the energies of the strategy `phases`, whose start takes no more current than helps [kWh]."""
+    part = {
+        "line.sections": [{"length_m": printed_paper()["part_ii_length_m"]}],
+        "timetable.travel_time_s": part_two_time_s(),
+    }
+    return {
+        "printed": _entry("figure", kr),
+        "whole": solve_phases(kr).energy_kwh,
+        "printed_second": printed_part_two(kr),
+        "second": solve(tram_scenario(kr).replace(**part), "phases").energy_kwh,
+    }
+
+
+def saving(kr: float) -> Quantities:
+    """Compare the best run with those of two drivers who hold one speed, of whom one brakes gently."""
+    scenario = tram_scenario(kr)
+    drive: Any = scenario.vehicle.drive
+    gentle = scenario.replace(**{"drive.braking_current_a": GENTLE_SHARE * drive.braking_current_a}).vehicle
+    ride = scenario.line.length_m, scenario.travel_time_s
+    best = energy_kwh(plan_run(kr))
+    others = [energy_kwh(plan_run(kr, coast=False)), energy_kwh(printed_planner(gentle, kr, coast=False).plan(*ride))]
+    return {"best": best, "others": others, "saved": [100 * (1 - best / other) for other in others]}
+
+
+def phase_lengths() -> Quantities:
+    """Compute the lengths of cruise and coasting with kr = 0 and 1, in the whole run and in its second part [m]."""
+    lengths = {
+        name: [_length_m(kr, plan(kr), phase) for kr in RECUPERATION_FACTORS]
+        for plan, prefix in ((plan_run, ""), (plan_part_two, "second_"))
+        for phase in ("cruise", "coast")
+        for name in [prefix + phase]
+    }
+    cruise, coast = lengths["second_cruise"], lengths["second_coast"]
+    return {
+        **lengths,
+        "longer": lengths["cruise"][1] - lengths["cruise"][0],
+        "shortest": min(lengths["cruise"] + lengths["coast"]),
+        "free_cruise": [plan_run(kr, free_starting_current=True).cruise_m for kr in RECUPERATION_FACTORS],
+        "differs": min(cruise[1] - cruise[0], coast[0] - coast[1]),
+    }
+
+
+def _length_m(kr: float, plan: PhasePlan, phase: str) -> float:
+    return float(sum(one.distance_m for one in make_planner(kr).phases_of(plan) if one.phase == phase))
+
+
+@cache
+def cruise() -> Quantities:
+    """Compute efficiency and power factor of the printed cruise of part I over the flux."""
+    sweep = sweep_flux(tram_scenario(0.0).vehicle, float(printed_phases("part I")[1]["start_ms"]))
+    best, within, rated = sweep.min_loss, sweep.within_voltage, sweep.rated
+    allowed = [one for one in sweep.points if one.phase_voltage_v <= sweep.max_phase_voltage_v]
+    low, high = allowed[0], allowed[-1]
+    efficiencies, factors = (
+        [getattr(one, key) for one in (best, within, rated)] for key in ("efficiency", "power_factor")
+    )
+    return {
+        "sweep": sweep,
+        "efficiency": [100 * value for value in efficiencies],
+        "efficiency_falls": min(-np.diff(efficiencies)),
+        "factor_falls": min(-np.diff(factors)),
+        "voltage_falls": within.phase_voltage_v - best.phase_voltage_v,
+        "low": low,
+        "high": high,
+        "voltage_range_v": high.phase_voltage_v - low.phase_voltage_v,
+    }
+
+
+def start_above_resistance() -> Quantities:
+    """Compute the tractive effort of a start over the resistance."""
+    model = make_planner(0.0).model
+    speeds = np.array([0.0, float(printed_phases("part II, kr = 0")[0]["end_ms"])])
+    ratios = model.starting_effort_n(speeds) / model.resistance_n(speeds)
+    return {"ratios": ratios, "top_ms": speeds[1], "least": ratios.min()}
+
+
+def recuperation() -> Quantities:
+    """Compare the energies of Figs. 1 and 2 [kWh]."""
+    energy = [energy_kwh(plan_run(kr)) for kr in RECUPERATION_FACTORS]
+    printed = [entry["energy_kwh"] for entry in printed_paper()["figure"][:2]]
+    return {
+        "energy": energy,
+        "printed": printed,
+        "less": 100 * (1 - energy[1] / energy[0]),
+        "printed_less": 100 * (1 - printed[1] / printed[0]),
+        "off": max(100 * abs(share_above(own, other)) for own, other in zip(energy, printed, strict=True)),
+    }
+
+
+def disturbed_runs() -> Quantities:
+    """Compute the runs with the stop: their delays, and energies of driver and computer [kWh]."""
+    runs = {who: [replan(kr, who) for kr in RECUPERATION_FACTORS] for who in get_args(Reaction)}
+    energies = {who: [run.actual.energy_kwh for run in both] for who, both in runs.items()}
+    two, one = replan_two_segments(0.0), runs["driver"][0]
+    more, shared = (run.actual.energy_kwh - run.planned.energy_kwh for run in (one, two))
+    return {
+        **energies,
+        "gain": min(np.subtract(energies["driver"], energies["computer"])),
+        "latest_s": max(run.delay_s for run in runs["driver"]),
+        "time_s": one.actual.travel_time_s,
+        "spare_s": part_two_time_s() - make_planner(0.0).fastest(plan_part_two(0.0).distance_m).running_time_s,
+        "printed_s": part_two_time_s(),
+        "more": more,
+        "shared": shared,
+        "saved": more - shared,
+        "segment_m": one.planned.position_m[-1],
+        "two_late_s": two.delay_s,
+    }
+
+
+def second_part() -> Quantities:
+    """Compare the second part with the undisturbed run, with an accepted delay, and both starts; kr = 0."""
+    undisturbed, second, later = plan_run(0.0), plan_part_two(0.0), plan_part_two(0.0, LATER_S)
+    starts = [
+        sum(phase.energy_j for phase in phases if phase.phase == "start") / J_PER_KWH
+        for phases in (drive_part_one(0.0), make_planner(0.0).phases_of(second))
+    ]
+    return {
+        "speed_ms": [undisturbed.cruise_speed_ms, second.cruise_speed_ms],
+        "faster_ms": second.cruise_speed_ms - undisturbed.cruise_speed_ms,
+        "energy": [energy_kwh(undisturbed), energy_kwh(second), energy_kwh(later)],
+        "less": energy_kwh(second) - energy_kwh(later),
+        "starts": starts,
+        "starts_above": sum(starts) - energy_kwh(undisturbed),
+    }
+
+
+def changed_recuperation() -> Quantities:
+    """Compute a run in which the recuperation factor falls from 1 to 0.5 at 300 m [kWh]."""
+    change = [{"recuperation_factor": 0.5, "noticed_at_m": 300.0, "reaction": "computer"}]
+    run = simulate_disturbances(tram_scenario(1.0).replace(**{"disturbance.recuperation_changes": change}))
+    return {"actual": run.actual.energy_kwh, "planned": run.planned.energy_kwh}
+
+
+def printed_times() -> Quantities:
+    """Compute the sum of the printed times [s]."""
+    first = sum(phase["duration_s"] for phase in printed_phases("part I"))
+    stop, total = printed_paper()["stop_duration_s"], tram_scenario(0.0).travel_time_s
+    whole = first + stop + part_two_time_s()
+    nearer = abs(whole - total) - abs(first + part_two_time_s() - total)
+    return {"first": first, "second": part_two_time_s(), "stop": stop, "whole": whole, "total": total, "nearer": nearer}

@@ -1,4 +1,4 @@
-"""What Rawicki does not print of his tram, from what he does: 24 numbers of phases and four of the nameplate.
+"""Identify the numbers of Rawicki's tram that are not printed, from 24 of phases and four of the nameplate.
 
 Free are eleven numbers; stator and rotor inductance are taken as equal. Each printed phase is driven with a trial tram
 from its first printed speed to its last: the start at full current, braking at full braking current, the cruise for its
@@ -62,7 +62,7 @@ class Identification:
     covariance : array of shape (p, p)
         Of their relative errors, if the differences that stay were independent errors of the printed numbers.
     differences_percent : array of shape (m,)
-        Ours over printed less 1: those of `printed_values`, then those of `nameplate_values`.
+        Computed over printed less 1: those of `printed_values`, then those of `nameplate_values`.
     """
 
     names: tuple[str, ...]
@@ -86,7 +86,7 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
     Parameters
     ----------
     base : Vehicle
-        What is printed or chosen; its free numbers do not matter.
+        With the printed and chosen numbers; its free numbers do not matter.
     paper : dict
         The printed numbers.
     """
@@ -98,8 +98,8 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
 
     def differences(factors: FloatArray) -> FloatArray:
         vehicle = with_numbers(base, dict(zip(names, (factors * guess).tolist(), strict=True)))
-        ours = np.concatenate([driven_values(vehicle, phases), machine_values(vehicle, plate)])
-        percent: FloatArray = 100 * (ours / printed - 1)
+        computed = np.concatenate([driven_values(vehicle, phases), machine_values(vehicle, plate)])
+        percent: FloatArray = 100 * (computed / printed - 1)
         return percent
 
     # in factors of the first guess, as the parameters span from 0.1 ohm to 1500 N; x_scale is the size of a first step
@@ -132,7 +132,7 @@ def with_numbers(base: Vehicle, numbers: dict[str, float]) -> Vehicle:
 
 
 def printed_values(phases: list[Printed]) -> FloatArray:
-    """Return what is printed of phases, in the order of `driven_values`; a cruise's distance is that of its time."""
+    """Return the printed numbers of phases, in the order of `driven_values`."""
     return np.array([phase[name] for phase in phases for name in value_names(phase)])
 
 

@@ -4,13 +4,11 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-import numpy as np
-
 from railjoule.core.phase_planning.plan import PhasePlan, PlannedPhase
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import DisturbedRun, simulate_disturbances
+from railjoule.core.simulation.disturbances import DisturbedRun, simulate_disturbances
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
@@ -34,7 +32,7 @@ def printed_paper() -> Printed:
 @cache
 def tram_scenario(kr: float) -> Scenario:
     """Return the run of Figs. 1 or 2."""
-    return load_scenario(printed_paper()["scenario"]).with_(**{"drive.recuperation_factor": kr})
+    return load_scenario(printed_paper()["scenario"]).replace(**{"drive.recuperation_factor": kr})
 
 
 @cache
@@ -58,7 +56,7 @@ def plan_part_two(kr: float, later_s: float = 0.0) -> PhasePlan:
     ----------
     kr : float
     later_s : float
-        How much later than printed it may arrive [s].
+        Accepted delay [s].
     """
     paper = printed_paper()
     return make_planner(kr).plan(float(paper["part_ii_length_m"]), part_two_time_s() + later_s)
@@ -82,7 +80,7 @@ def solve_phases(kr: float) -> Trajectory:
 @cache
 def replan(kr: float, reaction: Reaction) -> DisturbedRun:
     """Return the run with the stop, replanned on the way by the one who reacts to it."""
-    scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": kr})
+    scenario = load_scenario("tram-950m-stop").replace(**{"drive.recuperation_factor": kr})
     return simulate_disturbances(scenario, reaction)
 
 
@@ -97,7 +95,7 @@ def replan_two_segments(kr: float) -> DisturbedRun:
         "line.stations": [{"position_m": length, "dwell_s": STATION_DWELL_S}],
         "timetable.travel_time_s": 2 * time + STATION_DWELL_S,
     }
-    return simulate_disturbances(scenario.with_(**changes), "driver")
+    return simulate_disturbances(scenario.replace(**changes), "driver")
 
 
 def energy_with_stop_kwh(kr: float) -> float:
@@ -110,12 +108,6 @@ def energy_kwh(plan: PhasePlan) -> float:
     return plan.energy_j / J_PER_KWH
 
 
-def phase_length_m(kr: float, phase: str, plan: PhasePlan | None = None) -> float:
-    """Return the length of a phase of a plan, by default that of Figs. 1 or 2 [m]; 0 where it has none."""
-    phases = make_planner(kr).phases_of(plan or plan_run(kr))
-    return float(np.sum([one.distance_m for one in phases if one.phase == phase]))
-
-
 def printed_phases(part: str) -> list[Printed]:
     """Return the printed phases of a part."""
     return [phase for phase in printed_paper()["phase"] if phase["part"] == part]
@@ -124,3 +116,9 @@ def printed_phases(part: str) -> list[Printed]:
 def part_two_time_s() -> float:
     """Return the printed time of part II for kr = 0, the sum of its phases [s]; that for kr = 1 is the same."""
     return float(round(sum(phase["duration_s"] for phase in printed_phases("part II, kr = 0")), 6))
+
+
+def supply_energy_kwh(phase: Printed, kr: float) -> float:
+    """Return the printed energy of a phase [kWh]: braking energies are printed for kr = 1 and count by the share."""
+    energy = float(phase.get("energy_kwh", 0.0))
+    return energy if energy > 0 else kr * energy

@@ -1,32 +1,58 @@
-"""Printed numbers beside ours: the types that the validation of every paper returns."""
+"""Printed numbers and claims of a paper with those of railjoule: the types of every comparison."""
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from typing import Literal
 
-from railjoule.core.validation.claim import Claim
 from railjoule.core.validation.figure import PaperFigure
 
-# printed numbers have three digits, and papers round their inputs as well: below a per cent a difference tells nothing
+# Printed numbers have three digits, and papers round their inputs as well, so smaller differences have no meaning.
 CLOSE_PERCENT = 1.0
-"""A number of ours is close that differs by at most this: in percent, a percentage in percentage points."""
+"""Close numbers differ by at most this: in percent, percentages in percentage points."""
+
+Verdict = Literal["supports", "refutes", "cannot be decided"]
+"""The judgement of a claim."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence of a paper that asserts a number or a comparison, with the finding of railjoule.
+
+    Parameters
+    ----------
+    place : str
+        Section, table, figure or formula of the paper.
+    claim : str
+        The assertion.
+    found : str
+        The number or numbers of railjoule, with units.
+    verdict : {'supports', 'refutes', 'cannot be decided'}
+    reason : str
+        One or two sentences: by which measure, or what the paper leaves open.
+    """
+
+    place: str
+    claim: str
+    found: str
+    verdict: Verdict
+    reason: str
 
 
 @dataclass(frozen=True)
 class Row:
-    """One printed number beside ours.
+    """One printed number and that of railjoule.
 
     Parameters
     ----------
     case : str
-        For which run it holds, such as 'T_m = 270 s'.
+        The run, such as 'T_m = 270 s'.
     quantity : str
-        What it is.
     unit : str
-        In which unit both numbers are; empty where they have none.
+        Unit of both numbers; empty where they have none.
     printed : float or None
         The reference; None where there is none.
     value : float
-        What this version computes.
+        The number that this version computes.
     note : str
         One sentence on a difference that stays; empty where none needs explaining.
     source : str
@@ -44,8 +70,8 @@ class Row:
 
     @property
     def difference_percent(self) -> float | None:
-        """Our number over the printed one less 1, in percent; None where nothing or zero is printed."""
-        # a share of zero means nothing: such rows show both numbers and no difference
+        """Computed over printed number less 1, in percent; None where nothing or zero is printed."""
+        # a share of zero is undefined: such rows show both numbers and no difference
         if self.printed is None or self.printed == 0:
             return None
         return 100 * (self.value / self.printed - 1)
@@ -57,7 +83,7 @@ class Row:
 
     @property
     def difference_points(self) -> float | None:
-        """Our percentage less the printed one, in percentage points; None for other units or where none is printed."""
+        """Computed less printed percentage, in percentage points; None for other units or where none is printed."""
         return self.value - self.printed if self.is_percentage and self.printed is not None else None
 
     @property
@@ -78,12 +104,12 @@ class Table:
     Parameters
     ----------
     title : str
-        What is compared.
+        Content of the rows.
     rows : tuple of Row
     place : str
-        Where the paper prints it; empty where it does not.
+        Place in the paper; empty if it is not printed.
     reference : str
-        What the column of printed numbers is called.
+        Name of the column of printed numbers.
     """
 
     title: str
@@ -96,7 +122,7 @@ def first_comparisons(tables: Iterable[Table]) -> tuple[Row, ...]:
     """Return one row for each printed number of a paper: the first that compares it.
 
     Each paper's tables begin with those that compute as the paper does. Rows whose reference is not printed, or that
-    have no difference because zero is printed, are left out.
+    have no difference because zero is printed, are omitted.
 
     Parameters
     ----------
@@ -112,13 +138,7 @@ def first_comparisons(tables: Iterable[Table]) -> tuple[Row, ...]:
 
 @dataclass(frozen=True)
 class Erratum:
-    """Something printed that cannot be meant, and what must stand there.
-
-    Parameters
-    ----------
-    place, printed, corrected, reason : str
-        Where it stands, what stands there, what must, and why.
-    """
+    """A misprint of a paper and its correction, with place and reason."""
 
     place: str
     printed: str
@@ -128,7 +148,7 @@ class Erratum:
 
 @dataclass(frozen=True)
 class Validation:
-    """A paper's printed numbers beside ours.
+    """A paper's printed numbers and claims with those of railjoule.
 
     Parameters
     ----------
@@ -150,14 +170,14 @@ class Validation:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What is to be compared of a paper, not computed yet.
+    """The tables and claims of a paper, not computed yet.
 
     Parameters
     ----------
     paper, citation, errata
         As in `Validation`.
     tables : tuple of callable
-        What computes each table.
+        The computation of each table.
     claims : tuple of callable
         The examination of each claim.
     figures : tuple of PaperFigure

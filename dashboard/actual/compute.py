@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.simulate.actual_run import ActualRun, actual_run
+from railjoule.core.simulation.actual_run import ActualRun, actual_run
 from railjoule.dashboard.work.refusals import named_refusals
 
 
@@ -25,6 +25,6 @@ def compute_actual(request: ActualRequest) -> ActualRun:
     RailjouleError
         If a value is out of its bounds, the plan cannot be kept or the line not be passed.
     """
-    scenario = request.scenario.with_(**request.changes)
+    scenario = request.scenario.replace(**request.changes)
     with named_refusals(scenario):
         return actual_run(scenario)

@@ -12,7 +12,7 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.actual.compute import ActualRequest, compute_actual
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.actual.model import ActualModel, actual_changes

@@ -553,7 +553,7 @@ def text_style(size: int = 12) -> dict[str, object]:
 
 def style_of(name: str) -> dict[str, object]:
     """Return width and dash of a strategy's line, or of the pinned run's."""
-    return {"line_width": line_width(name), "line_dash": DASHES[name]}  # type: ignore[index]
+    return {"line_width": line_width(name), "line_dash": DASHES[name]}
 
 
 def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:

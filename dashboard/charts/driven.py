@@ -3,7 +3,7 @@
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.simulate.following import Following, stops_of
+from railjoule.core.simulation.following import Following, stops_of
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
@@ -81,10 +81,10 @@ class BrakingChart(LoneChart):
 
     def draw(self, following: Following) -> None:
         """Draw both runs near the last stop."""
-        scenario, course = following.actual.scenario, following.courses[-1]
+        scenario, stretches = following.actual.scenario, following.stretches[-1]
         stop = following.planned.position_m[-1]
         options = scenario.simulation
-        zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in course[1:])])
+        zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in stretches[1:])])
         first = -min((zone or stop) + BEFORE_SENSOR_M, stop)
         last = max(BEYOND_STOP_M, following.stop_error_m * 1.2)
         # at least, so that the axis of a train that stands has a height
@@ -99,7 +99,7 @@ class BrakingChart(LoneChart):
         target = np.sqrt(-2 * options.target_deceleration_ms2 * before) / MS_PER_KMH
         self.put("target", **xy(before, target))
         self.set_ranges((first, last), (0.0, 1.3 * top))
-        draw_sensors(self, [(s.from_m - stop, s.sensor) for s in course[1:]], 1.3 * top, 0.13 * top)
+        draw_sensors(self, [(s.from_m - stop, s.sensor) for s in stretches[1:]], 1.3 * top, 0.13 * top)
 
 
 class PositionErrorChart(LoneChart):
@@ -118,12 +118,12 @@ class PositionErrorChart(LoneChart):
         """Draw the error of the position; at a sensor it jumps."""
         run, places, errors, marks = following.actual, [], [], []
         ends = np.add(stops_of(run.scenario), following.stop_errors_m)
-        for course, end in zip(following.courses, ends, strict=True):
-            borders = [stretch.from_m for stretch in course[1:]]
-            for stretch, until in zip(course, [*borders, float(end)], strict=True):
+        for stretches, end in zip(following.stretches, ends, strict=True):
+            borders = [stretch.from_m for stretch in stretches[1:]]
+            for stretch, until in zip(stretches, [*borders, float(end)], strict=True):
                 places += [stretch.from_m, until]
                 errors += [stretch.estimated_m - stretch.from_m, stretch.estimated(until) - until]
-            marks += [(stretch.from_m, stretch.sensor) for stretch in course[1:]]
+            marks += [(stretch.from_m, stretch.sensor) for stretch in stretches[1:]]
         time = np.interp(places, run.position_m, run.time_s)
         self.put("error", **xy(time, np.array(errors)))
         # at least a metre, so that millimetres do not fill the chart

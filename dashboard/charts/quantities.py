@@ -67,16 +67,16 @@ def read_cells(attribute: str, divisor: float = 1.0) -> Callable[[Any], FloatArr
 POSITION = Quantity("position", "Distance, m", "m", 0, read("position_m"))
 TIME = Quantity("time", "Time, s", "s", 1, read("time_s"))
 SPEED = Quantity("speed", "Speed, km/h", "km/h", 1, read("speed_ms", MS_PER_KMH))
-ENERGY = Quantity("energy", "Energy drawn so far, kWh", "kWh", 2, read("line_energy_j", J_PER_KWH))
+ENERGY = Quantity("energy", "Energy drawn so far, kWh", "kWh", 2, read("supply_energy_j", J_PER_KWH))
 EFFORT = Quantity(
     "effort", "Tractive (+) and braking (\u2212) effort, kN", "kN", 0, read_cells("effort_n", N_PER_KN), stepped=True
 )
 LARGEST_EFFORT = Quantity(
-    "largest", "Largest tractive effort, kN", "kN", 0, read_cells("largest_effort_n", N_PER_KN), stepped=True
+    "largest", "Largest tractive effort, kN", "kN", 0, read_cells("max_effort_n", N_PER_KN), stepped=True
 )
 MOTOR_CURRENT = Quantity("current", "Current of one motor, A", "A", 0, read_cells("current_a"), stepped=True)
-SUPPLY_CURRENT = Quantity("current", "Current from the supply, A", "A", 0, read_cells("line_current_a"), stepped=True)
-POWER = Quantity("power", "Power from the supply, MW", "MW", 2, read_cells("line_power_w", W_PER_MW), stepped=True)
+SUPPLY_CURRENT = Quantity("current", "Current from the supply, A", "A", 0, read_cells("supply_current_a"), stepped=True)
+POWER = Quantity("power", "Power from the supply, MW", "MW", 2, read_cells("supply_power_w", W_PER_MW), stepped=True)
 PATH = Quantity("path", "Train path: time, min", "min", 2, read("time_s", S_PER_MIN))
 
 

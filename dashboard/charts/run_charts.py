@@ -298,7 +298,7 @@ class CurrentChart(CellChart):
     @staticmethod
     def knows(run: Trajectory) -> bool:
         """Return whether a run has a current to draw."""
-        return run.current_a is not None or run.line_current_a is not None
+        return run.current_a is not None or run.supply_current_a is not None
 
     def draw(self, scene: RunScene) -> None:
         """Draw the currents, and say in the title which they are."""

@@ -7,8 +7,7 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, columns, nice_range, style_of
 from railjoule.dashboard.charts.quantities import Quantity, along
@@ -43,8 +42,8 @@ class RunScene:
         The fastest run, drawn or not: the cursor tells its speed.
     """
 
-    chosen: StrategyName
-    runs: Mapping[StrategyName, Trajectory]
+    chosen: str
+    runs: Mapping[str, Trajectory]
     pinned: Trajectory | None
     over_time: bool
     narrow: bool
@@ -182,6 +181,6 @@ def line_words(name: str, scene: RunScene) -> str:
         return "planned"
     if name == "fastest":
         return "fastest possible"
-    word = words.STRATEGY_WORDS[name]  # type: ignore[index]
+    word = words.STRATEGY_WORDS[name]
     # abbreviations and the name of a person keep their capitals
     return word if word.isupper() or name == "bellman" else word.lower()

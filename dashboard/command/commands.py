@@ -23,11 +23,11 @@ from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.parquet import NEEDED, has_parquet
-from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
-from railjoule.core.scenario.text_file import read_text
-from railjoule.core.scenario.toml_text import read_toml
+from railjoule.core.scenario import parse_scenario, preset_names
+from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
@@ -86,7 +86,7 @@ def solve(
     scenario = load(file, changes)
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
-        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
+        trajectory = solve_scenario(scenario, strategy, prove_seconds=prove_seconds)
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
     task = prepare_task(scenario)
@@ -119,8 +119,8 @@ def check(
     if scenario_file is None:
         raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
     scenario = load(scenario_file, changes)
-    if strategy is not None and strategy not in STRATEGY_NAMES:
-        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
+    if strategy is not None and strategy not in STRATEGIES:
+        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGIES)}.")
     try:
         result = check_table(scenario, cast("Mapping[str, Any]", table), strategy)
     except ScenarioError as error:
@@ -143,8 +143,8 @@ def compare_strategies(
         If anything is wrong with the scenario.
     """
     scenario = load(file, changes)
-    runs, refused = compare(scenario, prove_seconds=prove_seconds)
-    values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
+    found = compare(scenario, prove_seconds=prove_seconds)
+    values = summary.summarise_comparison(found.runs, found.refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
 
 
@@ -156,10 +156,10 @@ def advise(file: str, changes: Mapping[str, Any], most: int | None, output: Outp
     RailjouleError
         If anything is wrong with the scenario, or no such run is in time.
     """
-    from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
+    from railjoule.core.studies.simple_advice import MAX_CHANGES, simple_advice  # noqa: PLC0415
 
     task = prepare_task(load(file, changes))
-    advice = simple_advice(task, MOST_CHANGES if most is None else most)
+    advice = simple_advice(task, MAX_CHANGES if most is None else most)
     output.show(summary.summarise_advice(advice, last=most is not None), terminal.simple_advice_text)
 
 
@@ -175,16 +175,16 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     with refusals_named(scenario.strategy):
         # each kind alone: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
-            from railjoule.core.simulate.field_oriented import simulate_field_oriented  # noqa: PLC0415
+            from railjoule.core.simulation.field_oriented import simulate_field_oriented  # noqa: PLC0415
 
             run = simulate_field_oriented(scenario)
             output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
         elif scenario.disturbance.events:
-            from railjoule.core.simulate.actual_run import actual_run  # noqa: PLC0415
+            from railjoule.core.simulation.actual_run import actual_run  # noqa: PLC0415
 
             output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
         else:
-            from railjoule.core.simulate.following import simulate_following  # noqa: PLC0415
+            from railjoule.core.simulation.following import simulate_following  # noqa: PLC0415
 
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
@@ -210,16 +210,14 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     scenario = load(file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         if name == "sensitivity":
-            table = sensitivity(scenario, executor=executor).to_dataset()
+            table = sensitivity(scenario, executor=executor).to_xarray()
         elif name == "montecarlo":
-            table = monte_carlo(scenario, executor).to_dataset()
+            table = monte_carlo(scenario, executor).to_xarray()
         elif name == "braking":
-            table = study_braking_sensors(scenario, executor).to_dataset()
+            table = study_braking_sensors(scenario, executor).table.to_xarray()
         else:
             task = prepare_task(scenario)
-            frontier = energy_time_frontier(task, frontier_times(task), executor=executor)
-            table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
-            table.attrs["notes"] = " ".join(frontier.notes)
+            table = energy_time_frontier(task, frontier_times(task), executor=executor).to_xarray()
     write_labelled_table(table, path)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
     print(f"{shortened(str(path))}: {shape}")

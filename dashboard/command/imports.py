@@ -21,10 +21,9 @@ from railjoule.core.imports import (
     read_intervals,
 )
 from railjoule.core.imports.numbers import position_of
-from railjoule.core.imports.source_file import counted
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
-from railjoule.core.scenario.text_file import read_text
-from railjoule.core.scenario.toml_text import read_toml
+from railjoule.core.scenario._sentences import counted
+from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.core.written import write_text
 from railjoule.dashboard.command import terminal
 from railjoule.dashboard.command.cli import LONGEST_TIME_S

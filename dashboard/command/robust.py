@@ -45,7 +45,7 @@ def study_robust(options: "argparse.Namespace", changes: Mapping[str, Any]) -> N
     scenario = load(options.file, changes)
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         found = find_robust_plan(scenario, options.probability, options.candidates, executor)
-    write_labelled_table(found.to_dataset(), path)
+    write_labelled_table(found.to_table().to_xarray(), path)
     if trajectory is not None and found.chosen is not None:
         write_table(found.chosen.plan.to_dataframe(), trajectory, index=False)
     Output(options.json).show(summarise_robust(found), lambda values: _text(values, str(path)))

@@ -14,14 +14,13 @@ from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.work.simple_advice import first_told
 
 if TYPE_CHECKING:
-    from railjoule.core.simulate.actual_run import ActualRun
-    from railjoule.core.simulate.disturbances import DisturbedRun
-    from railjoule.core.simulate.field_oriented import FieldOrientedRun
-    from railjoule.core.simulate.following import Following
+    from railjoule.core.simulation.actual_run import ActualRun
+    from railjoule.core.simulation.disturbances import DisturbedRun
+    from railjoule.core.simulation.field_oriented import FieldOrientedRun
+    from railjoule.core.simulation.following import Following
     from railjoule.core.studies.simple_advice import SimpleAdvice
+    from railjoule.core.validation import Claim, Row, Table, Validation
     from railjoule.core.validation.benchmark import Timing
-    from railjoule.core.validation.claim import Claim
-    from railjoule.core.validation.table import Row, Table, Validation
 
 Summary = dict[str, Any]
 

@@ -14,19 +14,18 @@ from tqdm import tqdm
 from railjoule.core import RailjouleError
 from railjoule.core.studies.sweep import (
     DEFAULT_COLUMNS,
-    ExportError,
-    Results,
     SensitivityError,
     Study,
+    StudyFileError,
     SweepFile,
+    make_study,
     run_study,
     sensitivities,
-    study_of,
     write_rows,
 )
-from railjoule.core.studies.sweep.cluster import cluster
-from railjoule.core.studies.sweep.export import require_format
+from railjoule.core.studies.sweep.table_files import require_format
 from railjoule.core.written import require_writable
+from railjoule.dashboard.command.cluster import cluster
 from railjoule.dashboard.command.commands import (
     CommandError,
     Output,
@@ -56,7 +55,7 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> No
     """
     path, over = _table_path(options.output), parsed_ranges(options.over)
     kept = path.with_name(path.name + RUNS_SUFFIX)
-    study = study_of(
+    study = make_study(
         load(options.file, changes),
         over,
         options.sample,
@@ -82,7 +81,7 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> No
     Output(options.json).show(told, lambda values: _text(str(path), values))
 
 
-def summarise_sweep(results: Results) -> dict[str, Any]:
+def summarise_sweep(results: SweepFile) -> dict[str, Any]:
     """Return what a sweep took, and which field decides its energy, as plain values."""
     without = [reason for chunk in results.chunks() for reason in chunk.reasons.values()]
     return {
@@ -96,7 +95,7 @@ def summarise_sweep(results: Results) -> dict[str, Any]:
     }
 
 
-def _summarise_sensitivities(results: Results) -> dict[str, Any] | None:
+def _summarise_sensitivities(results: SweepFile) -> dict[str, Any] | None:
     """Return Sobol' indices of the energy by field; None where the rows do not tell them."""
     try:
         told = sensitivities(results)
@@ -139,7 +138,7 @@ def parsed_ranges(words: Sequence[str]) -> dict[str, tuple[float, float]]:
 def _table_path(name: str) -> Path:
     try:
         require_format(Path(name))
-    except ExportError as error:
+    except StudyFileError as error:
         raise CommandError(f"-o {error}") from None
     return Path(name)
 
@@ -186,7 +185,7 @@ def _workers(scheduler: str | None) -> Iterator[tuple[Executor | None, Callable[
 
 
 @contextmanager
-def _progress(results: Results) -> Iterator[Callable[[int], None]]:
+def _progress(results: SweepFile) -> Iterator[Callable[[int], None]]:
     # not into a pipe or a file, whose readers look for errors
     hidden = not sys.stderr.isatty()
     with tqdm(total=results.study.sample, initial=results.done, unit=" runs", disable=hidden) as bar:

@@ -14,7 +14,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from railjoule.core.scenario import Scenario
-from railjoule.core.scenario.map_csv import COLUMNS as MAP_COLUMNS
+from railjoule.core.scenario.csv_table import MAP_COLUMNS
+from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.look.key_names import split_unit, words_of
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE
 from railjoule.dashboard.state.numbers import clock, parse_number, parse_time
@@ -338,6 +339,8 @@ def _part(key: str, info: FieldInfo) -> Field | Table | None:
     """Return what a field declares; None for a table or what cannot be edited as text."""
     declared = _declared(info)
     about = info.description or ""
+    if key == "strategy":
+        return Field(kind="choice", key=key, help=about, choices=tuple(STRATEGIES))
     if get_origin(declared.plain) is tuple:
         return _list(key, declared, about)
     return _field(key, declared, about)

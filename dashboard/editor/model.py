@@ -99,7 +99,7 @@ class EditorModel(param.Parameterized):
         model = self.scenario
         whole = {key: value for key, value in model.edits.items() if key in WHOLE_TABLES}
         base = model.base
-        return Look(model.scenario(), base.with_(**whole) if whole else base, model.changes)
+        return Look(model.scenario(), base.replace(**whole) if whole else base, model.changes)
 
     def parts(self, table: str, scenario: Scenario) -> list[tuple[str, Sequence[Field | Table]]]:
         """Return the fields and lists of a table of the file, and of the tables in it that are there.
@@ -276,7 +276,7 @@ class EditorModel(param.Parameterized):
 
     def _require_absent(self, field: Field) -> None:
         """Refuse to leave out what a preset or the file's rules give anyway."""
-        given = value_at(self.scenario.edited.with_(**{field.key: None}), field.key)
+        given = value_at(self.scenario.edited.replace(**{field.key: None}), field.key)
         if given is not None:
             raise ValueError(f"The default is {field.show(given)}; it cannot be left empty.")
 

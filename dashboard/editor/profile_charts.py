@@ -13,10 +13,10 @@ from railjoule.dashboard.look.paint import Palette
 
 # the bound of `gradient_permille` in core/scenario/line.py
 STEEPEST_PERMILLE = 200.0
-LEAST_SECTION_M = 1.0
+MIN_SECTION_M = 1.0
 """No border can be dragged closer to the next one."""
 # a limit of the file is above 0, and limits are dragged in whole km/h
-LEAST_LIMIT_KMH = 1.0
+MIN_LIMIT_KMH = 1.0
 ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
 """Room above and below the line as a share of its relief, which counts as at least this share of its length."""
 # over the highest limit: so much higher it can be dragged at once
@@ -54,7 +54,7 @@ class ProfileChart(DistanceChart):
         self.line("nodes", "groundline", line_width=1.6)
         self.dots("nodes", "surface", "accent", size=10, line_width=2)
         self.grounded_signs("sign", "ink", text_align="center", y_offset=-12, padding=2)
-        bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
+        bounds = {"steepest": STEEPEST_PERMILLE, "shortest": MIN_SECTION_M}
         dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
         dropped.on_change("data", self._take)
 
@@ -111,7 +111,7 @@ class LimitStepsChart(DistanceChart):
         sign = {"text_align": "center", "y_offset": -9, **text_style()}
         self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
         # `most` and `end` are set with each drawing
-        bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
+        bounds = {"shortest": MIN_SECTION_M, "least": MIN_LIMIT_KMH, "most": 600.0, "end": 1.0}
         self._drag = dragged(f, "drag_limits", steps=steps, dropped=dropped, **bounds)
         dropped.on_change("data", self._take)
 
@@ -119,7 +119,7 @@ class LimitStepsChart(DistanceChart):
         if len(new["limit"]):
             self._drop(*([float(value) for value in new[key]] for key in ("left", "right", "limit")))
 
-    def draw(self, line: Line, most_kmh: float) -> None:
+    def draw(self, line: Line, max_kmh: float) -> None:
         """Draw the limits of sections, then the others, as the line's file describes them."""
         borders = section_borders(line).tolist()
         steps = [
@@ -129,7 +129,7 @@ class LimitStepsChart(DistanceChart):
             if section.speed_limit_kmh is not None
         ]
         steps += [(limit.from_m, limit.to_m, limit.limit_kmh, 9) for limit in line.speed_limits]
-        top = LIMIT_ROOM * max([most_kmh, *(limit for _, _, limit, _ in steps)])
+        top = LIMIT_ROOM * max([max_kmh, *(limit for _, _, limit, _ in steps)])
         self.set_range(0, top)
         assert self._drag is not None
         # `most` whole, as limits are dragged in whole km/h: assets/scripts/drag_limits.js

@@ -33,7 +33,7 @@ DRAWER_CSS = f"""
 """The library sizes a column by what is in it; a drawer is as high as the window and scrolls."""
 HEAD_CSS = ":host { position: sticky !important; top: 0 !important; z-index: 2; background: var(--rj-surface); }"
 PROFILE_PX, LIMITS_PX = 150, 130
-MOST_ROWS = 60
+MAX_ROWS = 60
 """Longer tables show these; all of them can be pasted over."""
 SCENARIO_FIELDS = (
     "preset",
@@ -216,7 +216,7 @@ class Group:
         """Return what the browser shows of a list."""
         rows = look.rows(table)
         refusal: Refusal | None = self.editor.refused.get(table.key)
-        beyond = len(rows) - MOST_ROWS
+        beyond = len(rows) - MAX_ROWS
         return {
             "key": table.key,
             "label": table.label,
@@ -225,7 +225,7 @@ class Group:
                 {"label": column.label, "help": column.help_words, "kind": column.kind, "choices": list(column.choices)}
                 for column in table.columns
             ],
-            "rows": [[column.show(row.get(column.name)) for column in table.columns] for row in rows[:MOST_ROWS]],
+            "rows": [[column.show(row.get(column.name)) for column in table.columns] for row in rows[:MAX_ROWS]],
             "more": MORE_ROWS.format(words.number(beyond, 0)) if beyond > 0 else "",
             "changed": table.key in look.changes,
             "refusal": None

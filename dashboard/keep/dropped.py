@@ -4,14 +4,13 @@ import re
 from pathlib import PurePath
 
 from railjoule.core import RailjouleError, ScenarioError
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-from railjoule.core.scenario.toml_text import TomlError
+from railjoule.core.scenario.text_file import MAX_FILE_BYTES, TomlError
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import LONGEST_TEXT
 
 # by its first letters: a report is one under any name of its file
 PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
-LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = LARGEST_FILE_BYTES, LONGEST_TEXT
+LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = MAX_FILE_BYTES, LONGEST_TEXT
 REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
 WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
 ELSEWHERE = "; bring tables of a line on the page Import, or paste one into its list in the editor"

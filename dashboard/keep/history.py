@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, changed
-from railjoule.dashboard.limits import MOST_STEPS
+from railjoule.dashboard.limits import MAX_STEPS
 
 # longer than the time after which a change is noted (NOTE_MS): one drag is noted several times
 ONE_MOVE_S = 1.5
@@ -70,7 +70,7 @@ class History:
         self._future.clear()
         # a slider that is dragged back to where it was leaves no step
         if step.before != step.after:
-            self._past = [*self._past, step][-MOST_STEPS:]
+            self._past = [*self._past, step][-MAX_STEPS:]
 
     def undo(self) -> Snapshot | None:
         """Go back a step, and return its snapshot with the page on which it was made; None where there is none."""

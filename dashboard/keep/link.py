@@ -15,7 +15,7 @@ import param
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
-from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MOST_FIELDS, MOST_KEYS
+from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -89,9 +89,9 @@ def read_link(query: str) -> ReadLink:
         return ReadLink(refusal=f"The link is longer than the {LONGEST_LINK:,} characters allowed; it was not opened.")
     try:
         # what is no UTF-8 is replaced, and its value refused; strictly it would raise ValueError, as too many values do
-        pairs = dict(parse_qsl(text, keep_blank_values=True, max_num_fields=MOST_FIELDS, errors="replace"))
+        pairs = dict(parse_qsl(text, keep_blank_values=True, max_num_fields=MAX_FIELDS, errors="replace"))
     except ValueError:
-        return ReadLink(refusal=f"The link has more than the {MOST_FIELDS} values allowed; it was not opened.")
+        return ReadLink(refusal=f"The link has more than the {MAX_FIELDS} values allowed; it was not opened.")
     known = {key: (model, name) for key, model, name in fields_of(_template())}
     version = pairs.pop("v", None)
     if version is None:

@@ -6,7 +6,7 @@ from typing import Any
 from railjoule.core import Scenario
 from railjoule.dashboard.look import words
 
-MOST_SENTENCES = 6
+MAX_SENTENCES = 6
 """At most so many differences are listed one by one."""
 WHOLES = ("vehicle", "line")
 """Tables that are named as a whole where they come from different presets or files."""
@@ -35,9 +35,9 @@ def difference_words(scenario: Scenario, reference: Scenario) -> tuple[str, ...]
     keys = [key for key in {**QUANTITIES, **now, **before} if now.get(key) != before.get(key)]
     told = [key for key in keys if key in QUANTITIES or not key.startswith((*skipped, *NOT_TOLD))]
     sentences += [_sentence(key, now.get(key), before.get(key)) for key in told]
-    more = len(sentences) - MOST_SENTENCES
+    more = len(sentences) - MAX_SENTENCES
     if more > 0:
-        sentences = [*sentences[:MOST_SENTENCES], f"and {more} more"]
+        sentences = [*sentences[:MAX_SENTENCES], f"and {more} more"]
     return tuple(sentences)
 
 

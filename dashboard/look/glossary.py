@@ -1,15 +1,15 @@
 """The glossary: every term and every number that the pages show, in at most 35 words each.
 
 Beside the terms on the pages, and as a whole on the page Help. Entries of strategies stand in
-`railjoule.dashboard.look.strategies`, with all else that is shown of them.
+`railjoule.core.strategies`, with all else that is shown of them.
 """
 
 import re
 from dataclasses import dataclass
 from functools import cache
 
+from railjoule.core import strategy
 from railjoule.dashboard.look.markup import Markup, markup
-from railjoule.dashboard.look.strategies import LOOKS
 
 # an entry opens within the page, and pushes down what stands beneath it
 MOST_WORDS = 35
@@ -39,7 +39,7 @@ class Term:
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-STRATEGIES = tuple(Term(look.label, look.text, look.labels) for look in LOOKS.values() if look.text)
+STRATEGIES = tuple(Term(one.label, one.help, one.labels) for one in strategy.STRATEGIES.values() if one.help)
 ENERGY = (
     Term(
         "Energy from the supply",

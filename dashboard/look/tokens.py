@@ -1,13 +1,12 @@
 """The colours of the workbench, light and dark; look and measure are described where they are used.
 
 Strategy colours keep apart under the three kinds of colour blindness and in grey print; the dash tells them
-apart without any colour. Both stand in `railjoule.dashboard.look.strategies`.
+apart without any colour. Both stand in `railjoule.core.strategy`.
 """
 
 from typing import Literal
 
-from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.look.strategies import LOOKS, Dash
+from railjoule.core.strategy import STRATEGIES
 
 ThemeName = Literal["light", "dark"]
 Tokens = dict[str, str]
@@ -31,7 +30,7 @@ LIGHT: Tokens = {
     "limit": "#B3261E",
     "ground": "#E4E7EB",
     "groundline": "#9AA4AF",
-    **{name: look.light for name, look in LOOKS.items()},
+    **{name: strategy.colour[0] for name, strategy in STRATEGIES.items()},
     "pinned": "#8B95A1",
     "pin_1": "#00798C",
     "pin_2": "#7A4B1E",
@@ -74,7 +73,7 @@ DARK: Tokens = {
     "limit": "#FF8A80",
     "ground": "#232A33",
     "groundline": "#5A6572",
-    **{name: look.dark for name, look in LOOKS.items()},
+    **{name: strategy.colour[1] for name, strategy in STRATEGIES.items()},
     "pinned": "#77828F",
     "pin_1": "#4CC4D8",
     "pin_2": "#C99A6B",
@@ -112,8 +111,8 @@ SAVING_SCALES: dict[ThemeName, tuple[str, ...]] = {
 }
 """The opposite, from none to most; both scales begin with one colour."""
 
-DASHES: dict[StrategyName | Literal["pinned", "actual"], Dash] = {
-    **{name: look.dash for name, look in LOOKS.items()},
+DASHES: dict[str, str | list[int]] = {
+    **{name: s.dash if isinstance(s.dash, str) else list(s.dash) for name, s in STRATEGIES.items()},
     "pinned": "solid",
     "actual": [7, 3],
 }

@@ -13,15 +13,14 @@ from typing import TYPE_CHECKING, ParamSpec
 from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
-from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Reaction
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.trajectory import BY_HAND, MEASURED
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.dashboard.look.strategies import LOOKS
 
 # for mypy alone, as simulations are slow to import, and every command imports this module
 if TYPE_CHECKING:
-    from railjoule.core.simulate.actual_run import CauseName
+    from railjoule.core.simulation.actual_run import CauseName
 
 THIN_SPACE = "\u202f"
 MINUS = "\u2212"
@@ -30,7 +29,7 @@ UNKNOWN = "\u2013"
 PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
 """What a terminal shows for them."""
 
-STRATEGY_WORDS: dict[StrategyName, str] = {name: look.label for name, look in LOOKS.items()}
+STRATEGY_WORDS: dict[str, str] = {name: strategy.label for name, strategy in STRATEGIES.items()}
 ADVISED = "advised"
 NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice", BY_HAND: "Driven by hand"}
 """What runs are called that no strategy made."""
@@ -200,7 +199,7 @@ def load(factor: float) -> str:
 
 def strategy(name: str) -> str:
     """Return what the strategy of a run is called, or the run where it is none."""
-    return NOT_STRATEGIES.get(name) or STRATEGY_WORDS[name]  # type: ignore[index]
+    return NOT_STRATEGIES.get(name) or STRATEGY_WORDS[name]
 
 
 def title(given: str) -> str:

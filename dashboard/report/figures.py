@@ -7,7 +7,7 @@ from typing import Any
 from bokeh.document import Document
 
 from railjoule.core import Trajectory
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart
 from railjoule.dashboard.charts.driven import DrivenEffortChart, DrivenSpeedChart
 from railjoule.dashboard.charts.run_charts import (

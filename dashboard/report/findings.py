@@ -8,14 +8,14 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import with_tighter_bound
-from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
-from railjoule.core.simulate.following import Following, simulate_following
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.simulation.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
-from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import sensitivity_steps
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
@@ -24,7 +24,7 @@ from railjoule.dashboard.work.refusals import named_refusals
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tightened_runs
 
 OPTIMA_COUNT = 40
-MOST_CELLS = 500
+MAX_CELLS = 500
 """Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
 Reality = DisturbedRun | Following | FieldOrientedRun
 RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
@@ -53,7 +53,7 @@ class ReportRequest:
     """
 
     scenario: Scenario
-    strategy: StrategyName | None = None
+    strategy: str | None = None
     bound: Bound | None = None
     prove_seconds: float | None = None
     note: str = ""
@@ -77,7 +77,7 @@ class Findings:
         What becomes of the plan under the scenario's disturbance, if it has one, or in closed loop, if it asks so.
     reality_refusal : str
         Why it could not be computed; empty where it could or was not asked for.
-    table : SensitivityTable or None
+    table : StudyTable or None
         Overconsumption over load and coordinate error.
     table_refusal : str
         Why there is no table.
@@ -94,7 +94,7 @@ class Findings:
     optima: tuple[Trajectory, ...] = ()
     reality: Reality | None = None
     reality_refusal: str = ""
-    table: SensitivityTable | None = None
+    table: StudyTable | None = None
     table_refusal: str = ""
     enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE
@@ -118,7 +118,7 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     """
     scenario = request.scenario
     if request.strategy is not None and request.strategy != scenario.strategy:
-        scenario = scenario.with_(strategy=request.strategy)
+        scenario = scenario.replace(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
     contents = request.contents
@@ -160,7 +160,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
     """Yield the optima so far, and their share of all."""
     if "optimal" not in findings.runs.runs:
         return
-    task = coarsened(prepare_task(findings.scenario), MOST_CELLS)
+    task = coarsened(prepare_task(findings.scenario), MAX_CELLS)
     times, bound = optima_times(task), findings.runs.best.bound
     optima: tuple[Trajectory, ...] = ()
     for k, time in enumerate(times.tolist(), 1):
@@ -170,7 +170,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
         except RailjouleError:
             continue
         # asked for another time, it is not late
-        run = replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time}))
+        run = replace(run, scenario=run.scenario.replace(**{"timetable.travel_time_s": time}))
         # what is proven of the timetable's own time holds for all that take no longer
         optima = (*optima, run if bound is None else with_tighter_bound(run, bound))
         yield optima, k / len(times)

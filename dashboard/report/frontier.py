@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.charts.chart import Axis, DistanceChart, nice_range, points, style_of, xy
 from railjoule.dashboard.charts.line_names import Name, placed_names
 from railjoule.dashboard.look import words
@@ -34,7 +33,7 @@ class TimeChart(DistanceChart):
         self.add_names()
         self.dots("point", size=11, line_width=2)
 
-    def draw(self, optima: Sequence[Trajectory], runs: Mapping[StrategyName, Trajectory], shown: Trajectory) -> None:
+    def draw(self, optima: Sequence[Trajectory], runs: Mapping[str, Trajectory], shown: Trajectory) -> None:
         """Draw the optima as a line, the runs and the one that is shown as points."""
         times = np.array([run.travel_time_s for run in optima])
         energies = np.array([run.energy_kwh for run in optima])

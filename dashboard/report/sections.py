@@ -9,9 +9,9 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import format_scenario
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.studies.sensitivity_table import SensitivityTable
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
@@ -323,27 +323,27 @@ def robustness(findings: Findings, figures: Figures) -> Markup:
     return section("robustness", title, sensitivity_table(findings.table), surface_element(figures, "costs"))
 
 
-def sensitivity_table(found: SensitivityTable) -> Markup:
+def sensitivity_table(found: StudyTable) -> Markup:
     """Return the overconsumption over load and position error."""
-    head = ("Load, %", *(f"{words.signed(error, 0)} m" for error in found.coordinate_errors_m))
+    head = ("Load, %", *(f"{words.signed(error, 0)} m" for error in found.coordinate_error_m))
     rows = [
         (
             (
                 words.setting(load),
                 *(
-                    comparisons.extra_cell(float(energy), found.planned_kwh, float(delay), float(error))
+                    comparisons.extra_cell(float(energy), found.planned_energy_kwh, float(delay), float(error))
                     for energy, delay, error in zip(*results, strict=True)
                 ),
             ),
             False,
         )
-        for load, *results in zip(found.load_factors, found.energy_kwh, found.delay_s, found.stop_error_m, strict=True)
+        for load, *results in zip(found.load_factor, found.energy_kwh, found.delay_s, found.stop_error_m, strict=True)
     ]
     ways = "in both directions" if found.both_directions else "in one direction"
     load = words.setting(found.scenario.vehicle.load_factor)
     told = (
         f"The plan for a load of {load} % is followed {ways} with another load, by a train that assumes to be farther "
-        f"on by the error; planned: {words.energy(found.planned_kwh)} kWh. Energy against the plan, %."
+        f"on by the error; planned: {words.energy(found.planned_energy_kwh)} kWh. Energy against the plan, %."
     )
     table = parts.table("Overconsumption, %, over load and position error", head, rows)
     return joined([table, note(told), note(comparisons.MISSED)])

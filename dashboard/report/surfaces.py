@@ -8,7 +8,7 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.studies.sensitivity_table import SensitivityTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.surface import CIVIDIS, TALLEST, round_step
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, markup
@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.trade_off.compute import EnocMap
 from railjoule.dashboard.report.findings import Findings
 
 TICKS, CORNER_SHARE = 5, 0.06
-MOST_NODES = 40
+MAX_NODES = 40
 """Along an axis: a finer surface looks the same, and the file has all its numbers."""
 
 
@@ -139,17 +139,17 @@ def _inside(places: FloatArray, found: EnocMap, top: float) -> FloatArray:
     return places[kept]
 
 
-def cost_surface(table: SensitivityTable) -> Surface | None:
+def cost_surface(table: StudyTable) -> Surface | None:
     """Return the overconsumption over load and position error; None where no cell of the table could be driven."""
-    missed = comparisons.is_false_saving(table.energy_kwh, table.planned_kwh, table.delay_s, table.stop_error_m)
+    missed = comparisons.is_false_saving(table.energy_kwh, table.planned_energy_kwh, table.delay_s, table.stop_error_m)
     share = np.where(missed, np.nan, table.overconsumption)
     if not np.any(np.isfinite(share)):
         return None
     return Surface(
         "costs",
         "Overconsumption, %, over load and position error",
-        np.array(table.coordinate_errors_m),
-        100 * np.array(table.load_factors),
+        np.array(table.coordinate_error_m),
+        100 * np.array(table.load_factor),
         100 * share,
         ("Position error, m", "Load, %"),
         (lambda value: words.number(value, 0), lambda value: words.share_difference(value / 100)),
@@ -158,7 +158,7 @@ def cost_surface(table: SensitivityTable) -> Surface | None:
 
 
 def _thinned(count: int) -> FloatArray:
-    return np.unique(np.linspace(0, count - 1, min(count, MOST_NODES)).round().astype(int))
+    return np.unique(np.linspace(0, count - 1, min(count, MAX_NODES)).round().astype(int))
 
 
 def surfaces_of(findings: Findings) -> dict[str, Surface]:

@@ -16,7 +16,7 @@ from railjoule.dashboard.look.key_names import words_of
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.parts.html import table
 
-MOST_ROWS = 40
+MAX_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
 PARTS = {
     "resistance": "Running resistance",
@@ -161,7 +161,7 @@ def _disturbance_tables(disturbance: Disturbance) -> Iterator[Markup]:
         return
     yield _fields_table("Disturbances", _fields(disturbance))
     events = [(number, kind, event) for kind in EVENTS for number, event in enumerate(getattr(disturbance, kind), 1)]
-    for number, kind, event in events[:MOST_ROWS]:
+    for number, kind, event in events[:MAX_ROWS]:
         yield _fields_table(f"Event: {words_of(kind).lower().removesuffix('s')} {number}", _fields(event))
 
 
@@ -175,10 +175,10 @@ def _rows_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) 
     """Return a table, shortened where it is long; nothing without rows."""
     if not rows:
         return Markup()
-    left_out = len(rows) - MOST_ROWS
+    left_out = len(rows) - MAX_ROWS
     more = (
         markup('<p class="note">{} more rows in the scenario that this file carries.</p>', left_out)
         if left_out > 0
         else Markup()
     )
-    return table(title, head, ((row, False) for row in rows[:MOST_ROWS])) + more
+    return table(title, head, ((row, False) for row in rows[:MAX_ROWS])) + more

@@ -14,10 +14,10 @@ PACKED = frozenset({".css", ".html", ".js", ".json", ".mjs", ".svg"})
 """What becomes smaller."""
 SMALLEST_BYTES = 1024
 """Below that, packing saves nothing that anyone notices."""
-MOST_FILES = 200
+MAX_FILES = 200
 
 
-@lru_cache(maxsize=MOST_FILES)
+@lru_cache(maxsize=MAX_FILES)
 def packed(path: str, changed_ns: int) -> bytes:
     """Return a file packed by gzip; it is packed anew when it has changed."""
     return gzip.compress(Path(path).read_bytes(), compresslevel=9, mtime=0)

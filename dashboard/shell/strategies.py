@@ -5,7 +5,6 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
@@ -73,7 +72,7 @@ class StrategyList(JSComponent):
             self.state.ticked = [other for other in STRATEGIES if other in drawn]
 
 
-def strategy_numbers(runs: Runs, name: StrategyName) -> str:
+def strategy_numbers(runs: Runs, name: str) -> str:
     """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
     if name in runs.refused:
         return markup('<span class="reason">{}</span>', runs.refused[name].rstrip("."))

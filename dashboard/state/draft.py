@@ -45,7 +45,7 @@ class Edited:
     @cached_property
     def scenario(self) -> Scenario:
         """The scenario."""
-        return self.base.with_(**self.edits) if self.edits else self.base
+        return self.base.replace(**self.edits) if self.edits else self.base
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +104,7 @@ class ScenarioDraft:
         ScenarioError
             If a value is out of its bounds.
         """
-        return self.base.with_(**self.changes) if self.changes else self.base
+        return self.base.replace(**self.changes) if self.changes else self.base
 
     def original(self, key: str) -> Any:
         """Return what the base has at a key of the file; None where it has nothing."""

@@ -8,13 +8,7 @@ from typing import Any
 import param
 
 from railjoule.core import Scenario, Trajectory
-from railjoule.core.scenario import (
-    StrategyName,
-    document_of,
-    format_scenario,
-    preset_names,
-    scenario_from_document,
-)
+from railjoule.core.scenario import document_of, format_scenario, preset_names, scenario_from_document
 from railjoule.core.scenario._base import without_misleading
 from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
@@ -58,7 +52,7 @@ class Recipe:
     preset: str | None
     document: Document | None
     changes: Mapping[str, Any]
-    strategy: StrategyName
+    strategy: str
     simple: int = 0
     recording: str = ""
     driven: str = ""
@@ -72,7 +66,7 @@ class Recipe:
             If the shipped scenario or the document does not take the changes.
         """
         base = shipped(self.preset) if self.preset else scenario_from_document(self.document or {})
-        return base.with_(**self.changes) if self.changes else base
+        return base.replace(**self.changes) if self.changes else base
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +169,7 @@ def recipe_of_recording(run: Trajectory) -> Recipe:
     return Recipe(None, None, {}, "optimal", recording=hashlib.sha256(told.encode()).hexdigest()[:LONGEST_KEY])
 
 
-def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:
+def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
     """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
     if model.scenario() != scenario:
         # the page has moved on while the run was computed, or what it asks for cannot be run

@@ -57,7 +57,7 @@ class PageRun:
 
 def _simulation(name: str, module: str) -> Program:
     body = "ride = simulate(scenario)\nprint(ride.actual.energy_kwh)\n"
-    return Program({f"{name} as simulate": f"railjoule.core.simulate.{module}"}, body, "simulate")
+    return Program({f"{name} as simulate": f"railjoule.core.simulation.{module}"}, body, "simulate")
 
 
 SOLVE = Program({"solve": "railjoule.core"}, "run = solve(scenario)\nprint(run.energy_kwh)\n", "solve")
@@ -149,7 +149,7 @@ def _motor(state: Workbench) -> PageRun:
     if tried == own or "drive.max_phase_voltage_v" not in changes:
         return PageRun(IN_CLOSED_LOOP, changes)
     body = (
-        f"loop = scenario.with_(**{dict(model.changes)!r})\n"
+        f"loop = scenario.replace(**{dict(model.changes)!r})\n"
         "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
     )
     program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")

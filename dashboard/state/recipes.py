@@ -43,7 +43,7 @@ class Recipe:
         ScenarioError
             If they are impossible together.
         """
-        return self.base.with_(**self.changes)
+        return self.base.replace(**self.changes)
 
 
 def recipe_of(state: Workbench) -> Recipe:
@@ -89,7 +89,7 @@ def as_python(recipe: Recipe) -> str:
             lines = [f"scenario = parse_scenario({_triple(format_scenario(recipe.opened))})"]
         if recipe.changes:
             changes = "".join(f"    {key!r}: {value!r},\n" for key, value in recipe.changes.items())
-            lines.append(f"scenario = scenario.with_(**{{\n{changes}}})")
+            lines.append(f"scenario = scenario.replace(**{{\n{changes}}})")
     for name, module in program.imports.items():
         names.setdefault(module, []).append(name)
     imports = [f"from {module} import {', '.join(imported)}" for module, imported in sorted(names.items())]

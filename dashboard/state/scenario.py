@@ -8,7 +8,7 @@ import param
 from railjoule.core import Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
-from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
+from railjoule.core.scenario.vehicle import MAX_LOAD_FACTOR
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
@@ -58,7 +58,7 @@ class ScenarioModel(TypedParameters):
     toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
     travel_time_s = TypedNumber("Travel time, s", "s", 1, default=100.0, step=0.5)
     # the bound of every vehicle; `parse` and `lay` hold it to the crush load of the one that is there
-    load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1)
+    load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MAX_LOAD_FACTOR), step=1)
     recuperation_percent = TypedNumber(
         "Recuperation, %", "%", default=0.0, bounds=(0, 100), softbounds=(0, 100), step=1
     )
@@ -154,7 +154,7 @@ class ScenarioModel(TypedParameters):
         edits = values["edits"]
         # only then, as taking edits over computes the shortest time
         if edits != self.edits:
-            self._take(self.base.with_(**edits), edits)
+            self._take(self.base.replace(**edits), edits)
         fields = {field: values[field] for field in FIELD_KEYS.values() if field in values}
         load, most = fields.get("load_percent", 0.0), self.most_load_percent
         if load > most:
@@ -189,7 +189,7 @@ class ScenarioModel(TypedParameters):
     def _change(self, changes: Mapping[str, Any]) -> None:
         """Let these be all changes of the base."""
         edits = {key: value for key, value in changes.items() if key not in FIELD_KEYS}
-        self._take(self.base.with_(**changes), edits)
+        self._take(self.base.replace(**changes), edits)
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""

@@ -1,6 +1,6 @@
 """The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -8,7 +8,6 @@ import param
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.actual.model import ActualModel
@@ -156,17 +155,18 @@ class Workbench(Kept, PageModel):
         return {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
 
     @property
-    def drawn(self) -> tuple[StrategyName, ...]:
+    def drawn(self) -> tuple[str, ...]:
         """The strategies to draw and to compute, the one whose numbers are shown included."""
         return tuple(name for name in STRATEGIES if name in self.ticked or name == self.chosen)
 
     @property
-    def chosen_now(self) -> StrategyName:
+    def chosen_now(self) -> str:
         """The strategy whose numbers are shown: the optimum where the chosen one refuses the scenario."""
-        chosen: StrategyName = self.chosen
+        chosen: str = self.chosen
         if self.runs is None or chosen in self.runs.runs:
             return chosen
-        return next(name for name, run in self.runs.runs.items() if run is self.runs.best)
+        runs: Mapping[str, Trajectory] = self.runs.runs
+        return next(name for name, run in runs.items() if run is self.runs.best)
 
     @property
     def run(self) -> Trajectory | None:

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
-from railjoule.core.motion import build_course
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 
@@ -15,7 +14,7 @@ class Recipe(Protocol):
     """How a run comes about."""
 
     @property
-    def strategy(self) -> StrategyName:
+    def strategy(self) -> str:
         """Who drives, unless it is simple advice."""
 
     @property
@@ -54,8 +53,8 @@ def _run(recipe: Recipe) -> Trajectory:
     if recipe.simple:
         return simple_run(scenario, recipe.simple)
     if recipe.driven:
-        course = build_course(scenario)
-        return drive_by_hand(scenario, course, read_commands(recipe.driven, course.cell_count))
+        mesh = build_meshed_line(scenario)
+        return drive_manually(scenario, mesh, read_commands(recipe.driven, mesh.cell_count))
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")

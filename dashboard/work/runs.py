@@ -10,8 +10,7 @@ from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
-from railjoule.core.scenario import StrategyName
-from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look.key_names import without_keys
@@ -41,8 +40,8 @@ class Runs:
     scenario: Scenario
     shortest_time_s: float
     cell_count: int
-    runs: Mapping[StrategyName, Trajectory]
-    refused: Mapping[StrategyName, str]
+    runs: Mapping[str, Trajectory]
+    refused: Mapping[str, str]
     law: ControlLaw | None = None
 
     @property
@@ -76,28 +75,27 @@ class Runs:
         return replace(self, runs={name: with_tighter_bound(run, bound) for name, run in self.runs.items()})
 
 
-SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3, "phases": 3e-4}
-"""Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
-"""The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
+"""Times of strategies that name none of their own [s], measured on one busy core: for each cell and, with idle losses,
+for each squared cell."""
 RELAY_SECONDS_PER_STEP = 1e-3
 """Of a search with the printed relay, which drives every combination of set speeds in steps of time."""
 # what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 
-def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
+def expected_s(scenario: Scenario, *strategies: str) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     cells = estimated_cells(scenario)
     switching = 0.0 if isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) else SWITCHING_SECONDS_PER_CELL2 * cells
-    per_cell = OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies)
+    per_cell = OTHERS_SECONDS_PER_CELL + switching + sum(STRATEGIES[name].seconds_per_cell for name in strategies)
     search = scenario.search
     searches_relay = "speed_limits" in strategies and search.regulator == "literal" and search.limits_kmh is None
     steps = scenario.travel_time_s / search.time_step_s if searches_relay else 0.0
     return cells * per_cell + RELAY_SECONDS_PER_STEP * steps
 
 
-def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:
+def is_slow(scenario: Scenario, *strategies: str) -> bool:
     """Return whether strategies take seconds."""
     return expected_s(scenario, *strategies) > SLOW_S
 
@@ -107,7 +105,7 @@ class RunsRequest:
     """A scenario, the strategies to run on it, and whether the law of dynamic programming is asked for."""
 
     scenario: Scenario
-    strategies: tuple[StrategyName, ...]
+    strategies: tuple[str, ...]
     with_law: bool = False
 
     @property
@@ -180,8 +178,8 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
     """Yield the runs of the requested strategies as they come, the optimum first; errors as `compute_runs`."""
     task = prepare_task(request.scenario)
     task.require_timetable()
-    runs: dict[StrategyName, Trajectory] = {}
-    refused: dict[StrategyName, str] = {}
+    runs: dict[str, Trajectory] = {}
+    refused: dict[str, str] = {}
     law: ControlLaw | None = None
     for name in dict.fromkeys(("optimal", *request.strategies)):
         try:
@@ -201,15 +199,15 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
 
 def beside_each_other(
     task: Task,
-    runs: Mapping[StrategyName, Trajectory],
-    refused: Mapping[StrategyName, str],
+    runs: Mapping[str, Trajectory],
+    refused: Mapping[str, str],
     law: ControlLaw | None,
 ) -> Runs:
     """Return the runs so far, each with its bound and what it is measured against."""
     return Runs(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
-        cell_count=task.course.cell_count,
+        cell_count=task.mesh.cell_count,
         runs=dict(zip(runs, with_best_known([*runs.values()]), strict=True)),
         refused=dict(refused),
         law=law,

@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 LITTLE_ENERGY_SHARE = 0.01
 
 
-def compute_simple_advice(scenario: Scenario, most_changes: int | None = None) -> "SimpleAdvice":
+def compute_simple_advice(scenario: Scenario, max_changes: int | None = None) -> "SimpleAdvice":
     """Return the best runs with few changes of regime over a scenario; takes seconds on long lines.
 
     Parameters
     ----------
     scenario : Scenario
-    most_changes : int, optional
+    max_changes : int, optional
         As for `railjoule.core.studies.simple_advice`.
 
     Raises
@@ -30,9 +30,9 @@ def compute_simple_advice(scenario: Scenario, most_changes: int | None = None) -
     RailjouleError
         If the timetable cannot be kept, or no such run is in time.
     """
-    from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
+    from railjoule.core.studies.simple_advice import MAX_CHANGES, simple_advice  # noqa: PLC0415
 
-    return simple_advice(prepare_task(scenario), MOST_CHANGES if most_changes is None else most_changes)
+    return simple_advice(prepare_task(scenario), MAX_CHANGES if max_changes is None else max_changes)
 
 
 def simple_run(scenario: Scenario, changes_allowed: int) -> Trajectory:
@@ -63,13 +63,13 @@ def first_told(advice: "SimpleAdvice") -> "SimpleRun":
 
 def more_changes(advice: "SimpleAdvice") -> str:
     """Return in a sentence what more changes than those of the last run would gain."""
-    from railjoule.core.studies.simple_advice import FREE_SHARE, MOST_CHANGES  # noqa: PLC0415
+    from railjoule.core.studies.simple_advice import FREE_SHARE, MAX_CHANGES  # noqa: PLC0415
 
     last, optimum = advice.runs[-1], advice.optimum
     if optimum is not None and last.run.energy.net_j <= optimum.energy.net_j * (1 + FREE_SHARE):
         return f"More than {last.changes} changes would gain less than {100 * FREE_SHARE:g} %."
-    if last.changes_allowed == MOST_CHANGES == last.changes:
-        return f"More than {MOST_CHANGES} changes are not tried."
+    if last.changes_allowed == MAX_CHANGES == last.changes:
+        return f"More than {MAX_CHANGES} changes are not tried."
     return f"More than {last.changes} changes gain nothing."
 
 

@@ -70,7 +70,7 @@ def callable_of(case: Case) -> Callable[[], Any]:
     except ImportError:
         from railjoule.core.strategies import minimise  # type: ignore[no-redef]  # noqa: PLC0415
 
-    scenario = load_scenario(case.scenario).with_(**dict(case.changes))
+    scenario = load_scenario(case.scenario).replace(**dict(case.changes))
     if case.call == "solve":
         return lambda: solve(scenario)
     task = prepare_task(scenario)

@@ -38,17 +38,17 @@ def interleaved_medians_s(calls: Mapping[str, Callable[[], object]]) -> dict[str
 
 def profile_two() -> Iterator[Measurement]:
     """Liashenko's profile II at a 5 m mesh, beside IPOPT on the same problem."""
-    scenario = load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 5.0})
+    scenario = load_scenario("liashenko-ii").replace(**{"solver.mesh_m": 5.0})
     task = prepare_task(scenario)
-    given = (task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s)
+    given = (task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s)
     calls: dict[str, Callable[[], object]] = {
-        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False, False),
+        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False),
         "solve()": lambda: solve(scenario),
     }
     if is_installed():
         calls |= {TEXTBOOK: IpoptProblem(task, textbook=True).solve, TUNED: IpoptProblem(task).solve}
     medians = interleaved_medians_s(calls)
-    cells = f"profile II, {task.course.cell_count} cells"
+    cells = f"profile II, {task.mesh.cell_count} cells"
     for name, median in medians.items():
         yield Measurement(f"{cells}: {name}", 1e3 * median, "ms", at_most=1 if name == ALONE else None)
     for name in (TEXTBOOK, TUNED):

@@ -7,7 +7,7 @@ from playwright.sync_api import Browser, Page, expect
 from browser.server import Server
 from browser.user import PATIENCE_MS
 
-MOST_STEPS = 150
+MAX_STEPS = 150
 FOCUS = """() => {
   let element = document.activeElement;
   while (element && element.shadowRoot && element.shadowRoot.activeElement) element = element.shadowRoot.activeElement;
@@ -40,7 +40,7 @@ requestAnimationFrame(frame);"""
 def reach(page: Page, name: str) -> None:
     """Go on with the tab key until something of this name has the focus; whatever has it on the way has a name."""
     passed = []
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_STEPS):
         page.keyboard.press("Tab")
         focus = page.evaluate(FOCUS)
         if focus is None:

@@ -97,7 +97,7 @@ def test_a_name_that_leads_elsewhere_is_refused_below_its_field(user: User, fold
 def test_files_put_into_the_folder_appear_and_a_broken_one_says_why(user: User, folder: Path) -> None:
     user.turn_to("Start")
     (folder / "broken.toml").write_text("x =", encoding="utf-8")
-    save_scenario(load_scenario("tram-950m").with_(title=CANARY), folder / "canary.toml")
+    save_scenario(load_scenario("tram-950m").replace(title=CANARY), folder / "canary.toml")
     expect(row(user, "broken")).to_contain_text("Cannot be opened: not a valid TOML file")
     expect(button(user, "Open broken")).to_have_count(0)
     expect(row(user, "canary")).to_contain_text(CANARY)

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
+from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
-from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson
+from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
 from railjoule.dashboard.pages.learn.slack import driven_line, line_tables
 
@@ -146,7 +146,7 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "draw_speed": {
-        "course": {
+        "mesh": {
             "position": [0, 2],
             "length": [2],
             "limit": [9],
@@ -174,10 +174,10 @@ VALUES: dict[str, dict[str, Any]] = {
         "driven": "",
         "verdict": {},
         "refusals": 0,
-        "course": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
+        "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
     },
     "editor_head": {"status": "", "open": False},
-    "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "largest_bytes": 1, "version": 0},
+    "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "max_bytes": 1, "version": 0},
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
@@ -531,18 +531,18 @@ def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
 @pytest.mark.parametrize("text", ["p0", "p0c45p440c520b1080", "p0c24b200c260p330c600b900p1000", "p0b3p90c91p700c1000"])
 def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> None:
     """Speeds, time and each part of the account, of runs that power, coast, brake, crawl and meet protection."""
-    scenario, course = lesson()
-    driven = drive_by_hand(scenario, course, read_commands(text, course.cell_count))
+    scenario, mesh = lesson()
+    driven = drive_manually(scenario, mesh, read_commands(text, mesh.cell_count))
     code = """
-      const commands = m.read(a.text, a.course.length.length), speed2 = [a.course.entering2];
+      const commands = m.read(a.text, a.mesh.length.length), speed2 = [a.mesh.entering2];
       let sum = m.nothing_yet();
       commands.forEach((command, i) => {
-        speed2.push(m.next_speed2(a.course, i, speed2[i], command));
-        sum = m.with_cell(a.course, sum, i, speed2[i], speed2[i + 1]);
+        speed2.push(m.next_speed2(a.mesh, i, speed2[i], command));
+        sum = m.with_cell(a.mesh, sum, i, speed2[i], speed2[i + 1]);
       });
       return {speed2, sum, written: m.written(commands)};
     """
-    found = run(page, "driving", code, {"text": text, "course": course_arrays(course)})
+    found = run(page, "driving", code, {"text": text, "mesh": mesh_arrays(mesh)})
     account, sum_ = driven.energy, found["sum"]
     assert found["written"] == text
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
@@ -574,11 +574,11 @@ def test_a_drawn_run_has_the_numbers_of_the_library(page: Page, name: str) -> No
     """Speeds, time and each part of the account, of drawings that ask for more than the train can do."""
     driven = run_of(DRAWINGS[name])
     code = """
-      const drawn = m.between_points(a.course, a.points).map((kmh) => kmh / 3.6);
-      const driven = m.drive_drawn(a.course, drawn);
+      const drawn = m.between_points(a.mesh, a.points).map((kmh) => kmh / 3.6);
+      const driven = m.drive_drawn(a.mesh, drawn);
       return {speed2: driven.speed2, sum: driven.sums.at(-1), net: m.net_energy(driven.sums.at(-1))};
     """
-    given = {"course": course_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
+    given = {"mesh": mesh_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
     found = run(page, "driving", code, given)
     assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
     assert found["sum"]["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
@@ -606,7 +606,7 @@ def test_a_sharing_has_the_numbers_of_the_library(page: Page, name: str) -> None
     code = """
       let seconds = m.equal_share(a.line);
       return a.moves.map(([k, by]) => {
-        seconds = m.moved(seconds, k, by, a.line.least_s);
+        seconds = m.moved(seconds, k, by, a.line.min_s);
         const prices = seconds.map((_, leg) => m.price_of(a.line, seconds, leg));
         return {seconds, kwh: m.total_kwh(a.line, seconds), prices, text: m.sharing_text(a.name, seconds)};
       });

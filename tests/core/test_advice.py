@@ -81,7 +81,7 @@ def test_a_hold_by_turns_swings_one_kmh_to_each_side_and_below_the_limit(limit_k
 
 def test_a_brake_has_a_reserve_for_a_faster_train():
     """From 20 m/s, 2 m/s2 stop in 100 m. 0.5 km/h more takes (2 x 20 x 0.139 + 0.139^2) / 4 m more."""
-    run = run_of((300, 20, 0.0), (100, 0, -2.0), start_ms=20.0, largest_braking_n=np.full(40, 2 * LARGEST_N))
+    run = run_of((300, 20, 0.0), (100, 0, -2.0), start_ms=20.0, max_braking_n=np.full(40, 2 * LARGEST_N))
     assert brake_place_m(run, (300, 20), (400, 0), 0.0) == pytest.approx(300)
     faster = 0.5 / 3.6
     place = 300 - (2 * 20 * faster + faster**2) / (2 * 2 * LARGEST_N / INERTIA_KG)
@@ -92,7 +92,7 @@ def test_a_brake_has_a_reserve_for_a_faster_train():
 
 def test_a_gentle_brake_is_its_own_reserve():
     """Half of the brakes stop a train that comes 41 % faster."""
-    run = run_of((300, 20, 0.0), (200, 0, -1.0), start_ms=20.0, largest_braking_n=np.full(50, 2 * LARGEST_N))
+    run = run_of((300, 20, 0.0), (200, 0, -1.0), start_ms=20.0, max_braking_n=np.full(50, 2 * LARGEST_N))
     assert brake_place_m(run, (300, 20), (500, 0), 0.5 / 3.6) == 300
     assert brake_place_m(run, (300, 20), (500, 0), 8.0) == 300
     assert brake_place_m(run, (300, 20), (500, 0), 8.5) < 300
@@ -100,6 +100,6 @@ def test_a_gentle_brake_is_its_own_reserve():
 
 def test_a_bound_of_deceleration_bounds_the_reserve():
     """The brakes have twice as much, the train may not use it."""
-    run = run_of((300, 20, 0.0), (200, 0, -1.0), start_ms=20.0, largest_braking_n=np.full(50, 2 * LARGEST_N))
+    run = run_of((300, 20, 0.0), (200, 0, -1.0), start_ms=20.0, max_braking_n=np.full(50, 2 * LARGEST_N))
     place = brake_place_m(run._replace(max_deceleration_ms2=1.0), (300, 20), (500, 0), 0.5 / 3.6)
     assert place == pytest.approx(300 - (2 * 20 * 0.5 / 3.6 + (0.5 / 3.6) ** 2) / 2)

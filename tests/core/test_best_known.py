@@ -28,7 +28,7 @@ def runs(task):
 
 
 def test_a_proven_optimum_is_what_others_are_measured_against():
-    runs, _ = compare(load_scenario("liashenko-0"))
+    runs = compare(load_scenario("liashenko-0")).runs
     best = next(run for run in runs if run.strategy == "optimal")
     others = [run for run in runs if run.strategy != "speed_limits"]
     assert len(others) == 4
@@ -38,7 +38,7 @@ def test_a_proven_optimum_is_what_others_are_measured_against():
 
 
 def test_a_run_on_another_mesh_does_not_displace_a_proven_optimum():
-    runs, _ = compare(load_scenario("liashenko-0"))
+    runs = compare(load_scenario("liashenko-0")).runs
     phases = next(run for run in runs if run.strategy == "phases")
     assert phases.energy.net_j < phases.reference.energy_j
     assert phases.reference.strategy == "optimal"
@@ -56,7 +56,7 @@ def test_where_nothing_is_proven_the_least_energy_is_the_best_known(runs):
 def test_a_run_that_may_be_late_is_measured_against_the_best_of_its_own_time(task):
     """The optimum over 418.87 s, computed as for a timetable of that time, and its bound."""
     late = run_strategy(task, "speed_limits")
-    over = task.scenario.with_(**{"timetable.travel_time_s": late.travel_time_s})
+    over = task.scenario.replace(**{"timetable.travel_time_s": late.travel_time_s})
     best = run_strategy(prepare_task(over), "optimal")
     assert late.travel_time_s > 414.8
     assert late.reference.energy_kwh == pytest.approx(best.energy_kwh, rel=1e-9)
@@ -73,7 +73,7 @@ def test_a_late_run_is_measured_against_an_earlier_one_that_needs_less(runs):
 
 def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
     """The optimum of 144 s is proven, but in 145.44 s less would do, whether that is proven or not."""
-    runs, _ = compare(load_scenario("liashenko-fig-4"))
+    runs = compare(load_scenario("liashenko-fig-4")).runs
     best, late = (next(run for run in runs if run.strategy == name) for name in ("optimal", "speed_limits"))
     open_end = replace(late, reference=replace(late.reference, proven=False))
     _, found = with_best_known([best, open_end])
@@ -84,7 +84,7 @@ def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
 
 def test_an_early_run_is_measured_against_the_optimum_of_the_time_asked_for(task):
     given = {"search.limits_kmh": [30.0, 30.0]}
-    early = run_strategy(prepare_task(task.scenario.with_(**given)), "speed_limits")
+    early = run_strategy(prepare_task(task.scenario.replace(**given)), "speed_limits")
     best = run_strategy(task, "optimal")
     assert early.travel_time_s < task.scenario.travel_time_s - 1
     # what its own time takes at least is dearer, and another measure

@@ -10,8 +10,8 @@ from builders import INDUCTION, plain_scenario
 
 from railjoule.core import ScenarioError, StrategyRefusedError, compare, load_scenario, solve
 from railjoule.core.budget import LIBRARY, PAGE, current_budget, rounded_up, within
-from railjoule.core.motion import build_course
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import prepare_task, run_strategy
 
 SMALL = replace(PAGE, cell_count=300, strategy_cells={"bellman": 100, "speed_limits": 150}, idling_cells=120)
@@ -55,7 +55,8 @@ def test_a_strategy_refuses_more_cells_than_its_own(strategy, sentence):
 
 def test_a_comparison_goes_on_without_the_strategies_that_take_fewer_cells():
     with within(SMALL):
-        runs, refused = compare(plain_scenario())
+        found = compare(plain_scenario())
+        runs, refused = found.runs, found.refused
     assert {"optimal", "fastest"} <= {run.strategy for run in runs}
     assert refused["bellman"].startswith("takes at most 100 cells")
 
@@ -78,14 +79,14 @@ def test_the_optimum_of_a_drive_that_takes_power_idling_has_fewer_cells():
 
 def test_no_mesh_has_more_cells_than_the_budget_even_if_it_is_known():
     scenario = plain_scenario({"solver.mesh_m": 5.0})
-    assert build_course(scenario).cell_count == 406
+    assert build_meshed_line(scenario).cell_count == 406
     with (
         within(SMALL),
         pytest.raises(
             ScenarioError, match=r"^solver.mesh_m = 5 makes 406 cells; the page takes at most 300. Use 6.9 m or more.$"
         ),
     ):
-        build_course(scenario)
+        build_meshed_line(scenario)
 
 
 @pytest.mark.parametrize("key", ["line.sections", "line.speed_limits"])
@@ -93,12 +94,12 @@ def test_more_rows_than_the_budget_has_are_refused(key):
     limits = [{"from_m": index, "to_m": index + 1, "limit_kmh": 50} for index in range(301)]
     rows = limits if key == "line.speed_limits" else [{"length_m": 5.0}] * 301
     scenario = plain_scenario({key: rows, "solver.mesh_m": 1000.0})
-    build_course(scenario)
+    build_meshed_line(scenario)
     with (
         within(replace(SMALL, row_count=300)),
         pytest.raises(ScenarioError, match=rf"^{key} has 301 entries; the page takes at most 300\.$"),
     ):
-        build_course(scenario)
+        build_meshed_line(scenario)
 
 
 def test_cars_over_very_many_sections_are_refused_before_their_nodes_are_made():
@@ -106,7 +107,7 @@ def test_cars_over_very_many_sections_are_refused_before_their_nodes_are_made():
     scenario = plain_scenario({"line.sections": sections, "vehicle.length_m": 300.0, "vehicle.car_count": 200})
     tracemalloc.start()
     with pytest.raises(ScenarioError, match=r"railjoule takes at most 200,000, and sections, .* alone make 4,019,80"):
-        build_course(scenario)
+        build_meshed_line(scenario)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 20e6  # bytes; four million nodes alone would take 32 MB

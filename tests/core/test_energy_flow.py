@@ -2,7 +2,7 @@ import pytest
 from builders import ACCOUNT_CASES
 
 from railjoule.core import solve
-from railjoule.core.energy_flow import energy_flow
+from railjoule.core.energy_along import energy_flow
 from railjoule.core.scenario import Scenario
 
 

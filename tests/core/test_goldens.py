@@ -70,7 +70,7 @@ def test_fribourg_to_bern(limit_ms2, kwh):
 
     Their model: a point mass, no losses, no friction brake, no curves, 1 m/s at both ends.
     """
-    scenario = scenario_of("CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF", 1226.0).with_(
+    scenario = scenario_of("CH_Fribourg_Bern", "CH_Stadler_FLIRT_TPF", 1226.0).replace(
         **{
             "vehicle.length_m": None,
             "vehicle.car_count": None,
@@ -114,7 +114,7 @@ def test_a_climb_of_48_km(ends_kmh, kwh, share):
         "vehicle.length_m": None,
         "vehicle.car_count": None,
     }
-    run = solve(scenario_of("00_var_gradient_plus_10", "NL_Intercity_VIRM6", 1541.0).with_(**changes), check=True)
+    run = solve(scenario_of("00_var_gradient_plus_10", "NL_Intercity_VIRM6", 1541.0).replace(**changes), check=True)
     assert run.energy_kwh == pytest.approx(kwh, rel=share)
     assert run.is_proven
 

@@ -11,7 +11,7 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.scenario import preset_names
 
-MOST_CELLS = 1100
+MAX_CELLS = 1100
 """Of lines that Python alone solves within some seconds."""
 SOLVE = """
 import json, sys
@@ -24,7 +24,7 @@ print(json.dumps({name: [float(run.energy_kwh), float(run.gap)] for name, run in
 def is_smooth_and_short(name):
     scenario = load_scenario(name)
     smooth = isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) and scenario.strategy in {"optimal", "fastest"}
-    return smooth and estimated_cells(scenario) < MOST_CELLS
+    return smooth and estimated_cells(scenario) < MAX_CELLS
 
 
 @pytest.mark.nightly

@@ -11,7 +11,7 @@ import pytest
 
 from railjoule.core import kernel_cache
 from railjoule.core.compilation import require_compiled
-from railjoule.core.kernel_cache import VARIABLE, KernelLocator, cache_folder, module_hash, source_hash
+from railjoule.core.kernel_cache import VARIABLE, KernelLocator, cache_folder, module_files, module_hash, source_hash
 
 HELPER = '''"""A helper."""
 
@@ -111,6 +111,12 @@ def test_a_spoilt_store_of_hashes_is_made_again(package):
     before = keys()
     (cache_folder() / kernel_cache.STORE).write_text("{ no json")
     assert keys() == before
+
+
+def test_a_kernel_does_not_depend_on_the_whole_core():
+    files = {path.relative_to(kernel_cache.CORE).as_posix() for path in module_files("railjoule.core.physics.cell")}
+    assert {"compiled.py", "physics/resistance.py"} <= files
+    assert not files & {"__init__.py", "compilation/__init__.py", "strategies/__init__.py"}
 
 
 def test_other_packages_keep_numbas_own_places():

@@ -9,10 +9,10 @@ from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.motion import build_course
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.advised import drive_advice
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.advised import drive_advice
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare
 from railjoule.core.studies.whole_line import whole_line
 
@@ -38,7 +38,7 @@ def speed_kmh_at(run, place_m):
 def test_a_published_benchmark_begins_in_motion(ends_kmh, printed_kwh, share):
     scenario = load_scenario(G1)
     ends = {"timetable.entry_speed_kmh": ends_kmh, "timetable.exit_speed_kmh": ends_kmh}
-    run = solve(scenario.with_(**ends), check=True)
+    run = solve(scenario.replace(**ends), check=True)
     assert run.energy_kwh == pytest.approx(printed_kwh, rel=share)
     assert run.is_proven
 
@@ -61,7 +61,8 @@ def test_kinetic_energy_is_part_of_the_account():
 
 
 def test_every_strategy_takes_them_or_says_why_not():
-    runs, refused = compare(plain_scenario({**MOVING, "vehicle.drive": COPPER_LOSS}))
+    found = compare(plain_scenario({**MOVING, "vehicle.drive": COPPER_LOSS}))
+    runs, refused = found.runs, found.refused
     assert {run.strategy for run in runs} == {"optimal", "bellman", "eoc", "enoc", "phases", "fastest"}
     assert refused["speed_limits"] == "needs a run that ends at rest."
     for run in runs:
@@ -156,7 +157,10 @@ def test_what_cannot_be_is_told(changes, words):
 
 def test_head_wind_by_hand():
     """C (v + w)^2 = C w^2 + 2 C w v + C v^2, with w = 10 m/s."""
-    still, windy = build_course(plain_scenario()).data, build_course(plain_scenario({"line.head_wind_kmh": 36.0})).data
+    still, windy = (
+        build_meshed_line(plain_scenario()).data,
+        build_meshed_line(plain_scenario({"line.head_wind_kmh": 36.0})).data,
+    )
     c = still.resistance_quadratic[0]
     assert windy.resistance_constant_n - still.resistance_constant_n == pytest.approx(100 * c)
     assert windy.resistance_linear - still.resistance_linear == pytest.approx(20 * c)
@@ -193,6 +197,6 @@ def test_trains_with_a_length_pass_the_check(strategy, gradient_at):
 def test_a_run_that_ignores_its_rear_fails_the_check():
     changes = {"vehicle.length_m": 120.0, "line.speed_limits": [{"from_m": 600.0, "to_m": 900.0, "limit_kmh": 40.0}]}
     front = solve(plain_scenario({**changes, "timetable.travel_time_s": 170.0}), "fastest")
-    asked = front.scenario.with_(**{"line.limits_hold_for": "whole_train"})
+    asked = front.scenario.replace(**{"line.limits_hold_for": "whole_train"})
     failed = {check.name for check in check_run(asked, front).checks if not check.ok}
     assert "speed limit" in failed

@@ -9,9 +9,9 @@ from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, StrategyRefusedError
-from railjoule.core.physics.course_data import tractive_limit_n
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.physics.mesh_data import tractive_limit_n
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare, prepare_task
 
 NEUTRAL = {"line.neutral_sections": [{"from_m": 700.0, "to_m": 850.0}]}
@@ -28,10 +28,10 @@ def neutral_cells(run, start_m=700.0, end_m=850.0):
 def require_no_effort(run, **place):
     cells = neutral_cells(run, **place)
     assert cells.sum() > 5
-    most = NO_EFFORT * run.largest_effort_n.max()
+    most = NO_EFFORT * run.max_effort_n.max()
     assert run.tractive_effort_n[cells].max() < most
     assert run.electric_braking_n[cells].max() < most
-    np.testing.assert_allclose(run.line_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
+    np.testing.assert_allclose(run.supply_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
     # Newton's second law in the check finds what the speeds need, whatever the run says of its efforts
     assert check_run(run.scenario, run).ok
 
@@ -42,7 +42,7 @@ def require_no_effort(run, **place):
 def test_the_optimum_is_proven_and_agrees_with_backward_induction(preset, start_m):
     scenario = load_scenario(preset)
     without = solve(scenario)
-    changed = scenario.with_(**{"line.neutral_sections": [{"from_m": start_m, "to_m": start_m + 150.0}]})
+    changed = scenario.replace(**{"line.neutral_sections": [{"from_m": start_m, "to_m": start_m + 150.0}]})
     best, found = solve(changed), solve(changed, "bellman")
     require_no_effort(best, start_m=start_m, end_m=start_m + 150.0)
     # they lie where the train would else drive
@@ -90,23 +90,23 @@ def test_friction_brakes_work_in_them():
 def test_a_line_without_them_is_as_it_was():
     """Each limit is multiplied by exactly 1."""
     task, without = prepare_task(plain_scenario(NEUTRAL)), prepare_task(plain_scenario())
-    assert without.course.data.powered.tolist() == [1.0] * without.course.cell_count
+    assert without.mesh.data.supply_share.tolist() == [1.0] * without.mesh.cell_count
     # 150 m in cells of 10 m
-    assert (task.course.data.powered < 1).sum() == 15
-    speed = np.linspace(0.1, 25.0, without.course.cell_count)
-    limit = without.course.data.traction.effort_n(speed)
-    assert tractive_limit_n(without.course.data, speed).tolist() == limit.tolist()
-    assert tractive_limit_n(task.course.data, speed)[task.course.data.powered < 1].max() < NO_EFFORT * limit.max()
+    assert (task.mesh.data.supply_share < 1).sum() == 15
+    speed = np.linspace(0.1, 25.0, without.mesh.cell_count)
+    limit = without.mesh.data.traction.effort_n(speed)
+    assert tractive_limit_n(without.mesh.data, speed).tolist() == limit.tolist()
+    assert tractive_limit_n(task.mesh.data, speed)[task.mesh.data.supply_share < 1].max() < NO_EFFORT * limit.max()
 
 
 def test_the_check_sees_a_drive_that_works_in_one():
     run = solve(plain_scenario(NEUTRAL))
-    moved = run.scenario.with_(**{"line.neutral_sections": [{"from_m": 100.0, "to_m": 150.0}]})
+    moved = run.scenario.replace(**{"line.neutral_sections": [{"from_m": 100.0, "to_m": 150.0}]})
     result = check_run(moved, run)
     assert [check.name for check in result.broken] == ["neutral sections"]
     assert 100 < result.broken[0].at_m < 150
     # and the electric brake: the last 100 m before the stop
-    result = check_run(run.scenario.with_(**{"line.neutral_sections": [{"from_m": 1900.0, "to_m": 2000.0}]}), run)
+    result = check_run(run.scenario.replace(**{"line.neutral_sections": [{"from_m": 1900.0, "to_m": 2000.0}]}), run)
     assert "neutral sections" in {check.name for check in result.broken}
     # all of the braking by friction brakes that the scenario has not
     friction = replace(
@@ -122,7 +122,8 @@ def test_who_cannot_honour_them_says_so(strategy):
 
 
 def test_a_comparison_goes_on_with_the_others():
-    runs, refused = compare(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}))
+    found = compare(plain_scenario({**NEUTRAL, "vehicle.drive": COPPER_LOSS}))
+    runs, refused = found.runs, found.refused
     assert {run.strategy for run in runs} == {"optimal", "bellman", "fastest"}
     assert set(refused) == {"eoc", "enoc", "phases", "speed_limits"}
 
@@ -184,8 +185,8 @@ def test_the_actual_train_coasts_through_them_too():
     run = actual_run(plain_scenario({**NEUTRAL, "disturbance.actual_load_factor": 0.9}))
     require_no_effort(run.planned)
     cells = neutral_cells(run.actual)
-    assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
-    assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
+    assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.max_effort_n.max()
+    assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.max_effort_n.max()
 
 
 def test_the_closed_loop_refuses_them():
@@ -214,4 +215,4 @@ def test_short_ones_close_together_are_kept_each(strategy):
     for section in sections:
         cells = neutral_cells(run, section["from_m"], section["to_m"])
         assert cells.any()
-        assert run.tractive_effort_n[cells].max() < NO_EFFORT * run.largest_effort_n.max()
+        assert run.tractive_effort_n[cells].max() < NO_EFFORT * run.max_effort_n.max()

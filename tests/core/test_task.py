@@ -9,7 +9,7 @@ from builders import plain_scenario
 from railjoule.core import TimetableError, solve
 from railjoule.core.motion import running_time
 from railjoule.core.strategies import prepare_task
-from railjoule.core.task import LEAST_SLACK
+from railjoule.core.task import MIN_SLACK
 from railjoule.core.trajectory import LATE_SHARE
 
 STOPS = {
@@ -29,21 +29,21 @@ def test_dwells_between_the_ends_count_in_the_travel_time_alone():
     assert task.travel_time_s == 300
     assert task.running_time_s == 267.5
     assert task.shortest_travel_time_s == task.shortest_time_s + 32.5
-    assert task.shortest_time_s == running_time(task.course.data.cell_length_m, task.greatest_speed2)
+    assert task.shortest_time_s == running_time(task.mesh.data.cell_length_m, task.fastest_speed2)
 
 
 def test_ends_and_nodes_are_those_asked_for():
     nodes = np.linspace(0, 2000, 21)
     task = prepare_task(plain_scenario(), 1.0, 2.0, nodes)
-    assert task.greatest_speed2[[0, -1]].tolist() == [1.0, 4.0]
-    assert task.course.position_m.tolist() == nodes.tolist()
+    assert task.fastest_speed2[[0, -1]].tolist() == [1.0, 4.0]
+    assert task.mesh.position_m.tolist() == nodes.tolist()
 
 
 @pytest.mark.parametrize(("excess", "kept"), [(-1e-3, False), (0.0, False), (0.5, False), (2.0, True)])
 def test_a_timetable_needs_slack(excess, kept):
     """In shares of the least slack that leaves an interior point its inside."""
     task = prepare_task(plain_scenario())
-    task = replace(task, running_time_s=task.shortest_time_s * (1 + excess * LEAST_SLACK))
+    task = replace(task, running_time_s=task.shortest_time_s * (1 + excess * MIN_SLACK))
     assert task.has_slack is kept
     if kept:
         task.require_timetable()
@@ -67,5 +67,5 @@ def test_the_time_that_a_refusal_names_can_be_kept():
     with pytest.raises(TimetableError) as error:
         solve(scenario)
     named = str(error.value).split("shortest possible ")[1].removesuffix(" s.")
-    run = solve(scenario.with_(**{"timetable.travel_time_s": float(named)}))
+    run = solve(scenario.replace(**{"timetable.travel_time_s": float(named)}))
     assert run.travel_time_s <= float(named) * (1 + LATE_SHARE)

@@ -7,7 +7,7 @@ import pytest
 from builders import COPPER_LOSS, plain_scenario
 
 from railjoule.core import Bound, solve
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.trajectory import Reference, make_trajectory
 
 DWELL = {
@@ -26,13 +26,13 @@ def test_a_dwell_is_a_cell_without_length(stopping):
     (cell,) = np.flatnonzero(np.diff(stopping.position_m) == 0)
     assert stopping.position_m[cell] == 900
     assert stopping.speed_ms[cell : cell + 2].tolist() == [0, 0]
-    assert stopping.effort_n[cell] == stopping.largest_effort_n[cell] == 0
-    assert stopping.line_power_w[cell] == 40e3
+    assert stopping.effort_n[cell] == stopping.max_effort_n[cell] == 0
+    assert stopping.supply_power_w[cell] == 40e3
     assert np.diff(stopping.time_s)[cell] == pytest.approx(30)
-    assert np.diff(stopping.line_energy_j)[cell] == pytest.approx(30 * 40e3)
+    assert np.diff(stopping.supply_energy_j)[cell] == pytest.approx(30 * 40e3)
     nodes = len(stopping.position_m)
-    assert {len(getattr(stopping, name)) for name in ("speed_ms", "time_s", "line_energy_j")} == {nodes}
-    cells = ("tractive_effort_n", "electric_braking_n", "friction_braking_n", "line_power_w", "gradient_permille")
+    assert {len(getattr(stopping, name)) for name in ("speed_ms", "time_s", "supply_energy_j")} == {nodes}
+    cells = ("tractive_effort_n", "electric_braking_n", "friction_braking_n", "supply_power_w", "gradient_permille")
     assert {len(getattr(stopping, name)) for name in cells} == {nodes - 1}
 
 
@@ -102,7 +102,7 @@ def test_a_run_without_bound_has_no_gap_and_is_not_proven(stopping):
 @pytest.mark.parametrize(("part", "proven"), [(0.0, True), (0.9, True), (-0.9, True), (1.1, False), (-1.1, False)])
 def test_a_run_is_proven_within_the_tolerance_of_its_scenario(stopping, tolerance, part, proven):
     bound = bound_runs(stopping, stopping.energy.net_j / (1 + part * tolerance))
-    scenario = stopping.scenario.with_(**{"solver.tolerance": tolerance})
+    scenario = stopping.scenario.replace(**{"solver.tolerance": tolerance})
     assert replace(stopping, scenario=scenario, bound=bound).is_proven == proven
 
 
@@ -137,8 +137,8 @@ def test_table_has_a_row_a_node_and_its_unit_in_each_name(stopping):
     for column, expected in {
         "speed_kmh": 3.6 * stopping.speed_ms,
         "effort_kn": np.append(stopping.effort_n, stopping.effort_n[-1]) / 1e3,
-        "line_power_kw": np.append(stopping.line_power_w, stopping.line_power_w[-1]) / 1e3,
-        "line_energy_kwh": stopping.line_energy_j / 3.6e6,
+        "line_power_kw": np.append(stopping.supply_power_w, stopping.supply_power_w[-1]) / 1e3,
+        "line_energy_kwh": stopping.supply_energy_j / 3.6e6,
         "gradient_permille": np.append(stopping.gradient_permille, stopping.gradient_permille[-1]),
     }.items():
         assert table[column].to_numpy() == pytest.approx(expected), column
@@ -159,16 +159,16 @@ def test_an_electric_brake_that_would_draw_power_leaves_it_to_friction():
     v^2 / (4 coefficient), at half of the effort that just generates nothing."""
     drive = {**COPPER_LOSS, "resistance_ohm": 0.3}
     with_friction = plain_scenario({"vehicle.drive": drive, "vehicle.braking.friction_effort_kn": 100.0})
-    course = build_course(with_friction)
-    speed2 = 2 * 0.7 * np.minimum(course.position_m, 2000 - course.position_m).clip(max=80.0)
+    mesh = build_meshed_line(with_friction)
+    speed2 = 2 * 0.7 * np.minimum(mesh.position_m, 2000 - mesh.position_m).clip(max=80.0)
     without = plain_scenario({"vehicle.drive": drive})
-    by_motors = make_trajectory(without, build_course(without), "any", speed2)
-    by_both = make_trajectory(with_friction, course, "any", speed2)
-    assert by_motors.line_power_w[-1] > 0
-    coefficient, speed = course.drive.parameters[0], 0.5 * by_both.speed_ms[-2]
+    by_motors = make_trajectory(without, build_meshed_line(without), "any", speed2)
+    by_both = make_trajectory(with_friction, mesh, "any", speed2)
+    assert by_motors.supply_power_w[-1] > 0
+    coefficient, speed = mesh.drive.parameters[0], 0.5 * by_both.speed_ms[-2]
     assert by_both.electric_braking_n[-1] == pytest.approx(speed / (2 * coefficient))
-    assert by_both.line_power_w[-1] == pytest.approx(-0.5 * speed**2 / (4 * coefficient))
-    spared = (by_motors.line_power_w - by_both.line_power_w) @ np.diff(by_motors.time_s)
+    assert by_both.supply_power_w[-1] == pytest.approx(-0.5 * speed**2 / (4 * coefficient))
+    spared = (by_motors.supply_power_w - by_both.supply_power_w) @ np.diff(by_motors.time_s)
     assert by_both.energy.net_j == pytest.approx(by_motors.energy.net_j - spared)
     # where motors generate the more the more they brake, they do all
     mean_speed = 0.5 * (by_both.speed_ms[1:] + by_both.speed_ms[:-1])

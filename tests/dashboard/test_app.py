@@ -22,17 +22,17 @@ def test_a_page_opens_with_a_proven_optimum(session: Session) -> None:
 def test_a_move_reads_no_file_and_makes_its_scenario_once(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
     session.state.page = "Drive"
     session.state.scenario.edit({"vehicle.auxiliary_power_kw": 30.0})
-    made, with_ = [], Scenario.with_
+    made, replace = [], Scenario.replace
 
     def counted(scenario: Scenario, **changes: Any) -> Scenario:
         made.append(changes)
-        return with_(scenario, **changes)
+        return replace(scenario, **changes)
 
     def refuse(*_: Any) -> None:
         raise AssertionError("a file was read")
 
-    monkeypatch.setattr(Scenario, "with_", counted)
-    monkeypatch.setattr("railjoule.core.scenario.files.parse_scenario", refuse)
+    monkeypatch.setattr(Scenario, "replace", counted)
+    monkeypatch.setattr("railjoule.core.scenario.document.parse_scenario", refuse)
     for time_s in (140.0, 141.0):
         session.shell.sidebar.travel_time.value = time_s
         assert session.state.runs.scenario.travel_time_s == time_s

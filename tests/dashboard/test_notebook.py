@@ -37,7 +37,7 @@ def test_values_are_those_of_the_run_in_the_units_of_its_caption(run: Trajectory
     assert [str(curve.vdims[0].label) for curve in (speed, energy)] == ["Speed, km/h", "Energy drawn so far, kWh"]
     np.testing.assert_array_equal(speed.dimension_values("position"), run.position_m)
     np.testing.assert_allclose(speed.dimension_values("speed"), 3.6 * run.speed_ms)
-    np.testing.assert_allclose(energy.dimension_values("energy"), run.line_energy_j / 3.6e6)
+    np.testing.assert_allclose(energy.dimension_values("energy"), run.supply_energy_j / 3.6e6)
     np.testing.assert_allclose(effort.dimension_values("effort")[1:], run.effort_n / 1e3)
 
 

@@ -13,7 +13,6 @@ from io import StringIO
 
 import pytest
 
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.command.cli import main
@@ -87,7 +86,7 @@ class Teller:
         self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
         self.compare = CompareView(self.state, Browser(), PALETTE)
         self.state.scenario.choose(name)
-        self.first: StrategyName = self.state.chosen
+        self.first: str = self.state.chosen
         self.state.ticked = list(STRATEGIES)
         self.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), tuple(STRATEGIES)))
         self.proving = Proving(self.state)

@@ -81,7 +81,7 @@ def test_the_saving_over_the_printed_optima_is_as_told():
 @pytest.mark.parametrize(("mesh_m", "cells"), [(70.0, 755), (10.0, 4860)])
 def test_the_benchmark_is_solved_as_told(mesh_m, cells):
     """In the paper and in the page that compares tools; the times there are measured, and held by no test."""
-    scenario = load_scenario(Path(ROOT / "tests" / "benchmarks" / "g1.toml")).with_(**{"solver.mesh_m": mesh_m})
+    scenario = load_scenario(Path(ROOT / "tests" / "benchmarks" / "g1.toml")).replace(**{"solver.mesh_m": mesh_m})
     run = solve(scenario)
     assert f"{run.energy_kwh:.3f} kWh over {cells} cells" in " ".join(BODY.split())
     assert 0 <= run.gap <= 1.1e-4

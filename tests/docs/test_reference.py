@@ -10,12 +10,13 @@ from documents import DOCS
 
 import railjoule.core
 from railjoule.core.scenario import Scenario, format_scenario, load_scenario, preset_names, scenario_from_document
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.cli import build_parser
 
 sys.path.insert(0, str(DOCS))
 
 from building.colours import in_theme, with_variables
-from building.generated import MARKS, command_line, filled, papers, scenario_keys
+from building.generated import MARKS, command_line, filled, papers, scenario_keys, strategies
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 
 
@@ -88,6 +89,12 @@ def test_every_field_of_the_scenario_has_words():
 def test_numbers_of_the_papers_are_those_that_are_shipped():
     """Table 1 of Ftorek: 4714.9 Wh are printed, and 4618 Wh is what less can be had with, see core/validation."""
     assert "| T_m = 270 s | W_T | Wh | 4714.9 | 4618.1 |" in papers()
+
+
+def test_every_strategy_stands_in_its_table_with_what_it_takes():
+    rows = strategies().splitlines()[2:]
+    assert [row.split("`")[1] for row in rows] == list(STRATEGIES)
+    assert all(STRATEGIES[row.split("`")[1]].applies_to in row for row in rows)
 
 
 def test_every_mark_stands_in_one_page():

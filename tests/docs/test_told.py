@@ -11,8 +11,7 @@ from commands import answer, complaint
 from documents import ROOT, blocks, text_of
 
 from railjoule.core import solve
-from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
-from railjoule.core.strategies import STRATEGIES
+from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
 from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.command.imports import READERS
 from railjoule.dashboard.page_list import PAGES
@@ -114,13 +113,6 @@ def test_commands_without_an_example_exist(capsys):
     for command in ("serve", "benchmark"):
         assert f"`railjoule {command}`" in COMMANDS_PAGE
         assert answer(capsys, command, "--help")
-
-
-def test_strategies_are_those_that_exist():
-    table = text_of("explanation/strategies").partition("\n## ")[0]
-    named = re.findall(r"^\| `(\w+)`", table, re.MULTILINE)
-    assert named == list(STRATEGIES)
-    assert set(named) <= set(STRATEGY_NAMES)
 
 
 def test_presets_are_those_that_exist():

@@ -16,6 +16,7 @@ from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.cli import build_parser
 
 SIGNS = {Ge: ("ge", "at least"), Gt: ("gt", "above"), Le: ("le", "at most"), Lt: ("lt", "below")}
@@ -193,7 +194,16 @@ def _paper(name: str, paper: dict[str, Any]) -> Iterator[str]:
         yield ""
 
 
+def strategies() -> str:
+    """Return the table of strategies, as Markdown."""
+    rows = [
+        f"| `{one.name}` | {one.label} | {_cell(one.help)} | {_cell(one.applies_to)} |" for one in STRATEGIES.values()
+    ]
+    return "\n".join(["| name | label | what it does | takes |", "| --- | --- | --- | --- |", *rows])
+
+
 MARKS: dict[str, Callable[[], str]] = {
+    "<!-- the strategies -->": strategies,
     "<!-- the commands -->": command_line,
     "<!-- the keys of a scenario -->": scenario_keys,
     "<!-- the papers' numbers -->": papers,

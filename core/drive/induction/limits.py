@@ -1,11 +1,11 @@
 """The largest efforts of the machines at a speed: full current at rated flux, then under the voltage with less flux.
 
 Ix^2 = kappa / q is at most the least of Imu^2, I^2 / (1 + q^2) and U_m^2 / D(q), each of which makes kappa a function
-of q with one maximum; so the greatest torque is found by one search over q. Where more current than the pull-out
-torque needs would only lower the torque, the machine takes less.
+of q with one maximum; so the greatest torque is found by one search over q. If more current than the
+pull-out torque needs would only lower the torque, the machine takes less.
 
 Source: Rawicki, (1)-(2), (14)-(28); the law above the speed at which the voltage no longer carries the full current is
-ours.
+railjoule's.
 """
 
 import math
@@ -14,6 +14,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.geared import BRAKING_SHARE, DRIVING_SHARE, FRICTION, MOTORS, TURNS
 from railjoule.core.drive.induction.machine import (
     Machine,
     leakage_share,
@@ -22,12 +23,11 @@ from railjoule.core.drive.induction.machine import (
     steady_state,
     torque_constant,
 )
-from railjoule.core.drive.induction.power import GEAR, MOTORS, TURNS
 from railjoule.core.drive.induction.voltage import Quartic, value, voltage_quartic
 from railjoule.core.golden_section import Bracket, inner_points, narrowed, next_point
 
 # Iy / Ix of the search: far beyond both ends of what machines do, in the logarithm of which the torque has one maximum
-LEAST_RATIO, GREATEST_RATIO = 1e-3, 1e3
+MIN_RATIO, GREATEST_RATIO = 1e-3, 1e3
 WIDENING = 1.02
 # 50 cuts by 0.618 leave 5e-10 of the ratio, at a kink between two limits as much of the torque
 NARROWINGS = 50
@@ -42,9 +42,7 @@ def _strength_at(machine: Machine, quartic: Quartic, current2: float, flux2: flo
 
 
 @njit(cache=True)
-def greatest_torque_nm(
-    machine: Machine, sign: float, current_a: float, flux_current_a: float, rotor_rads: float
-) -> float:
+def max_torque_nm(machine: Machine, sign: float, current_a: float, flux_current_a: float, rotor_rads: float) -> float:
     """Return the greatest electromagnetic torque [N m], without sign.
 
     Parameters
@@ -60,7 +58,7 @@ def greatest_torque_nm(
     """
     quartic = voltage_quartic(machine, sign, rotor_rads)
     current2, flux2 = current_a * current_a, flux_current_a * flux_current_a
-    low, high = math.log(LEAST_RATIO), math.log(GREATEST_RATIO)
+    low, high = math.log(MIN_RATIO), math.log(GREATEST_RATIO)
     left, right = inner_points(low, high)
     # the search is for the least value, so kappa comes into it negative
     at_left = -_strength_at(machine, quartic, current2, flux2, math.exp(left))
@@ -92,21 +90,18 @@ def fill_efforts(
     current_a : float
         Largest current of one machine [A].
     rated_flux : bool
-        Whether the flux is limited to its rated value; else current and voltage alone count.
+        Whether the flux is limited to its rated value; else only current and voltage count.
     speed_ms, effort_n : array of shape (n,)
         Speeds and efforts.
     """
-    machine = machine_of(parameters)
-    wheel = parameters[MOTORS] * parameters[TURNS]
+    machine, sign = machine_of(parameters), -1.0 if braking else 1.0
+    wheel = parameters[MOTORS] * parameters[TURNS] / parameters[BRAKING_SHARE if braking else DRIVING_SHARE]
     flux_current = machine.magnetising_current_a if rated_flux else np.inf
     for i in range(speed_ms.shape[0]):
         rotor_rads = machine.pole_pairs * parameters[TURNS] * speed_ms[i]
-        torque = greatest_torque_nm(machine, -1.0 if braking else 1.0, current_a, flux_current, rotor_rads)
-        # friction of the machine helps to brake, and its torque is lost to driving; the gear stands on the other side
-        if braking:
-            effort_n[i] = wheel * (torque + machine.mechanical_loss_torque_nm) / parameters[GEAR]
-        else:
-            effort_n[i] = max(wheel * (torque - machine.mechanical_loss_torque_nm) * parameters[GEAR], 0.0)
+        torque = max_torque_nm(machine, sign, current_a, flux_current, rotor_rads)
+        # friction of the machine helps to brake, and takes torque from driving
+        effort_n[i] = max(wheel * (torque - sign * parameters[FRICTION]), 0.0)
 
 
 @njit(cache=True)
@@ -184,7 +179,7 @@ def fill_full_current(
 ) -> None:
     """Fill tractive effort [N] and line power [W] of machines that carry all of a current, as Rawicki's starts do.
 
-    Where the pull-out torque needs less, that wastes some; where the voltage does not carry it, both become negative.
+    If the pull-out torque needs less, that wastes power; if the voltage does not carry it, both become negative.
 
     Parameters
     ----------
@@ -196,7 +191,7 @@ def fill_full_current(
         Speeds, efforts and powers.
     """
     machine = machine_of(parameters)
-    wheel = parameters[MOTORS] * parameters[TURNS] * parameters[GEAR]
+    wheel = parameters[MOTORS] * parameters[TURNS] / parameters[DRIVING_SHARE]
     for i in range(speed_ms.shape[0]):
         rotor_rads = machine.pole_pairs * parameters[TURNS] * speed_ms[i]
         ratio = _full_current_ratio(machine, voltage_quartic(machine, 1.0, rotor_rads), current_a)

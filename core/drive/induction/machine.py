@@ -16,10 +16,11 @@ from typing import NamedTuple
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.geared import LOSSES
 
 
 class Machine(NamedTuple):
-    """The numbers of one machine, as the formulas of this file need them.
+    """The parameters of one machine.
 
     Parameters
     ----------
@@ -32,7 +33,7 @@ class Machine(NamedTuple):
     hysteresis_loss_ws, eddy_loss_ws2 : float
         Iron losses at rated flux over w1 [W s] and over its square [W s2].
     mechanical_loss_torque_nm : float
-        T_m, what friction and ventilation take of the torque [N m].
+        T_m, torque of friction and ventilation [N m].
     max_phase_voltage_v : float
         U_m [V].
     pole_pairs : float
@@ -53,7 +54,7 @@ class Machine(NamedTuple):
 
 
 class SteadyState(NamedTuple):
-    """What a machine does with two currents at a speed; signed, generating with a negative torque.
+    """The steady state of a machine with two currents at a speed; signed, generating with a negative torque.
 
     Parameters
     ----------
@@ -80,36 +81,11 @@ class SteadyState(NamedTuple):
     input_power_w: float
 
 
-# a drive's parameters begin with the numbers of its machine, in the order of the fields
-MACHINE_SIZE = len(Machine._fields)
-STATOR_RESISTANCE, ROTOR_RESISTANCE, STATOR_INDUCTANCE, ROTOR_INDUCTANCE, MUTUAL_INDUCTANCE = range(5)
-MAGNETISING_CURRENT, HYSTERESIS_LOSS, EDDY_LOSS, MECHANICAL_LOSS, MAX_PHASE_VOLTAGE, POLE_PAIRS = range(5, MACHINE_SIZE)
-
-
-def iron_loss_coefficients(
-    hysteresis_loss_w: float, eddy_loss_w: float, rated_frequency_hz: float
-) -> tuple[float, float]:
-    """Return Ph / w1N [W s] and Pe / w1N^2 [W s2] from iron losses at rated flux and rated frequency [W, Hz]."""
-    rated_rads = 2 * math.pi * rated_frequency_hz
-    return hysteresis_loss_w / rated_rads, eddy_loss_w / rated_rads**2
-
-
 @njit(cache=True)
 def machine_of(parameters: FloatArray) -> Machine:
-    """Return the machine whose numbers are the first entries of a drive's parameters."""
-    return Machine(
-        parameters[STATOR_RESISTANCE],
-        parameters[ROTOR_RESISTANCE],
-        parameters[STATOR_INDUCTANCE],
-        parameters[ROTOR_INDUCTANCE],
-        parameters[MUTUAL_INDUCTANCE],
-        parameters[MAGNETISING_CURRENT],
-        parameters[HYSTERESIS_LOSS],
-        parameters[EDDY_LOSS],
-        parameters[MECHANICAL_LOSS],
-        parameters[MAX_PHASE_VOLTAGE],
-        parameters[POLE_PAIRS],
-    )
+    """Return the machine in the parameters of a drive: they follow those of all geared drives."""
+    m = parameters[LOSSES:]
+    return Machine(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10])
 
 
 @njit(cache=True)
@@ -151,7 +127,7 @@ def iron_loss_w(machine: Machine, flux_current_a: float, stator_rads: float) -> 
 
 @njit(cache=True)
 def steady_state(machine: Machine, flux_current_a: float, torque_current_a: float, rotor_rads: float) -> SteadyState:
-    """Return what a machine does with its two currents.
+    """Return the steady state of a machine with its two currents.
 
     Parameters
     ----------
@@ -168,7 +144,7 @@ def steady_state(machine: Machine, flux_current_a: float, torque_current_a: floa
     frequency = rotor_rads + slip
     torque = torque_constant(machine) * i_x * i_y
     resistance, inductance = machine.stator_resistance_ohm, machine.stator_inductance_h
-    # steady state: no derivatives, so fluxes turn into voltages by the stator's frequency alone
+    # steady state: no derivatives, so only the stator's frequency turns fluxes into voltages
     voltage_x = resistance * i_x - frequency * leakage_share(machine) * inductance * i_y
     voltage_y = resistance * i_y + frequency * inductance * i_x
     iron = iron_loss_w(machine, i_x, frequency)

@@ -1,18 +1,42 @@
-"""The induction machines of a train, from whichever kind of drive has them: circuit, limits, gear."""
+"""The induction machines of a train, of a drive of machines or beside a drive with copper loss.
 
+The T circuit has a leakage on each side of the mutual inductance. The inverse-gamma circuit has all of it on the
+stator's side; with k = M / L_W its rotor flux is k times that of the T circuit, and
+
+    leakage L_S - k M      magnetising inductance k M      rotor resistance k^2 R_W:
+
+with k times the flux, the rotor has 1 / k of the current for the same torque, and the same loss. Both behave alike at
+the stator's terminals and at the shaft. Source: Slemon 1989, "Modelling of induction machines for electric drives",
+(16)-(20).
+"""
+
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.drive.geared_parameters import turns_per_metre
-from railjoule.core.drive.induction.circuit import InverseGammaCircuit, inverse_gamma_of, t_circuit_of_machine
+from railjoule.core.compiled import njit
+from railjoule.core.drive.geared import turns_per_metre
 from railjoule.core.drive.induction.drive import machine_from
-from railjoule.core.drive.induction.efficiency import fill_efficiency
-from railjoule.core.drive.induction.limits import greatest_torque_nm
-from railjoule.core.drive.induction.machine import Machine
+from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
+from railjoule.core.drive.induction.limits import max_torque_nm
+from railjoule.core.drive.induction.machine import Machine, phase_voltage_v, steady_state, torque_constant
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction
+from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction, InductionMachine
+
+# a torque on the limit itself, which a search finds to 5e-10, counts as carried
+ALLOWED_EXCESS = 1e-6
+
+
+class InverseGammaCircuit(NamedTuple):
+    """A machine with all leakage on the stator's side: resistances [ohm] and inductances [H]."""
+
+    stator_resistance_ohm: float
+    rotor_resistance_ohm: float
+    magnetising_inductance_h: float
+    leakage_inductance_h: float
 
 
 @dataclass(frozen=True)
@@ -22,15 +46,17 @@ class TractionMachines:
     Parameters
     ----------
     machine : Machine
-        The numbers of one.
+        One of them.
     motors : int
-        How many there are.
+        Their number.
     turns_per_metre : float
         Angle of a rotor over the distance of the train [1/m].
     gear_efficiency : float
-        What the gear lets through of the power, in driving and in braking.
-    driving_current_a, braking_current_a : float
-        Largest currents of one machine, amplitude per phase [A].
+        Of the gear, in driving and in braking.
+    driving_current_a : float
+        Largest current of one machine in driving, amplitude per phase [A].
+    braking_current_a : float
+        Largest current of one machine in braking, amplitude per phase [A].
     """
 
     machine: Machine
@@ -43,7 +69,15 @@ class TractionMachines:
     @property
     def circuit(self) -> InverseGammaCircuit:
         """Return the inverse-gamma circuit of one machine."""
-        return inverse_gamma_of(t_circuit_of_machine(self.machine))
+        machine = self.machine
+        k = machine.mutual_inductance_h / machine.rotor_inductance_h
+        magnetising_h = k * machine.mutual_inductance_h
+        return InverseGammaCircuit(
+            stator_resistance_ohm=machine.stator_resistance_ohm,
+            rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
+            magnetising_inductance_h=magnetising_h,
+            leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
+        )
 
     @property
     def rated_flux_vs(self) -> float:
@@ -51,8 +85,8 @@ class TractionMachines:
         # in steady state the rotor's flux is M Ix: its current has no part along x
         return self.machine.mutual_inductance_h * self.machine.magnetising_current_a
 
-    def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
-        """Return the greatest torque of the shaft, without sign, that current and voltage carry [N m].
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
+        """Return the greatest torque of the shaft, without sign, within current and voltage [N m].
 
         Parameters
         ----------
@@ -64,14 +98,14 @@ class TractionMachines:
         current = self.braking_current_a if braking else self.driving_current_a
         sign, machine = -1.0 if braking else 1.0, self.machine
         torque = [
-            greatest_torque_nm(machine, sign, current, machine.magnetising_current_a, machine.pole_pairs * speed)
+            max_torque_nm(machine, sign, current, machine.magnetising_current_a, machine.pole_pairs * speed)
             for speed in np.asarray(speed_rads, dtype=float)
         ]
         # friction takes from the torque that drives, and adds to the one that brakes
         return np.maximum(np.array(torque) - sign * machine.mechanical_loss_torque_nm, 0.0)
 
-    def efficiency(self, torque_nm: FloatArray, speed_rads: FloatArray, least_loss: bool) -> FloatArray:
-        """Return output over input power of one machine; NaN where current or voltage do not carry a torque.
+    def efficiency(self, torque_nm: FloatArray, speed_rads: FloatArray, min_loss: bool) -> FloatArray:
+        """Return output over input power of one machine, shape (n, m); NaN beyond current or voltage.
 
         Parameters
         ----------
@@ -79,23 +113,13 @@ class TractionMachines:
             Torques of the shaft, negative where it brakes [N m].
         speed_rads : array of shape (m,)
             Speeds of the rotor [rad/s].
-        least_loss : bool
+        min_loss : bool
             Whether the flux is that of least loss; else the rated one as long as the voltage carries it.
-
-        Returns
-        -------
-        array of shape (n, m)
         """
+        limits = self.driving_current_a, self.braking_current_a
         found = np.empty((len(torque_nm), len(speed_rads)))
-        fill_efficiency(
-            self.machine,
-            least_loss,
-            self.driving_current_a,
-            self.braking_current_a,
-            np.array(torque_nm, dtype=float),
-            np.array(speed_rads, dtype=float),
-            found,
-        )
+        torque, speed = np.array(torque_nm, dtype=float), np.array(speed_rads, dtype=float)
+        fill_efficiency(self.machine, min_loss, *limits, torque, speed, found)
         return found
 
 
@@ -107,28 +131,54 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     ScenarioError
         If it has none.
     """
+    parameters: Induction | InductionMachine
     if isinstance(drive, Induction):
-        return TractionMachines(
-            machine=machine_from(drive),
-            motors=drive.motors,
-            turns_per_metre=turns_per_metre(drive),
-            gear_efficiency=drive.gear_efficiency,
-            # of a tram the currents are those of starting and braking, of a bare machine one for both
-            driving_current_a=drive.starting_current_a,
-            braking_current_a=drive.braking_current_a,
-        )
-    if not isinstance(drive, CopperLoss):
+        # a tram has a current for starting and one for braking, a single machine one for both
+        gear, parameters = drive.gear_efficiency, drive
+        currents = drive.starting_current_a, drive.braking_current_a
+    elif not isinstance(drive, CopperLoss):
         model = getattr(drive, "model", "")
         raise ScenarioError(
             f"drive.model = '{model}' has no induction machine; 'induction' and 'copper_loss' may have one."
         )
-    if drive.machine is None:
+    elif drive.machine is None:
         raise ScenarioError("drive.machine is missing: of its motors this drive knows only the resistance.")
-    return TractionMachines(
-        machine=machine_from(drive.machine),
-        motors=drive.motors,
-        turns_per_metre=turns_per_metre(drive),
-        gear_efficiency=1.0,
-        driving_current_a=drive.machine.max_current_a,
-        braking_current_a=drive.machine.max_current_a,
-    )
+    else:
+        gear, parameters = 1.0, drive.machine
+        currents = drive.machine.max_current_a, drive.machine.max_current_a
+    return TractionMachines(machine_from(parameters), drive.motors, turns_per_metre(drive), gear, *currents)
+
+
+@njit(cache=True, nogil=True)
+def fill_efficiency(
+    machine: Machine,
+    min_loss: bool,
+    driving_current_a: float,
+    braking_current_a: float,
+    torque_nm: FloatArray,
+    speed_rads: FloatArray,
+    efficiency: FloatArray,
+) -> None:
+    """Fill the efficiencies of `TractionMachines.efficiency`; 0 where nothing comes out."""
+    for j in range(speed_rads.shape[0]):
+        rotor_rads = machine.pole_pairs * speed_rads[j]
+        for i in range(torque_nm.shape[0]):
+            # friction takes its torque from the shaft in both directions
+            torque = torque_nm[i] + machine.mechanical_loss_torque_nm
+            if min_loss:
+                flux_current = flux_current_of_least_loss(machine, torque, rotor_rads)
+            else:
+                flux_current = flux_current_within_voltage(machine, torque, rotor_rads)
+            torque_current = torque / (torque_constant(machine) * flux_current)
+            state = steady_state(machine, flux_current, torque_current, rotor_rads)
+            max_a = driving_current_a if torque >= 0.0 else braking_current_a
+            current, voltage = math.hypot(flux_current, torque_current) / max_a, phase_voltage_v(state)
+            shaft = torque_nm[i] * speed_rads[j]
+            if max(current, voltage / machine.max_phase_voltage_v) > 1.0 + ALLOWED_EXCESS:
+                efficiency[i, j] = np.nan
+            elif shaft > 0.0:
+                efficiency[i, j] = shaft / state.input_power_w
+            elif shaft < 0.0 and state.input_power_w < 0.0:
+                efficiency[i, j] = state.input_power_w / shaft
+            else:
+                efficiency[i, j] = 0.0

@@ -1,4 +1,4 @@
-"""What the voltage leaves of a machine: its square as a polynomial in the ratio of the currents.
+"""The voltage limit of a machine: its square as a polynomial in the ratio of the currents.
 
 With q = |Iy| / Ix, and s = 1 driving or -1 generating, the frequency is w1 = w + s g q, g = R_W / L_W, and
 
@@ -103,7 +103,7 @@ def convex_until(quartic: Quartic) -> float:
 @njit(cache=True)
 def pull_out_ratio(quartic: Quartic) -> float:
     """Return the ratio of the greatest torque under the voltage, where D = q dD/dq."""
-    # kappa = U_m^2 q / D is greatest where D = q D'; of the quadratic part of D alone the root is sqrt(d0 / d2)
+    # kappa = U_m^2 q / D is greatest where D = q D'; the root of only the quadratic part of D is sqrt(d0 / d2)
     q, until = math.sqrt(quartic.d0 / quartic.d2), convex_until(quartic)
     for _ in range(ROOT_STEPS):
         excess = value(quartic, q) - q * slope(quartic, q)

@@ -1,14 +1,14 @@
-"""From the numbers of a synchronous machine and its inverter to maps of efficiency, and to the drive of a train."""
+"""The efficiency maps of a synchronous machine with its inverter, and the drive of a train."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.drive.geared_parameters import turns_per_metre
-from railjoule.core.drive.loss_map.drive import LossMap, MapDrive, make_map_drive
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
+from railjoule.core.drive.geared import BRAKING_SHARE, DRIVING_SHARE, MOTORS, TURNS
+from railjoule.core.drive.loss_map import LossMap, MapDrive, map_fields
 from railjoule.core.drive.synchronous.harmonics import Winding, side_bands
 from railjoule.core.drive.synchronous.losses import (
     CONDUCTION,
@@ -16,7 +16,6 @@ from railjoule.core.drive.synchronous.losses import (
     MOTOR_KINDS,
     LossNumbers,
     fill_envelope,
-    fill_map,
     fill_points,
 )
 from railjoule.core.drive.synchronous.machine import Machine
@@ -26,7 +25,7 @@ from railjoule.core.units import H_PER_MH, M_PER_MM
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "harmonics", "conduction", "switching")
 ACCOUNT_KINDS = (*LOSS_KINDS[:CONDUCTION], "inverter")
-"""The same in the energy account, where the inverter's conduction and switching are one kind."""
+"""The kinds in the energy balance, in which the inverter's conduction and switching are one."""
 # Of the shipped motor, a table four times as fine each way changes the power by 1e-6 in the median, by 0.4 % at worst.
 TABLE_TORQUES, TABLE_SPEEDS = 36, 41
 # just inside the envelope, where a search still finds the torque, and a little further in, for the slope of the losses
@@ -35,18 +34,20 @@ EDGE_SHARE, INNER_SHARE = 1 - 1e-6, 0.95
 
 @dataclass(frozen=True, eq=False)
 class EfficiencyMaps:
-    """Efficiencies of one motor, and of it with its inverter; not a number where they have no such torque.
+    """Efficiencies of one motor, and of it with its inverter; NaN beyond current or voltage.
 
     Parameters
     ----------
     torque_nm : array of shape (n,)
-        Torques of the shaft [N m]; negative brakes.
+        Torques of the shaft [N m], negative in braking.
     speed_rads : array of shape (m,)
         Its speeds [rad/s].
-    motor, drive : array of shape (n, m)
-        Output over input; zero where the motor gives no power, or takes some to brake.
+    motor : array
+        Output over input of the motor, shape (n, m); zero where it gives no power, or takes some to brake.
+    drive : array of shape (n, m)
+        Output over input of motor and inverter.
     losses_w : array of shape (n, m, 6)
-        Losses [W] by `LOSS_KINDS`.
+        Losses by `LOSS_KINDS` [W].
     """
 
     torque_nm: FloatArray
@@ -56,7 +57,7 @@ class EfficiencyMaps:
     losses_w: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SynchronousDrive(MapDrive):
     """A drive that divides the losses of its motors and inverters into kinds.
 
@@ -75,25 +76,18 @@ class SynchronousDrive(MapDrive):
         """
         losses = super().losses_w(effort_n, speed_ms)
         whole = losses.pop(self.loss_kind)
-        shares = self._loss_shares(*np.broadcast_arrays(np.asarray(effort_n, float), np.asarray(speed_ms, float)))
-        parts = [*shares[:CONDUCTION], shares[CONDUCTION:].sum(axis=0)]
-        kinds = {kind: whole * part for kind, part in zip(ACCOUNT_KINDS, parts, strict=True)}
-        return kinds | losses
-
-    def _loss_shares(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
-        """Return the share of each kind of `LOSS_KINDS` in the losses of motor and inverter; shape (6, ...)."""
-        turns = turns_per_metre(self.machine)
-        gear = np.where(effort_n < 0, 1 - self.gear_loss_share, 1 + self.gear_loss_share)
-        torque = effort_n * gear / (self.machine.motors * turns)
-        losses = np.empty((effort_n.size, KINDS))
-        fill_points(*_numbers(self.machine), torque.ravel(), (turns * speed_ms).ravel(), losses)
+        effort, head = np.asarray(effort_n, float), self.parameters
+        gear = np.where(effort < 0, head[BRAKING_SHARE], head[DRIVING_SHARE])
+        torque = effort * gear / (head[MOTORS] * head[TURNS])
+        kinds, _ = _losses_w(self.machine, torque, head[TURNS] * np.asarray(speed_ms, float))
         # a machine at rest without friction, current or voltage loses nothing
-        total = np.maximum(losses.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-        return np.moveaxis((losses / total).reshape(*effort_n.shape, KINDS), -1, 0)
+        shares = kinds / np.maximum(kinds.sum(axis=-1, keepdims=True), np.finfo(float).tiny)
+        parts = [*np.moveaxis(shares[..., :CONDUCTION], -1, 0), shares[..., CONDUCTION:].sum(axis=-1)]
+        return {kind: whole * part for kind, part in zip(ACCOUNT_KINDS, parts, strict=True)} | losses
 
 
 def efficiency_maps(parameters: Synchronous, torque_nm: FloatArray, speed_rads: FloatArray) -> EfficiencyMaps:
-    """Return the efficiency maps of a motor and of its drive, the gear not included.
+    """Return the efficiency maps of a motor and of it with its inverter, the gear not included.
 
     Parameters
     ----------
@@ -104,8 +98,8 @@ def efficiency_maps(parameters: Synchronous, torque_nm: FloatArray, speed_rads: 
         Its speeds, none below 0 [rad/s].
     """
     torque, speed = np.asarray(torque_nm, dtype=float), np.asarray(speed_rads, dtype=float)
-    losses = np.empty((len(torque), len(speed), KINDS))
-    fill_map(*_numbers(parameters), torque, speed, losses)
+    losses, feasible = _losses_w(parameters, torque[:, None], speed)
+    losses[~feasible] = np.nan
     shaft = torque[:, None] * speed[None, :]
     return EfficiencyMaps(
         torque_nm=frozen_array(torque),
@@ -121,13 +115,17 @@ def torque_envelope(parameters: Synchronous, speed_rads: FloatArray, braking: bo
     machine, numbers, *_ = _numbers(parameters)
     speed = np.asarray(speed_rads, dtype=float)
     torque = np.empty(len(speed))
-    fill_envelope(machine, numbers, -1.0 if braking else 1.0, _most_nm(machine), speed, torque)
+    saliency = machine.quadrature_inductance_h - machine.direct_inductance_h
+    # both currents at their largest together, which no split of the current can be
+    flux = machine.magnet_flux_vs + saliency * machine.max_current_a
+    max_nm = 1.5 * machine.pole_pairs * flux * machine.max_current_a
+    fill_envelope(machine, numbers, -1.0 if braking else 1.0, max_nm, speed, torque)
     return torque
 
 
 @lru_cache(maxsize=8)
-def make_synchronous_drive(parameters: Synchronous) -> SynchronousDrive:
-    """Return the drive that uses the map of its machine; kept for the next call.
+def make_synchronous(parameters: Synchronous) -> SynchronousDrive:
+    """Return the drive with the loss map of its machine; cached.
 
     Raises
     ------
@@ -135,59 +133,49 @@ def make_synchronous_drive(parameters: Synchronous) -> SynchronousDrive:
         If the machine has no torque left at its largest speed.
     """
     speed = np.linspace(0.0, parameters.max_speed_rads, TABLE_SPEEDS)
-    envelopes = torque_envelope(parameters, speed), torque_envelope(parameters, speed, braking=True)
-    if envelopes[0].min() <= 0:
+    most = torque_envelope(parameters, speed), torque_envelope(parameters, speed, braking=True)
+    if most[0].min() <= 0:
         raise ScenarioError(
             f"drive.max_speed_rads = {parameters.max_speed_rads:g} must be below the speed at which the motor has no "
             "torque left."
         )
-    driving, braking = (
-        _loss_map(parameters, speed, envelope, sign) for envelope, sign in zip(envelopes, (1.0, -1.0), strict=True)
-    )
-    drive = make_map_drive(
-        driving,
-        braking,
-        parameters.motors,
-        turns_per_metre(parameters),
-        parameters.gear_loss_share,
-        parameters.recuperation_factor,
-        envelopes,
-    )
-    return SynchronousDrive(**{field.name: getattr(drive, field.name) for field in fields(drive)}, machine=parameters)
+    driving, braking = (_loss_map(parameters, speed, *side) for side in zip(most, (1.0, -1.0), strict=True))
+    return SynchronousDrive(**map_fields(parameters, driving, braking, speed, most), machine=parameters)
 
 
 def _loss_map(parameters: Synchronous, speed: FloatArray, envelope: FloatArray, sign: float) -> LossMap:
-    """Return the map of losses in one direction; beyond the envelope they go on in a straight line of torque squared.
+    """Return the map of losses in one direction; beyond the envelope they are a straight line of torque squared.
 
-    Nobody drives there, but the last piece of the table within the envelope reaches across it.
+    No run drives there, but the last piece of the table within the envelope reaches across it.
     """
     torque = np.linspace(0.0, envelope.max(), TABLE_TORQUES)
-    losses = np.empty((len(torque), len(speed), KINDS))
-    fill_map(*_numbers(parameters), sign * torque, speed, losses)
-    loss = losses.sum(axis=-1)
-    edge, inner = np.empty((1, 1, KINDS)), np.empty((1, 1, KINDS))
-    for j, most in enumerate(envelope):
-        beyond = torque > most * EDGE_SHARE
-        if not beyond.any():
-            continue
-        two = most * np.array([EDGE_SHARE, INNER_SHARE])
-        for place, values in zip(two, (edge, inner), strict=True):
-            fill_map(*_numbers(parameters), sign * np.array([place]), speed[j : j + 1], values)
-        # losses rise about with the square of the current, and so of the torque
-        slope = (edge.sum() - inner.sum()) / (two[0] ** 2 - two[1] ** 2)
-        loss[beyond, j] = edge.sum() + max(slope, 0.0) * (torque[beyond] ** 2 - two[0] ** 2)
-    return LossMap(torque, speed, loss)
+    # losses rise about with the square of the current, and so of the torque
+    ends = envelope * np.array([[EDGE_SHARE], [INNER_SHARE]])
+    edge, inner = _losses_w(parameters, sign * ends, speed)[0].sum(axis=-1)
+    with np.errstate(invalid="ignore"):
+        slope = np.maximum((edge - inner) / (ends[0] ** 2 - ends[1] ** 2), 0.0)
+    beyond = torque[:, None] > ends[0]
+    within = _losses_w(parameters, sign * torque[:, None], speed)[0].sum(axis=-1)
+    return LossMap(torque, speed, np.where(beyond, edge + slope * (torque[:, None] ** 2 - ends[0] ** 2), within))
+
+
+def _losses_w(parameters: Synchronous, torque_nm: FloatArray, speed_rads: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """Return the losses of a motor by `LOSS_KINDS` [W], shape (..., 6), and whether current and voltage allow them."""
+    torque, speed = np.broadcast_arrays(torque_nm, speed_rads)
+    losses, feasible = np.empty((torque.size, KINDS)), np.empty(torque.size, dtype=bool)
+    fill_points(*_numbers(parameters), torque.ravel(), speed.ravel(), losses, feasible)
+    return losses.reshape(*torque.shape, KINDS), feasible.reshape(torque.shape)
 
 
 def output_over_input(shaft_w: FloatArray, loss_w: FloatArray) -> FloatArray:
-    """Return output over input: driving, shaft over shaft and loss; braking, what is generated over the shaft's.
+    """Return output over input: driving, shaft over shaft and loss; braking, generated over shaft power.
 
     Parameters
     ----------
     shaft_w : array of shape (n, m)
         Power of the shaft [W]; negative brakes.
     loss_w : array of shape (n, m)
-        What is lost there [W]; not a number where there is no such torque.
+        Losses [W]; NaN where there is no such torque.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
         driving = shaft_w / (shaft_w + loss_w)
@@ -196,17 +184,12 @@ def output_over_input(shaft_w: FloatArray, loss_w: FloatArray) -> FloatArray:
     return np.where(np.isnan(loss_w), np.nan, known)
 
 
-def _most_nm(machine: Machine) -> float:
-    """Return a torque that the current cannot exceed [N m]."""
-    saliency = machine.quadrature_inductance_h - machine.direct_inductance_h
-    # each current at its largest at once, which no split of it can be
-    flux = machine.magnet_flux_vs + saliency * machine.max_current_a
-    return 1.5 * machine.pole_pairs * flux * machine.max_current_a
-
-
 @lru_cache(maxsize=8)
 def _numbers(parameters: Synchronous) -> tuple[Machine, LossNumbers, Winding, FloatArray]:
-    """Return what the kernels take; harmonics meet both inductances in turn: squares of their currents are averaged."""
+    """Return the arguments of the kernels.
+
+    Harmonics meet both inductances in turn, so the squares of their currents are averaged.
+    """
     direct, quadrature = parameters.direct_inductance_mh * H_PER_MH, parameters.quadrature_inductance_mh * H_PER_MH
     blocks = parameters.modulation == "six_step"
     machine = Machine(

@@ -1,4 +1,4 @@
-"""What the inverter's harmonics cost in the windings: spectrum of the voltage, resistance that rises with frequency.
+"""The loss of the inverter's harmonics in the windings: spectrum of the voltage, resistance over frequency.
 
 Space-vector modulation: a leg whose reference is u switches as a pulse of width pi (1 + u) of its carrier, so the n-th
 harmonic of the carrier has the amplitude 4 sin(n pi (1 + u) / 2) / (n pi) of half the link voltage. Its Fourier series
@@ -18,7 +18,7 @@ from scipy.constants import mu_0
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 
-# What the series leaves out, by the shipped motor: eight multiples of the carrier would add 3 to 16 % to the harmonic
+# Truncation of the series, by the shipped motor: eight multiples of the carrier would add 3 to 16 % to the harmonic
 # loss, most at the lowest voltage; twice the side bands 0.06 %, four times the angles or depths 0.1 %.
 CARRIER_ORDERS, SIDE_BANDS = 4, 16
 ANGLES = 96
@@ -32,19 +32,19 @@ COPPER_RESISTIVITY_OHM_M = 2.2e-8
 THIN, THICK = 1e-2, 50.0
 # amplitudes over half the link voltage that count as none
 NEGLIGIBLE_AMPLITUDE = 1e-6
-GREATEST_DEPTH = 2.0 / math.sqrt(3.0)
+MAX_DEPTH = 2.0 / math.sqrt(3.0)
 """Of modulation by space vectors: amplitude of the fundamental over half the link voltage."""
 
 
 class Winding(NamedTuple):
-    """What harmonics meet in a stator phase.
+    """Resistance and inductance of a stator phase for harmonics.
 
     Parameters
     ----------
     stator_resistance_ohm : float
         For direct current [ohm].
     harmonic_inductance_h : float
-        What limits a harmonic current [H].
+        Inductance that limits a harmonic current [H].
     conductor_height_m : float
         Of one conductor in the slot [m].
     conductor_layers : float
@@ -80,7 +80,7 @@ def side_bands() -> FloatArray:
         At the frequency of n carriers and k - SIDE_BANDS fundamentals; depths of modulation rise from 0 to 2/sqrt(3).
     """
     angle = 2 * np.pi * np.arange(ANGLES) / ANGLES
-    depth = np.linspace(0.0, GREATEST_DEPTH, DEPTHS)
+    depth = np.linspace(0.0, MAX_DEPTH, DEPTHS)
     phases = depth[:, None, None] * np.cos(angle[None, :] - 2 * np.pi * np.arange(3)[:, None] / 3)
     # half the sum of the outer two is taken off all legs: the zero-sequence part, which the phases do not see
     leg = phases[:, 0] - 0.5 * (phases.max(axis=1) + phases.min(axis=1))
@@ -102,7 +102,7 @@ def space_vector_loss(
     stator_rads: float,
     phase_voltage_v: float,
 ) -> float:
-    """Return what the harmonics of space-vector modulation lose in three windings [W].
+    """Return the loss of the harmonics of space-vector modulation in three windings [W].
 
     Parameters
     ----------
@@ -116,10 +116,10 @@ def space_vector_loss(
     """
     last = bands.shape[0] - 1
     half = 0.5 * link_voltage_v
-    place = min(phase_voltage_v / half / GREATEST_DEPTH, 1.0) * last
+    place = min(phase_voltage_v / half / MAX_DEPTH, 1.0) * last
     i = min(int(place), last - 1)
     share = place - i
-    # three phases carry 3/2 R I^2 of an amplitude I, which the inductance alone limits: reactance far above resistance
+    # three phases carry 3/2 R I^2 of an amplitude I, which only the inductance limits: reactance far above resistance
     loss = 0.0
     for n in range(bands.shape[1]):
         for k in range(bands.shape[2]):
@@ -133,7 +133,7 @@ def space_vector_loss(
 
 @njit(cache=True, error_model="numpy")
 def six_step_loss(winding: Winding, stator_rads: float, phase_voltage_v: float) -> float:
-    """Return what the harmonics of six-step operation lose in three windings [W]: orders 6 k -+ 1, 1/order each."""
+    """Return the loss of the harmonics of six-step operation in three windings [W]: orders 6 k -+ 1, 1/order each."""
     loss = 0.0
     for k in range(1, SIX_STEP_ORDERS + 1):
         for order in (6 * k - 1, 6 * k + 1):

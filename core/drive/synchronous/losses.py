@@ -9,10 +9,10 @@ six-step operation it switches once a period.
 import math
 from typing import NamedTuple
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.synchronous.harmonics import Winding, resistance_at, six_step_loss, space_vector_loss
-from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque, phase_voltages
+from railjoule.core.drive.synchronous.machine import Machine, currents, max_torque, phase_voltages
 
 COPPER, IRON, MECHANICAL, HARMONICS, CONDUCTION, SWITCHING = range(6)
 KINDS = 6
@@ -21,7 +21,7 @@ MOTOR_KINDS = HARMONICS + 1
 
 
 class LossNumbers(NamedTuple):
-    """What the losses of one machine and its inverter need beside the machine.
+    """Parameters of the losses of one machine and its inverter.
 
     Parameters
     ----------
@@ -113,26 +113,6 @@ def fill_losses(
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def fill_map(
-    machine: Machine,
-    numbers: LossNumbers,
-    winding: Winding,
-    bands: FloatArray,
-    torque: FloatArray,
-    speed: FloatArray,
-    losses: FloatArray,
-) -> None:
-    """Fill `losses` [W] of shape (n, m, 6) over torques of the shaft [N m] and speeds [rad/s].
-
-    Not a number where current or voltage do not allow them.
-    """
-    for i in range(torque.shape[0]):
-        for j in range(speed.shape[0]):
-            if not fill_losses(machine, numbers, winding, bands, torque[i], speed[j], losses[i, j]):
-                losses[i, j, :] = math.nan
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def fill_points(
     machine: Machine,
     numbers: LossNumbers,
@@ -141,19 +121,20 @@ def fill_points(
     torque: FloatArray,
     speed: FloatArray,
     losses: FloatArray,
+    feasible: BoolArray,
 ) -> None:
-    """Fill `losses` [W] of shape (n, 6) at pairs of a torque of the shaft [N m] and a speed [rad/s]."""
+    """Fill `losses` [W] of shape (n, 6) at torques of the shaft [N m] and speeds [rad/s], and which are `feasible`."""
     for i in range(torque.shape[0]):
-        fill_losses(machine, numbers, winding, bands, torque[i], speed[i], losses[i])
+        feasible[i] = fill_losses(machine, numbers, winding, bands, torque[i], speed[i], losses[i])
 
 
 @njit(cache=True, nogil=True)
 def fill_envelope(
-    machine: Machine, numbers: LossNumbers, sign: float, most_nm: float, speed: FloatArray, torque: FloatArray
+    machine: Machine, numbers: LossNumbers, sign: float, max_nm: float, speed: FloatArray, torque: FloatArray
 ) -> None:
     """Fill the greatest torques of the shaft [N m], without sign, at speeds [rad/s]; `sign` is -1 in braking."""
     for j in range(speed.shape[0]):
         drag = shaft_drag_nm(numbers, speed[j])
         # friction takes from the torque that drives, and adds to the one that brakes
-        most = greatest_torque(machine, sign, machine.pole_pairs * speed[j], most_nm)
+        most = max_torque(machine, sign, machine.pole_pairs * speed[j], max_nm)
         torque[j] = max(most - sign * drag, 0.0)

@@ -71,7 +71,7 @@ def _voltage2(machine: Machine, torque: float, stator_rads: float, along: float)
 
 
 @njit(cache=True)
-def least_current(machine: Machine, torque: float) -> float:
+def min_current(machine: Machine, torque: float) -> float:
     """Return the current along the magnets [A] with which a torque [N m] needs the least current."""
     saliency = machine.quadrature_inductance_h - machine.direct_inductance_h
     low, high = -machine.max_current_a, 0.0
@@ -88,7 +88,7 @@ def least_current(machine: Machine, torque: float) -> float:
 
 
 @njit(cache=True)
-def _least_voltage(machine: Machine, torque: float, stator_rads: float, below: float) -> float:
+def _min_voltage(machine: Machine, torque: float, stator_rads: float, below: float) -> float:
     """Return the current along the magnets [A] below another one at which a torque needs the least voltage."""
     lowest = -machine.max_current_a
     left, right = inner_points(lowest, below)
@@ -112,12 +112,12 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
     stator_rads : float
         Electrical angular frequency [rad/s].
     """
-    along = least_current(machine, torque)
+    along = min_current(machine, torque)
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
     feasible = True
     if _voltage2(machine, torque, stator_rads, along) > voltage2:
         # left of the least current the voltage falls and rises again: find its least, then the root between the two
-        low, high = _least_voltage(machine, torque, stator_rads, along), along
+        low, high = _min_voltage(machine, torque, stator_rads, along), along
         feasible = _voltage2(machine, torque, stator_rads, low) <= voltage2
         if feasible:
             for _ in range(HALVINGS):
@@ -132,9 +132,9 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
 
 
 @njit(cache=True)
-def greatest_torque(machine: Machine, sign: float, stator_rads: float, most_nm: float) -> float:
-    """Return the greatest electromagnetic torque [N m], without sign, up to `most_nm`; `sign` is -1 generating."""
-    low, high = 0.0, most_nm
+def max_torque(machine: Machine, sign: float, stator_rads: float, max_nm: float) -> float:
+    """Return the greatest electromagnetic torque [N m], without sign, up to `max_nm`; `sign` is -1 generating."""
+    low, high = 0.0, max_nm
     # bisection: a machine that carries a torque is taken to carry all smaller ones
     if currents(machine, sign * high, stator_rads)[2]:
         return high

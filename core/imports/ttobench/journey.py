@@ -6,44 +6,28 @@ from itertools import pairwise
 from typing import Literal
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.continuity import place
-from railjoule.core.imports.findings import Finding
-from railjoule.core.imports.foreign import checked, unknown_keys
+from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.line import Stop
 from railjoule.core.imports.source_file import SourceFile, json_of
-from railjoule.core.imports.ttobench.format import (
+from railjoule.core.imports.table import place
+from railjoule.core.imports.ttobench.train import (
     KMH_UNITS,
     M_UNITS,
     SECOND_UNITS,
     Journey,
     TimingPoints,
     column_factor,
-    version_findings,
+    notes_on,
 )
+from railjoule.core.scenario._sentences import validated
 
 StopChoice = Literal["all", "ends"]
-"""Whether a train stops wherever it may, or at the ends alone."""
+"""Whether a train stops at all possible stops, or only at the ends."""
 
 
 @dataclass(frozen=True)
 class Service:
-    """What a journey asks of a run.
-
-    Parameters
-    ----------
-    source : str
-        The file.
-    begin_m, end_m : float
-        Where it begins and ends [m].
-    stops : tuple of Stop
-        The stops between.
-    travel_time_s : float or None
-        The longest time for all of it [s], where one is given.
-    entry_kmh, exit_kmh : float
-        Speeds at the ends [km/h].
-    findings, unused
-        See `Imported`.
-    """
+    """A journey as a run: its ends [m], the stops between, the maximum time [s], and the speeds at the ends [km/h]."""
 
     source: str
     begin_m: float
@@ -56,7 +40,7 @@ class Service:
     unused: tuple[str, ...] = field(default=(), kw_only=True)
 
     def ends_within(self, first_m: float, last_m: float, track: str) -> tuple[float, float]:
-        """Return where the journey begins and ends [m].
+        """Return the ends of the journey [m].
 
         Raises
         ------
@@ -78,17 +62,17 @@ class _Point:
     position_m: float
     earliest_s: float | None
     latest_s: float | None
-    least_kmh: float | None
-    most_kmh: float | None
+    min_kmh: float | None
+    max_kmh: float | None
 
     @property
     def stands(self) -> bool:
         """Whether the train stands there."""
-        return self.most_kmh == 0
+        return self.max_kmh == 0
 
 
 def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
-    """Return what a journey's file asks.
+    """Read the demands of a journey's file.
 
     Parameters
     ----------
@@ -102,23 +86,29 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     ScenarioError
         If anything is wrong with the file.
     """
-    journey = checked(Journey, json_of(source), source.name)
+    journey = validated(Journey, json_of(source), source.name)
+    notes = notes_on(journey, source.name)
     points = _points(journey.timing_points, f"{source.name}: timing points")
-    findings = version_findings(journey.metadata, source.name)
-    unused = unknown_keys(journey, source.name)
     halts, passed = _halts_and_passed(points)
-    unused += [told for point in passed for told in _demands(point, source.name)]
+    for point in passed:
+        demands = [_range("the time", point.earliest_s, point.latest_s, "s")]
+        demands.append(_range("the speed", point.min_kmh, point.max_kmh, "km/h"))
+        _note_demands(demands, point, notes)
     if stops == "ends":
-        unused += [f"{source.name}: the stop at {place(arrival.position_m)} m." for arrival, _ in halts]
+        for arrival, _ in halts:
+            notes.add_unused(f"the stop at {place(arrival.position_m)} m.")
         halts = []
-    leaves = _departure_s(points[0])
+    leaves = points[0].earliest_s if points[0].earliest_s is not None else points[0].latest_s or 0.0
     stops_between = tuple(_stop(arrival, departure, leaves) for arrival, departure in halts)
     for (arrival, departure), stop in zip(halts, stops_between, strict=True):
-        unused += _windows(arrival, departure, bool(stop.window), source.name)
-    travel_time, told = _travel_time(points[0], points[-1], source.name)
-    (entry, of_entry), (leaving, of_exit) = (
-        _speed(point, end, source.name) for point, end in ((points[0], "start"), (points[-1], "end"))
-    )
+        demands = []  # the dwell between them is used
+        if not stop.window:
+            demands.append(_range("the arrival", arrival.earliest_s, arrival.latest_s, "s"))
+        if arrival is not departure:
+            demands.append(_range("the departure", departure.earliest_s, departure.latest_s, "s"))
+        _note_demands(demands, arrival, notes)
+    travel_time = _travel_time(leaves, points[-1], notes)
+    entry, leaving = _speed(points[0], "start", notes), _speed(points[-1], "end", notes)
     return Service(
         source.name,
         points[0].position_m,
@@ -127,8 +117,8 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
         travel_time,
         entry,
         leaving,
-        findings=(*findings, *told, *of_entry, *of_exit),
-        unused=tuple(unused),
+        findings=tuple(notes.findings),
+        unused=tuple(notes.unused),
     )
 
 
@@ -154,7 +144,7 @@ def _points(given: TimingPoints, where: str) -> list[_Point]:
     for index, point in enumerate(points):
         for low, high, what in (
             (point.earliest_s, point.latest_s, "time"),
-            (point.least_kmh, point.most_kmh, "speed"),
+            (point.min_kmh, point.max_kmh, "speed"),
         ):
             if low is not None and high is not None and low > high:
                 raise ScenarioError(f"{where}.values[{index}]: the least {what} {low:g} is above the largest {high:g}.")
@@ -180,71 +170,41 @@ def _halts_and_passed(points: Sequence[_Point]) -> tuple[list[tuple[_Point, _Poi
     return halts, passed
 
 
-def _dwell(arrival: _Point, departure: _Point) -> float:
-    """Return the least dwell time that the windows ask for [s]: from latest arrival to earliest departure."""
-    latest = arrival.latest_s if arrival.latest_s is not None else arrival.earliest_s
-    if arrival is departure or latest is None or departure.earliest_s is None:
-        return 0.0
-    return max(departure.earliest_s - latest, 0.0)
-
-
 def _stop(arrival: _Point, departure: _Point, leaves_s: float) -> Stop:
-    """Return a stop with its window of arrival from the start of the run."""
-    earliest, latest = (
+    """Make a stop with its window of arrival from the start of the run, and the minimum dwell time of its windows."""
+    latest = arrival.latest_s if arrival.latest_s is not None else arrival.earliest_s
+    dwell = 0.0
+    if arrival is not departure and latest is not None and departure.earliest_s is not None:
+        dwell = max(departure.earliest_s - latest, 0.0)
+    window = (
         None if time is None or time <= leaves_s else time - leaves_s for time in (arrival.earliest_s, arrival.latest_s)
     )
-    return Stop("", arrival.position_m, _dwell(arrival, departure), earliest, latest)
+    return Stop("", arrival.position_m, dwell, *window)
 
 
-def _departure_s(first: _Point) -> float:
-    return first.earliest_s if first.earliest_s is not None else first.latest_s or 0.0
-
-
-def _travel_time(first: _Point, last: _Point, source: str) -> tuple[float | None, list[Finding]]:
-    leaves = _departure_s(first)
+def _travel_time(leaves_s: float, last: _Point, notes: Notes) -> float | None:
     arrives = last.latest_s if last.latest_s is not None else last.earliest_s
-    if arrives is None or arrives <= leaves:
-        return None, []
-    told = []
+    if arrives is None or arrives <= leaves_s:
+        return None
     if last.earliest_s is not None and last.earliest_s != arrives:
-        sentence = f"{source}: arrives from {last.earliest_s:g} to {arrives:g} s: the latest is taken."
-        told.append(Finding("assumption", sentence))
-    return arrives - leaves, told
+        notes.add("assumption", f"arrives from {last.earliest_s:g} to {arrives:g} s: the latest is taken.")
+    return arrives - leaves_s
 
 
-def _speed(point: _Point, end: str, source: str) -> tuple[float, list[Finding]]:
-    """Return the speed at an end [km/h]: the least that is allowed."""
-    speed = point.least_kmh or 0.0
-    if point.most_kmh == speed:
-        return speed, []
-    return speed, [Finding("assumption", f"{source}: the speed at the {end} is free: {speed:g} km/h.")]
+def _speed(point: _Point, end: str, notes: Notes) -> float:
+    """Return the speed at an end [km/h]: the minimum that is allowed."""
+    speed = point.min_kmh or 0.0
+    if point.max_kmh != speed:
+        notes.add("assumption", f"the speed at the {end} is free: {speed:g} km/h.")
+    return speed
 
 
-def _demands(point: _Point, source: str) -> list[str]:
-    """Return in words what is asked of a place that the train passes."""
-    told = [
-        f"{what} {_range(low, high, unit)}"
-        for what, low, high, unit in (
-            ("the time", point.earliest_s, point.latest_s, "s"),
-            ("the speed", point.least_kmh, point.most_kmh, "km/h"),
-        )
-        if low is not None or high is not None
-    ]
-    return [f"{source}: {' and '.join(told)} at {place(point.position_m)} m."] if told else []
+def _note_demands(demands: Sequence[str], point: _Point, notes: Notes) -> None:
+    words = " and ".join(filter(None, demands))
+    notes.add_unused(f"{words} at {place(point.position_m)} m." if words else "")
 
 
-def _windows(arrival: _Point, departure: _Point, keeps_arrival: bool, source: str) -> list[str]:
-    """Return in words the times of a stop that are not used; the dwell between them is."""
-    told = [
-        f"the {what} {_range(point.earliest_s, point.latest_s, 's')}"
-        for what, point in (("arrival", arrival), ("departure", departure))
-        if (point.earliest_s is not None or point.latest_s is not None)
-        and not (keeps_arrival if what == "arrival" else arrival is departure)
-    ]
-    return [f"{source}: {' and '.join(told)} at {place(arrival.position_m)} m."] if told else []
-
-
-def _range(low: float | None, high: float | None, unit: str) -> str:
-    if low is None:
-        return f"to {high:g} {unit}"
-    return f"from {low:g} {unit}" if high is None else f"from {low:g} to {high:g} {unit}"
+def _range(what: str, low: float | None, high: float | None, unit: str) -> str:
+    """Format a range, such as 'the time from 10 to 20 s'; empty if both ends are free."""
+    ends = [f"{word} {end:g}" for word, end in (("from", low), ("to", high)) if end is not None]
+    return f"{what} {' '.join(ends)} {unit}" if ends else ""

@@ -1,19 +1,19 @@
-"""Tracks of TTOBench."""
+"""Tracks of TTOBench, and scenarios of a track, a train and optionally a journey."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.continuity import continuity_findings, place
-from railjoule.core.imports.findings import Finding, Notes
-from railjoule.core.imports.foreign import checked, unknown_keys
+from railjoule.core.imports.findings import Finding, Imported, Notes
 from railjoule.core.imports.line import ImportedLine, Stop, line_of
 from railjoule.core.imports.numbers import STRAIGHT
-from railjoule.core.imports.source_file import SourceFile, counted, json_of, shown_list
-from railjoule.core.imports.table import ImportedTable, Interval, bounded
-from railjoule.core.imports.ttobench.format import (
+from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.table import ImportedTable, Interval, add_continuity, bounded, place
+from railjoule.core.imports.ttobench.journey import Service, StopChoice, read_service
+from railjoule.core.imports.ttobench.train import (
     AREA_UNITS,
     KMH_UNITS,
     M_UNITS,
@@ -21,18 +21,19 @@ from railjoule.core.imports.ttobench.format import (
     Curvatures,
     Pairs,
     Track,
+    TunnelCoefficients,
     Tunnels,
     column_factor,
     factor_of,
-    version_findings,
+    notes_on,
+    read_train,
 )
-from railjoule.core.imports.ttobench.journey import Service, StopChoice
-from railjoule.core.imports.ttobench.train import TunnelCoefficients
 from railjoule.core.imports.units import IntervalKind
-from railjoule.core.scenario._sentences import show
+from railjoule.core.scenario import Line, Vehicle
+from railjoule.core.scenario._sentences import counted, show, shown_list, validated
 
 # a larger radius than a section's key can have is as good as straight
-LARGEST_RADIUS_M = 1e6
+MAX_RADIUS_M = 1e6
 
 
 def read_track(
@@ -49,20 +50,20 @@ def read_track(
     source : SourceFile
         The file.
     tunnels : TunnelCoefficients, optional
-        What tunnels do to the train; without it they are not used.
+        Effect of tunnels on the train; without it they are not used.
     stops : str
         Make stations of all stops between the ends, or of none.
     service : Service, optional
-        A journey, between whose ends the line lies and which says where it stops.
+        A journey with the ends and stops of the line.
 
     Raises
     ------
     ScenarioError
         If anything is wrong with the file.
     """
-    track = checked(Track, json_of(source), source.name)
+    track = validated(Track, json_of(source), source.name)
     name = source.name
-    notes = Notes(version_findings(track.metadata, name), unknown_keys(track, name))
+    notes = notes_on(track, name)
     m = factor_of(track.stops.unit, M_UNITS, f"{name}: stops.unit")
     places = _rising([m * position for position in track.stops.values], f"{name}: stops.values")
     begin, end = (places[0], places[-1]) if service is None else service.ends_within(places[0], places[-1], name)
@@ -72,9 +73,9 @@ def read_track(
     line = line_of(
         limits=limits,
         gradients=gradients,
-        curves=_curves(track.curvatures, name, notes) if track.curvatures else None,
-        tunnels=_tunnels(track.tunnels, tunnels, name, notes) if track.tunnels and track.tunnels.values else None,
-        stops=_stops(places, stops, service, name, notes),
+        curves=_curves(track.curvatures, notes) if track.curvatures else None,
+        tunnels=_tunnels(track.tunnels, tunnels, notes) if track.tunnels and track.tunnels.values else None,
+        stops=_stops(places, stops, service, notes),
         begin_m=begin,
         end_m=end,
         name=track.metadata.id,
@@ -102,9 +103,9 @@ def _intervals(begins: Sequence[float], values: Sequence[float]) -> tuple[Interv
     return tuple(Interval(*row, number) for number, row in enumerate(zip(begins, ends, values, strict=True), 1))
 
 
-def _curves(curvatures: Curvatures, source: str, notes: Notes) -> ImportedTable:
-    """Return curves; a transition has its mean curvature."""
-    where = f"{source}: curvatures"
+def _curves(curvatures: Curvatures, notes: Notes) -> ImportedTable:
+    """Read curves; a transition has its mean curvature."""
+    where = f"{notes.source}: curvatures"
     metre = column_factor(curvatures.units, "position", M_UNITS, where)
     at_start, at_end = (column_factor(curvatures.units, f"radius at {end}", M_UNITS, where) for end in ("start", "end"))
     begins = _rising([metre * row[0] for row in curvatures.values], f"{where}.values")
@@ -114,11 +115,10 @@ def _curves(curvatures: Curvatures, source: str, notes: Notes) -> ImportedTable:
         last = _curvature(end, at_end, f"{where}.values[{index}]")
         transitions += first != last
         mean = _mean_curvature(first, last)
-        radii.append(float(f"{1 / mean:.10g}") if mean > 1 / LARGEST_RADIUS_M else 0.0)
+        radii.append(float(f"{1 / mean:.10g}") if mean > 1 / MAX_RADIUS_M else 0.0)
     if transitions:
-        told = f"{source}: {counted(transitions, 'transition')} between radii: taken at their mean curvature."
-        notes.findings.append(Finding("reading", told))
-    return ImportedTable("curves", source, _intervals(begins, radii))
+        notes.add("reading", f"{counted(transitions, 'transition')} between radii: taken at their mean curvature.")
+    return ImportedTable("curves", notes.source, _intervals(begins, radii))
 
 
 def _curvature(radius: float | str, metre: float, where: str) -> float:
@@ -136,46 +136,38 @@ def _mean_curvature(first: float, last: float) -> float:
     return 0.5 * (first**2 + last**2) / (abs(first) + abs(last))
 
 
-def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, source: str, notes: Notes) -> ImportedTable:
-    """Return tunnels with the factor on quadratic resistance, or where that is not known with the cross section."""
-    where = f"{source}: tunnels"
+def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, notes: Notes) -> ImportedTable:
+    """Read tunnels with the factor on quadratic resistance, or if that is unknown with the cross section."""
+    where = f"{notes.source}: tunnels"
     metre = column_factor(tunnels.units, "position", M_UNITS, where)
     length = column_factor(tunnels.units, "length", M_UNITS, where)
     area = column_factor(tunnels.units, "cross section", AREA_UNITS, where)
     rows = [(metre * begin, metre * begin + length * long, area * section) for begin, long, section in tunnels.values]
-    stretches = [Interval(*row, number) for number, row in enumerate(rows, 1)]
-    stretches.sort(key=lambda one: one.from_m)
-    notes.findings += [
-        replace(finding, sentence=f"{where}: {finding.sentence}")
-        for finding in continuity_findings("tunnels", stretches)
-    ]
+    stretches = sorted((Interval(*row, number) for number, row in enumerate(rows, 1)), key=lambda one: one.from_m)
+    add_continuity("tunnels", stretches, Notes(where, notes.findings))
     with_factors = []
     for one in stretches:
         factor = coefficients.factor_in(one.value or 0.0) if coefficients else None
-        if factor is None:  # of one tunnel alone would make the others look like open line
-            return ImportedTable("tunnels", source, tuple(stretches), "m2")
+        if factor is None:  # a factor of one tunnel would make the others look like open line
+            return ImportedTable("tunnels", notes.source, tuple(stretches), "m2")
         factor = bounded(f"{where}.values[{one.row - 1}]", "factor", factor, factor, "tunnels", "factor")
         with_factors.append(replace(one, value=factor))
-    return ImportedTable("tunnels", source, tuple(with_factors), "factor")
+    return ImportedTable("tunnels", notes.source, tuple(with_factors), "factor")
 
 
-def _stops(
-    places: Sequence[float], choice: StopChoice, service: Service | None, source: str, notes: Notes
-) -> list[Stop]:
+def _stops(places: Sequence[float], choice: StopChoice, service: Service | None, notes: Notes) -> list[Stop]:
     inner = list(places[1:-1])
     if service is not None:
         served = {stop.position_m for stop in service.stops}
         passed = [position for position in inner if position not in served]
         if passed and choice == "all":
-            notes.unused.append(f"{source}: stops that the journey passes, at {_places(passed)} m.")
+            notes.add_unused(f"stops that the journey passes, at {_places(passed)} m.")
         return list(service.stops)
-    if choice == "ends":
-        if inner:
-            notes.unused.append(f"{source}: stops between the ends, at {_places(inner)} m.")
-        return []
-    if inner:
-        notes.findings.append(Finding("assumption", f"{source}: its stops have no dwell times: 0 s."))
-    return [Stop("", position, 0.0) for position in inner]
+    if inner and choice == "ends":
+        notes.add_unused(f"stops between the ends, at {_places(inner)} m.")
+    elif inner:
+        notes.add("assumption", "its stops have no dwell times: 0 s.")
+    return [] if choice == "ends" else [Stop("", position, 0.0) for position in inner]
 
 
 def _places(positions: Sequence[float]) -> str:
@@ -189,3 +181,69 @@ def _rising(positions: list[float], where: str) -> list[float]:
                 f"{where}[{index}]: position = {later:g} must lie beyond {earlier:g}, the one before it."
             )
     return positions
+
+
+@dataclass(frozen=True)
+class ImportedScenario(Imported):
+    """A scenario; without `travel_time_s` its document lacks the timetable."""
+
+    line: Line
+    vehicle: Vehicle
+    travel_time_s: float | None = None
+
+    def with_travel_time(self, travel_time_s: float, finding: Finding) -> "ImportedScenario":
+        """Return the scenario with a time for the whole run [s], and where that time is from."""
+        timetable = {**self.document.get("timetable", {}), "travel_time_s": travel_time_s}
+        return replace(
+            self,
+            document={**self.document, "timetable": timetable},
+            travel_time_s=travel_time_s,
+            findings=(*self.findings, finding),
+        )
+
+
+def read_ttobench(
+    track: SourceFile,
+    train: SourceFile,
+    journey: SourceFile | None = None,
+    *,
+    stops: StopChoice = "all",
+    travel_time_s: float | None = None,
+) -> ImportedScenario:
+    """Return the scenario of a track, a train and a journey.
+
+    Parameters
+    ----------
+    track, train, journey : SourceFile
+        JSON files of TTOBench 1.1 to 1.5; of other versions what is known is read.
+    stops : str
+        Stop at all stops, or only at the ends.
+    travel_time_s : float, optional
+        Time for the whole run [s]; by default the journey's, without one left open.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is wrong with a file; the sentence names field, value and bound.
+    """
+    vehicle = read_train(train)
+    service = read_service(journey, stops) if journey is not None else None
+    line = read_track(track, vehicle.tunnels, stops=stops, service=service)
+    findings, unused = [*line.findings, *vehicle.findings], [*line.unused, *vehicle.unused]
+    timetable: dict[str, Any] = {}
+    if service is not None:
+        findings, unused = [*findings, *service.findings], [*unused, *service.unused]
+        speeds = {"entry_speed_kmh": service.entry_kmh, "exit_speed_kmh": service.exit_kmh}
+        timetable = {key: speed for key, speed in speeds.items() if speed}
+        travel_time_s = service.travel_time_s if travel_time_s is None else travel_time_s
+    if travel_time_s is not None:
+        timetable["travel_time_s"] = travel_time_s
+    if vehicle.vehicle.resistance.curve_constant_m_n_per_kn == 0 and any(s.curve_radius_m for s in line.line.sections):
+        sentence = f"{train.name}: no resistance of curves: vehicle.resistance.curve_constant_m_n_per_kn is 0."
+        findings.append(Finding("assumption", sentence))
+    sources = ", ".join(file.name for file in (track, train, journey) if file is not None)
+    document: dict[str, Any] = {"title": f"{line.line.name}, {vehicle.vehicle.name}"[:200]}
+    document |= {**vehicle.document, **line.document, **({"timetable": timetable} if timetable else {})}
+    return ImportedScenario(
+        sources, document, line.line, vehicle.vehicle, travel_time_s, findings=tuple(findings), unused=tuple(unused)
+    )

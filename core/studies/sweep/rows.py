@@ -1,4 +1,4 @@
-"""Rows of numbers that hang on nothing but their own samples: what all studies are made of."""
+"""Deterministic rows: each depends only on its own sample. All studies are computed from them."""
 
 import math
 import time
@@ -14,16 +14,16 @@ from railjoule.core.errors import RailjouleError
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Rows of a study that are done.
+    """Computed rows of a study.
 
     Parameters
     ----------
     values : array of shape (rows, columns)
-        NaN where a number is not known, or there is no run.
+        NaN where a number is unknown or there is no run.
     reasons : dict of int to str
-        Why there is no run, by the row.
+        Why a row has no run, by its number within these rows.
     seconds : float
-        How long they took [s].
+        Computing time [s].
     """
 
     values: FloatArray
@@ -32,19 +32,48 @@ class Rows:
 
 
 @dataclass(frozen=True, eq=False)
+class Chunk:
+    """Consecutive rows of a study with their samples.
+
+    Parameters
+    ----------
+    first : int
+        Number of the first row.
+    samples : array of shape (rows, fields)
+        Values of the fields.
+    rows : Rows
+        Results.
+    """
+
+    first: int
+    samples: FloatArray
+    rows: Rows
+
+    @property
+    def end(self) -> int:
+        """Number of the row after the last one."""
+        return self.first + len(self.samples)
+
+    @property
+    def reasons(self) -> dict[int, str]:
+        """Why a row has no run, by its number in the study."""
+        return {self.first + row: reason for row, reason in self.rows.reasons.items()}
+
+
+@dataclass(frozen=True, eq=False)
 class RowByRow:
-    """Makes rows of samples, one by one; other threads and processes take it whole.
+    """Compute rows one by one; the object can be sent to other threads and processes.
 
     Parameters
     ----------
     run : callable
-        Returns a row's numbers for its sample, None where one is not known.
+        Returns the numbers of a row for its sample, None where one is unknown.
     width : int
-        How many numbers.
+        Numbers in a row.
     refusals : type or tuple of types
-        Errors that are a result of the study: the row stays empty, and keeps the sentence.
+        Errors that are results of the study: the row stays empty, with the message as its reason.
     budget : Budget
-        What each run may take: that of who asks, as a thread does not inherit it.
+        Budget of each run; by default that of the calling thread, which other threads do not inherit.
     """
 
     run: Callable[[Sequence[float]], Sequence[float | None]]
@@ -53,16 +82,13 @@ class RowByRow:
     budget: Budget = field(default_factory=current_budget)
 
     def __call__(self, samples: FloatArray) -> Rows:
-        """Return what comes out for samples of shape (rows, fields)."""
+        """Return the rows of samples of shape (rows, fields)."""
         started = time.perf_counter()
         values, reasons = np.full((len(samples), self.width), np.nan), {}
         with within(self.budget):
             for row, sample in enumerate(samples.tolist()):
                 try:
-                    numbers = self.run(sample)
+                    values[row] = [math.nan if number is None else number for number in self.run(sample)]
                 except self.refusals as error:
-                    # what cannot be is a result of a study, too
                     reasons[row] = str(error)
-                    continue
-                values[row] = [math.nan if number is None else number for number in numbers]
         return Rows(values, reasons, time.perf_counter() - started)

@@ -1,278 +1,252 @@
-"""Runs studies: rows are drawn in order, made in chunks by any executor, and kept by who handed them over."""
+"""Run studies: draw rows in order, compute them in chunks on any executor, and save them in the calling thread."""
 
 import os
 import time
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import (
-    FIRST_COMPLETED,
-    BrokenExecutor,
-    CancelledError,
-    Executor,
-    Future,
-    ThreadPoolExecutor,
-    wait,
-)
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor, wait
 from contextlib import closing, nullcontext
 from functools import partial
-from typing import Any, Protocol, TypeVar
+from pathlib import Path
+from threading import Event
+from typing import Any
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import RailjouleError
+from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.results import Chunk, Results
-from railjoule.core.studies.sweep.rows import Rows
+from railjoule.core.studies.sweep.results import MemoryResults, SweepFile, SweepTable
+from railjoule.core.studies.sweep.rows import Chunk, Rows
+from railjoule.core.studies.sweep.sampling import Method
+from railjoule.core.studies.sweep.study import DEFAULT_COLUMNS, Study, make_study
 
-Answer = TypeVar("Answer")
 Work = Callable[[FloatArray], Rows]
-"""What makes rows of samples of shape (rows, fields), such as `RowByRow`."""
-# the first tells what a row costs; slow strategies take a second for one
-FIRST_CHUNK, LARGEST_CHUNK = 64, 2048
+"""Computes the rows of samples of shape (rows, fields), such as `RowByRow`."""
+FIRST_CHUNK, MAX_CHUNK = 64, 2048
+"""Rows of the first chunks, whose duration is unknown, and of any chunk; slow strategies need a second for a row."""
 CHUNK_S = 1.0
-"""A chunk is to take about so long [s]: short enough to show progress and to stop, long beside what handing it over
-takes."""
+"""Duration of a chunk [s]: short enough for progress and a stop, long against the time to submit it."""
 SHORTEST_CHUNKS = 8
-"""By which the last chunks are shorter at most."""
-CHUNKS_A_WORKER = 2
-"""Handed over at a time: one that is worked on, and one that waits."""
-# a stop, and workers that are gone for good, are noticed after this
+"""The last chunks are shorter by at most this factor, so that all workers end at about the same time."""
+CHUNKS_PER_WORKER = 2
+"""Submitted at a time: one in work and one that waits."""
 LONGEST_WAIT_S = 1.0
-# of rows that are drawn only to come to those behind them
+"""A stop and lost workers are noticed after at most this time [s]."""
 SKIPPED_AT_ONCE = 65_536
+"""Rows drawn at a time to reach a later row."""
 
 
 class InterruptedStudyError(RailjouleError):
-    """A study whose workers are gone; what was done is kept."""
+    """A study whose workers are lost; its completed rows are saved."""
 
 
-class Stop(Protocol):
-    """Tells whether a study is to end early, as `threading.Event` does."""
+def sweep(
+    scenario: Scenario | str | Path,
+    over: Mapping[str, tuple[float, float]],
+    sample: int,
+    method: Method = "sobol",
+    *,
+    seed: int = 0,
+    strategy: str | None = None,
+    columns: Sequence[str] = DEFAULT_COLUMNS,
+    executor: Executor | None = None,
+    workers: Callable[[], int] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> SweepTable:
+    """Compute runs of a scenario whose numbers vary, as one table.
 
-    def is_set(self) -> bool:
-        """Return whether it is."""
+    A row equals the result of `solve` for the scenario with its values, and does not depend on the executor. For a
+    study that outlives the process, use `make_study`, `SweepFile` and `run_study`.
 
+    Parameters
+    ----------
+    scenario : Scenario, str or Path
+        All other numbers.
+    over : mapping of str to (float, float)
+        Lowest and highest value of each field, by its path in the file, such as "vehicle.load_factor".
+    sample : int
+        Number of rows.
+    method : str
+        How rows are drawn: "grid", "random", "sobol" or "halton".
+    seed : int
+        The same seed draws the same rows; a grid needs none.
+    strategy : str, optional
+        Overrides the strategy of the scenario.
+    columns : sequence of str
+        Results of each run, of `COLUMNS`.
+    executor, workers, progress
+        As in `run_study`.
 
-class InTurn(Executor):
-    """Does what it is given at once, in the thread that gives it."""
-
-    def submit(self, function: Callable[..., Answer], /, *arguments: Any, **named: Any) -> Future[Answer]:
-        """Return what has been done."""
-        future: Future[Answer] = Future()
-        # an error goes to who asks for the result, as with any other executor
-        try:
-            future.set_result(function(*arguments, **named))
-        except Exception as error:
-            future.set_exception(error)
-        return future
+    Raises
+    ------
+    ScenarioError
+        If a field is unknown or not a number, its range exceeds its bounds, method, strategy or column do not exist, or
+        the table would be too large. A row that cannot be driven is in the table with its reason.
+    InterruptedStudyError
+        As in `run_study`.
+    """
+    study = make_study(as_scenario(scenario), over, sample, method, seed=seed, strategy=strategy, columns=columns)
+    results = MemoryResults(study)
+    run_study(results, executor=executor, workers=workers, progress=progress)
+    return results.to_table()
 
 
 def run_study(
-    results: Results,
+    results: SweepFile,
     *,
     executor: Executor | None = None,
     workers: Callable[[], int] | None = None,
     progress: Callable[[int], None] | None = None,
-    stop: Stop | None = None,
+    stop: Event | None = None,
 ) -> None:
-    """Do all rows of a study that are not done yet.
+    """Compute all missing rows of a study.
 
     Parameters
     ----------
-    results : Results
-        What is to be done, and where its rows go, from this thread alone.
+    results : SweepFile
+        The study and its completed rows; new rows are added from this thread only.
     executor : Executor, optional
-        What solves the rows; by default threads, one a processor.
+        Computes the rows; by default threads, one per processor.
     workers : callable, optional
-        Tells how many chunks it works on at a time, which may change; by default one a processor. What it raises ends
-        the study.
+        Returns how many chunks the executor works on at a time, which may change; by default one per processor. Its
+        exceptions end the study.
     progress : callable, optional
-        Is told how many rows are done, from time to time.
-    stop : Stop, optional
-        No chunk is begun once it is set.
+        Called with the number of completed rows after each chunk.
+    stop : Event, optional
+        No chunk begins once it is set.
 
     Raises
     ------
     InterruptedStudyError
-        If the executor has lost its workers; what was done is kept.
+        If the executor has lost its workers; the completed rows are saved.
     """
     require_compiled()
-    study, kept_at = results.study, time.perf_counter()
-    work = partial(solve_rows, study.plan)
-    with ThreadPoolExecutor(worker_count(), "sweep") if executor is None else nullcontext(executor) as own:
-        chunks = worked(work, study.sampler().take, results.gaps(), own, workers or worker_count, stop)
+    study, workers = results.study, workers or worker_count
+    saved_at, rows, seconds = time.perf_counter(), 0, 0.0
+
+    def chunk_size(left: int) -> int:
+        if not rows:
+            return FIRST_CHUNK
+        most = max(1, min(int(CHUNK_S * rows / seconds), MAX_CHUNK))
+        return max(min(most, left // (CHUNKS_PER_WORKER * max(1, workers()))), most // SHORTEST_CHUNKS, 1)
+
+    work, samples = partial(solve_rows, study), _samples(study, results.gaps(), chunk_size)
+    with (
+        ThreadPoolExecutor(worker_count(), "sweep") if executor is None else nullcontext(executor) as own,
+        # closing cancels the chunks that no worker has begun
+        closing(completed_chunks(work, samples, own, workers, stop)) as chunks,
+    ):
         try:
             for chunk in chunks:
+                rows, seconds = rows + len(chunk.samples), seconds + chunk.rows.seconds
                 now = time.perf_counter()
-                results.append(chunk, now - kept_at)
-                kept_at = now
+                results.append(chunk, now - saved_at)
+                saved_at = now
                 if progress is not None:
                     progress(results.done)
         except (BrokenExecutor, CancelledError) as error:
             raise InterruptedStudyError(
                 f"the workers of the study are gone; {results.done:,} of {study.sample:,} rows are done and kept."
             ) from error
-        finally:
-            # at once, and not when it is collected: its end takes back what no worker has begun
-            chunks.close()
+
+
+def _samples(
+    study: Study, gaps: Sequence[tuple[int, int]], chunk_size: Callable[[int], int]
+) -> Iterator[tuple[int, FloatArray]]:
+    """Yield first row and samples of each chunk in the gaps, of the size that is right when it is drawn."""
+    sampler, drawn, left = study.sampler(), 0, sum(end - first for first, end in gaps)
+    for first, end in gaps:
+        while drawn < first:
+            drawn += len(sampler.take(min(SKIPPED_AT_ONCE, first - drawn)))
+        while drawn < end:
+            samples = sampler.take(min(chunk_size(left), end - drawn))
+            yield drawn, samples
+            drawn, left = drawn + len(samples), left - len(samples)
+
+
+def completed_chunks(
+    work: Work,
+    samples: Iterable[tuple[int, FloatArray]],
+    executor: Executor,
+    workers: Callable[[], int],
+    stop: Event | None = None,
+) -> Generator[Chunk, None, None]:
+    """Yield chunks as an executor completes them, in any order.
+
+    Parameters
+    ----------
+    work : callable
+        Computes the rows of some samples.
+    samples : iterable of (int, array)
+        First row and samples of each chunk, taken when it is submitted.
+    executor, workers, stop
+        As in `run_study`.
+    """
+    waiting: dict[Any, tuple[int, FloatArray]] = {}
+    left = iter(samples)
+    try:
+        while True:
+            while len(waiting) < CHUNKS_PER_WORKER * max(1, workers()):
+                if stop is not None and stop.is_set():
+                    waiting = {future: chunk for future, chunk in waiting.items() if not future.cancel()}
+                    break
+                if (chunk := next(left, None)) is None:
+                    break
+                waiting[executor.submit(work, chunk[1])] = chunk
+            if not waiting:
+                return
+            for future in wait(waiting, LONGEST_WAIT_S, FIRST_COMPLETED).done:
+                yield Chunk(*waiting.pop(future), future.result())
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+def rows_in_order(work: Work, samples: FloatArray, executor: Executor | None, size: int = 1) -> Iterator[Rows]:
+    """Yield the rows of samples of shape (rows, fields): all completed rows from the first one on, after each step.
+
+    Parameters
+    ----------
+    work : callable
+        Computes the rows of some samples.
+    samples : array of shape (rows, fields)
+    executor : Executor or None
+        Computes the rows; None for the calling thread.
+    size : int
+        Rows in a step.
+    """
+    parts = ((first, samples[first : first + size]) for first in range(0, len(samples), size))
+    done: Rows | None = None
+    # a chunk that is early waits, as a part of a table is read from its beginning
+    early: dict[int, Chunk] = {}
+    reached = 0
+    here = (Chunk(first, part, work(part)) for first, part in parts)
+    with closing(here if executor is None else completed_chunks(work, parts, executor, worker_count)) as chunks:
+        for completed in chunks:
+            early[completed.first] = completed
+            while (chunk := early.pop(reached, None)) is not None:
+                done = chunk.rows if done is None else _joined(done, chunk)
+                reached = chunk.end
+                yield done
+
+
+def _joined(done: Rows, chunk: Chunk) -> Rows:
+    values = np.concatenate([done.values, chunk.rows.values])
+    return Rows(values, done.reasons | chunk.reasons, done.seconds + chunk.rows.seconds)
 
 
 def all_rows(work: Work, samples: FloatArray, executor: Executor | None = None) -> Rows:
-    """Return what work makes of samples of shape (rows, fields); by default in this thread."""
-    if executor is None:
+    """Return the rows of samples of shape (rows, fields); by default computed in this thread."""
+    if executor is None or not len(samples):
         return work(samples)
-    rows = work(samples[:0])
-    for rows in rows_in_order(work, samples, executor):  # noqa: B007  (the last has all)
-        pass
+    *_, rows = rows_in_order(work, samples, executor)
     return rows
 
 
-def rows_in_order(work: Work, samples: FloatArray, executor: Executor | None, rows: int = 1) -> Iterator[Rows]:
-    """Yield what work makes of samples of shape (rows, fields), all rows done so far after each step.
-
-    Parameters
-    ----------
-    work : callable
-        Returns the rows of some samples.
-    samples : array of shape (rows, fields)
-    executor : Executor or None
-        What does the work; None for the thread that asks, which then gets the rows one after the other.
-    rows : int
-        How many make a step.
-    """
-    taken = iter(range(0, len(samples), rows))
-    values: FloatArray | None = None
-    reasons: dict[int, str] = {}
-    waiting: dict[int, Chunk] = {}
-    reached, seconds = 0, 0.0
-    chunks = worked(
-        work,
-        lambda count: samples[(first := next(taken)) : first + count],
-        [(0, len(samples))],
-        InTurn() if executor is None else executor,
-        worker_count if executor is not None else lambda: 1,
-        size=rows,
-    )
-    with closing(chunks):
-        for done in chunks:
-            waiting[done.first] = done
-            # what comes early waits: who reads a part of a table takes it from its beginning
-            while (chunk := waiting.pop(reached, None)) is not None:
-                values = chunk.rows.values if values is None else np.concatenate([values, chunk.rows.values])
-                reasons |= chunk.reasons
-                reached, seconds = chunk.end, seconds + chunk.rows.seconds
-                yield Rows(values, dict(reasons), seconds)
-
-
-def worked(
-    work: Work,
-    take: Callable[[int], FloatArray],
-    gaps: Sequence[tuple[int, int]],
-    executor: Executor,
-    workers: Callable[[], int],
-    stop: Stop | None = None,
-    size: int | None = None,
-) -> Generator[Chunk, None, None]:
-    """Yield chunk after chunk as an executor gets done with them, in any order.
-
-    Parameters
-    ----------
-    work : callable
-        Returns the rows of some samples.
-    take : callable
-        Returns the next samples, at most so many.
-    gaps : sequence of (int, int)
-        First row and the row after the last one of each stretch that is to be done.
-    executor, workers, stop
-        As in `run_study`.
-    size : int, optional
-        How many rows a chunk has; by default as many as take about a second.
-    """
-    return _Hands(work, take, gaps, executor, workers, stop, size).chunks()
-
-
-class _Hands:
-    """Hands chunks over to an executor, each as long as is right when it is handed over."""
-
-    def __init__(
-        self,
-        work: Work,
-        take: Callable[[int], FloatArray],
-        gaps: Sequence[tuple[int, int]],
-        executor: Executor,
-        workers: Callable[[], int],
-        stop: Stop | None,
-        size: int | None,
-    ) -> None:
-        self._work, self._take, self._gaps, self._executor = work, take, gaps, executor
-        self._workers, self._stop, self._size = workers, stop, size
-        self._waiting: dict[Future[Rows], tuple[int, FloatArray]] = {}
-        # of this run alone: who goes on may have other workers
-        self._solved, self._solving_s = 0, 0.0
-
-    def chunks(self) -> Generator[Chunk, None, None]:
-        """Yield all chunks, or those that were begun before a stop."""
-        samples = self._samples()
-        try:
-            while self._hand_over(samples) or self._waiting:
-                finished, _ = wait(self._waiting, LONGEST_WAIT_S, FIRST_COMPLETED)
-                for future in finished:
-                    yield self._done(future)
-        finally:
-            # whoever stops waits for no chunk that has not begun
-            for future in self._waiting:
-                future.cancel()
-
-    def _samples(self) -> Iterator[tuple[int, FloatArray]]:
-        """Yield the first row and the samples of chunk after chunk."""
-        drawn, left = 0, sum(end - first for first, end in self._gaps)
-        for first, end in self._gaps:
-            # a row hangs on its number, which those before it are drawn to reach
-            while drawn < first:
-                drawn += len(self._take(min(SKIPPED_AT_ONCE, first - drawn)))
-            while drawn < end:
-                samples = self._take(min(self._chunk_size(left), end - drawn))
-                yield drawn, samples
-                drawn, left = drawn + len(samples), left - len(samples)
-
-    def _hand_over(self, samples: Iterator[tuple[int, FloatArray]]) -> bool:
-        """Give the workers what they have room for; return whether there was anything to give."""
-        given = False
-        while len(self._waiting) < CHUNKS_A_WORKER * max(1, self._workers()):
-            if self._stop is not None and self._stop.is_set():
-                self._take_back()
-                return given
-            chunk = next(samples, None)
-            if chunk is None:
-                return given
-            given = True
-            self._waiting[self._executor.submit(self._work, chunk[1])] = chunk
-        return given
-
-    def _take_back(self) -> None:
-        for future in [future for future in self._waiting if future.cancel()]:
-            del self._waiting[future]
-
-    def _done(self, future: Future[Rows]) -> Chunk:
-        first, samples = self._waiting.pop(future)
-        rows = future.result()
-        self._solved, self._solving_s = self._solved + len(samples), self._solving_s + rows.seconds
-        return Chunk(first, samples, rows)
-
-    def _chunk_size(self, left: int) -> int:
-        """Return how many rows the next chunk has, of those that are left."""
-        if self._size is not None:
-            return self._size
-        if not self._solved:
-            return FIRST_CHUNK
-        most = max(1, min(int(CHUNK_S * self._solved / self._solving_s), LARGEST_CHUNK))
-        # towards the end shorter ones, so that all workers end at about the same time
-        return max(min(most, left // (CHUNKS_A_WORKER * max(1, self._workers()))), most // SHORTEST_CHUNKS, 1)
-
-
 def worker_count() -> int:
-    """Return how many processors this process may use."""
+    """Return the number of processors that this process may use."""
     # containers and batch systems give a process fewer than the machine has
     affinity: Any = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity is not None else os.cpu_count() or 1

@@ -1,52 +1,93 @@
-"""What a sweep is, whole and checked before its first run, and the fingerprint that its results are told by."""
+"""A study of very many runs: a sweep that is checked before its first run, and the fingerprint of its results."""
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+import platform
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from importlib.metadata import version
+from pathlib import Path
 from typing import Any, cast
 
 from railjoule.core.budget import Budget, current_budget
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario import (
-    STRATEGY_NAMES,
-    Scenario,
-    StrategyName,
-    format_scenario,
-    parse_scenario,
-)
-from railjoule.core.scenario._sentences import show
-from railjoule.core.studies.sweep.columns import DEFAULT_COLUMNS, require_columns
-from railjoule.core.studies.sweep.engine import Plan
-from railjoule.core.studies.sweep.fields import Field, corners_hold, fields_of
-from railjoule.core.studies.sweep.sampling import Method, Sampler, level_count
-from railjoule.core.studies.sweep.version import solver_version
+from railjoule.core.kernel_cache import source_hash
+from railjoule.core.scenario import Scenario, format_scenario, parse_scenario
+from railjoule.core.scenario._sentences import shorten, show, suggestion
+from railjoule.core.strategy import STRATEGIES
+from railjoule.core.studies.sweep.fields import Field, corners_hold, parse_fields
+from railjoule.core.studies.sweep.sampling import Method, Sampler, levels_per_field
+from railjoule.core.units import J_PER_KWH
 
 SCENARIO_FILE = "scenario.toml"
+CORE = Path(__file__).parents[2]
+LIBRARIES = ("numba", "numpy", "scipy")
+"""Libraries whose releases may change the last digits of a run, or a row of a sample."""
+Column = Callable[[Any], float | None]
+"""Returns a result of a run, a `Trajectory` or `MeshOptimum`; None where it is unknown."""
+
+
+def _loss(kind: str) -> Column:
+    # zero for drives without this kind of loss
+    return lambda run: run.energy.losses_j.get(kind, 0.0) / J_PER_KWH
+
+
+def _part(name: str) -> Column:
+    return lambda run: getattr(run.energy, name) / J_PER_KWH
+
+
+DEFAULT_COLUMNS = ("energy_kwh", "lower_bound_kwh", "travel_time_s", "price_of_time_w")
+COLUMNS: dict[str, Column] = {
+    "energy_kwh": lambda run: run.energy_kwh,
+    "lower_bound_kwh": lambda run: run.lower_bound_kwh,
+    "travel_time_s": lambda run: run.travel_time_s,
+    "price_of_time_w": lambda run: run.price_of_time_w,
+    "max_speed_kmh": lambda run: run.max_speed_kmh,
+    "traction_energy_kwh": _part("traction_j"),
+    "recuperated_kwh": _part("recuperated_j"),
+    "auxiliary_kwh": _part("auxiliary_j"),
+    "running_resistance_kwh": _part("running_resistance_j"),
+    "curve_resistance_kwh": _part("curve_resistance_j"),
+    "kinetic_kwh": _part("kinetic_j"),
+    "potential_kwh": _part("potential_j"),
+    "losses_kwh": lambda run: sum(run.energy.losses_j.values()) / J_PER_KWH,
+    "brake_resistors_kwh": _loss("brake_resistors"),
+    "friction_brakes_kwh": _loss("friction_brakes"),
+}
+"""All columns by name; `losses_kwh` is the sum of the losses of drive, resistors and friction brakes."""
+
+
+@cache
+def solver_version() -> str:
+    """Return everything that the last digits of a run depend on: sources, libraries, kind of processor."""
+    libraries = " ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    # not the exact model of the processor: the nodes of a cluster differ in it, and their results hardly ever
+    return f"core {source_hash(CORE)} {libraries} {platform.machine()}"
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A sweep to be made: which numbers of a scenario vary, how they are drawn, and what is told of each run.
+    """A sweep: the numbers of a scenario that vary, how they are drawn, and the results of each run.
 
     Parameters
     ----------
     scenario : Scenario
-        Where all other numbers stand.
+        All other numbers.
     fields : tuple of Field
-        What varies, and between which values.
+        The fields that vary, with their ranges.
     sample : int
-        How many rows.
+        Number of rows.
     method : str
-        How they are drawn.
+        How rows are drawn.
     seed : int
     strategy : str
-        Who makes the runs.
     columns : tuple of str
-        What is told of each run.
+        Results of each run.
     budget : Budget
-        What each run may take.
+        Budget of each run.
+    solver : str
+        Version of the solver, which must be the one of the workers.
     """
 
     scenario: Scenario
@@ -54,18 +95,19 @@ class Study:
     sample: int
     method: Method
     seed: int
-    strategy: StrategyName
+    strategy: str
     columns: tuple[str, ...]
     budget: Budget
+    solver: str
 
     @property
     def width(self) -> int:
-        """How many numbers a row has."""
+        """Numbers in a row."""
         return len(self.fields) + len(self.columns)
 
     @cached_property
     def identity(self) -> dict[str, Any]:
-        """What decides each number of the table, as plain values; the last is the version of all that computes them."""
+        """Everything that decides a number of the table, as plain values; the last one is the version of the solver."""
         return {
             "scenario": format_scenario(self.scenario),
             "over": {field.name: [field.low, field.high] for field in self.fields},
@@ -74,7 +116,7 @@ class Study:
             "seed": self.seed,
             "strategy": self.strategy,
             "columns": list(self.columns),
-            "solver": solver_version(),
+            "solver": self.solver,
         }
 
     @cached_property
@@ -84,24 +126,22 @@ class Study:
         return hashlib.sha256(json.dumps(self.identity).encode()).hexdigest()[:32]
 
     @cached_property
-    def plan(self) -> Plan:
-        """What its rows have in common, for who solves them."""
-        key = f"{self.fingerprint} {self.budget.name}"
-        patched = corners_hold(self.scenario, self.fields)
-        return Plan(
-            key, solver_version(), self.scenario, self.fields, self.strategy, self.columns, patched, self.budget
-        )
+    def is_box_valid(self) -> bool:
+        """Whether values within the ranges need no further check."""
+        return corners_hold(self.scenario, self.fields)
 
     def level_count(self, field: Field) -> int | None:
-        """Return how many values a field takes; None if any of its range."""
-        return level_count(field, self.sample, len(self.fields), self.method)
+        """Return the number of values of a field; None for a whole range."""
+        if self.method == "grid":
+            return levels_per_field(self.sample, len(self.fields))
+        return int(field.high - field.low) + 1 if field.whole else None
 
     def sampler(self) -> Sampler:
-        """Return what draws its rows from the first one on."""
+        """Return a sampler at the first row."""
         return Sampler(self.fields, self.sample, self.method, self.seed)
 
 
-def study_of(
+def make_study(
     scenario: Scenario,
     over: Mapping[str, tuple[float, float]],
     sample: int,
@@ -111,34 +151,42 @@ def study_of(
     strategy: str | None = None,
     columns: Sequence[str] = DEFAULT_COLUMNS,
 ) -> Study:
-    """Return a sweep to be made; parameters as `sweep`.
+    """Return a checked study; parameters as in `sweep`.
 
     Raises
     ------
     ScenarioError
-        If a field is unknown or no number, its range leads out of its bounds, or there is no such method, strategy or
-        column.
+        If a field is unknown or not a number, its range exceeds its bounds, or method, strategy or column do not exist.
     """
     name = strategy or scenario.strategy
-    if name not in STRATEGY_NAMES:
-        raise ScenarioError(f"strategy = {show(name)} must be one of {', '.join(STRATEGY_NAMES)}.")
-    require_columns(columns)
-    fields = fields_of(scenario, over)
-    # a sampler that can be made is what shows that method, seed and number of rows are right
-    Sampler(fields, sample, method, seed)
-    return Study(scenario, fields, sample, cast("Method", method), seed, name, tuple(columns), current_budget())
+    if name not in STRATEGIES:
+        raise ScenarioError(f"strategy = {show(name)} must be one of {', '.join(STRATEGIES)}.")
+    for column in columns:
+        if column not in COLUMNS:
+            words = suggestion(column, COLUMNS)
+            raise ScenarioError(f"there is no column {shorten(column)}: {words}.".replace("?.", "?"))
+        if list(columns).count(column) > 1:
+            raise ScenarioError(f"the column {column} is named twice.")
+    study = Study(
+        scenario,
+        parse_fields(scenario, over),
+        sample,
+        cast("Method", method),
+        seed,
+        name,
+        tuple(columns),
+        current_budget(),
+        solver_version(),
+    )
+    # checks method, seed and number of rows
+    study.sampler()
+    return study
 
 
 def study_from(identity: Mapping[str, Any]) -> Study:
-    """Return the sweep that an `identity` tells of; errors as `study_of`, if what is kept is none of today's."""
-    scenario = parse_scenario(identity["scenario"], SCENARIO_FILE)
-    over = {name: (low, high) for name, (low, high) in identity["over"].items()}
-    return study_of(
-        scenario,
-        over,
-        identity["sample"],
-        identity["method"],
-        seed=identity["seed"],
-        strategy=identity["strategy"],
-        columns=identity["columns"],
+    """Return the study of an `identity`; errors as in `make_study`, if it does not fit this version."""
+    return make_study(
+        parse_scenario(identity["scenario"], SCENARIO_FILE),
+        {name: (low, high) for name, (low, high) in identity["over"].items()},
+        **{key: identity[key] for key in ("sample", "method", "seed", "strategy", "columns")},
     )

@@ -15,16 +15,15 @@ from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigur
 from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     TABLE_3_COPPER_WEIGHT,
+    TIMES_S,
     amperes_per_newton,
-    least_energies_j,
+    min_energies_j,
     paper,
     paper_line,
-    paper_scenario,
     printed_entry,
     printed_run,
 )
 
-TIMES_S = (270, 300, 330)
 NAMES = {"eoc": "EOC as printed", "enoc": "ENOC with the ramps of (15)"}
 PRINTED = "printed extremes"
 TIME, PLACE, SPEED = "Time, s", "Position, m", "Speed, km/h"
@@ -42,7 +41,7 @@ def speed_figure() -> FigureData:
     """Return Figure 2: speeds of both strategies over time."""
     lines: list[Line] = []
     for strategy in NAMES:
-        runs = {time: printed_run(paper_line(), strategy, time) for time in TIMES_S}
+        runs = {time: printed_run(strategy, time) for time in TIMES_S}
         lines += [_line(f"{strategy.upper()}, {t} s", run.time_s, run.speed_ms / MS_PER_KMH) for t, run in runs.items()]
         lines.append(_extremes(strategy, lambda run: (run.time_s, run.speed_ms), ("max_speed_kmh",)))
     return FigureData((Panel(TIME, SPEED, tuple(lines)),), f"EOC leaves the work of drag out of its cost. {OWN_RAMP}")
@@ -50,7 +49,7 @@ def speed_figure() -> FigureData:
 
 def reference_figure() -> FigureData:
     """Return Figure 3: acceleration, speed and position of the reference for 300 s."""
-    runs = {name: printed_run(paper_line(), strategy, BASE_TIME_S) for strategy, name in NAMES.items()}
+    runs = {name: printed_run(strategy, BASE_TIME_S) for strategy, name in NAMES.items()}
     quantities: tuple[tuple[str, Callable[[SampledRun], FloatArray]], ...] = (
         ("Acceleration, m/s2", lambda run: run.acceleration_ms2),
         (SPEED, lambda run: run.speed_ms / MS_PER_KMH),
@@ -65,7 +64,7 @@ def reference_figure() -> FigureData:
 
 def run_figure(strategy: str) -> FigureData:
     """Return Figure 4 (`eoc`) or 5 (`enoc`): the three runs of a table, with their printed extremes."""
-    amperes = amperes_per_newton(paper_scenario())
+    amperes = amperes_per_newton()
     panels = (
         (PLACE, SPEED, lambda run: (run.position_m, run.speed_ms / MS_PER_KMH), ("max_speed_kmh",)),
         (TIME, SPEED, lambda run: (run.time_s, run.speed_ms / MS_PER_KMH), ("max_speed_kmh",)),
@@ -82,7 +81,7 @@ def run_figure(strategy: str) -> FigureData:
 
 
 def _run_panel(strategy: str, x_title: str, y_title: str, curve: Curve, keys: tuple[str, ...]) -> Panel:
-    lines = [_line(f"{time} s", *curve(printed_run(paper_line(), strategy, time))) for time in TIMES_S]
+    lines = [_line(f"{time} s", *curve(printed_run(strategy, time))) for time in TIMES_S]
     if keys:
         lines.append(_extremes(strategy, curve, keys))
     return Panel(x_title, y_title, tuple(lines))
@@ -92,7 +91,7 @@ def _extremes(strategy: str, curve: Curve, keys: tuple[str, ...]) -> Line:
     """Return printed extremes of the three runs as points, at the places of the computed extremes."""
     points = []
     for time in TIMES_S:
-        x, y = curve(printed_run(paper_line(), strategy, time))
+        x, y = curve(printed_run(strategy, time))
         highest = int(np.argmax(y))
         places = {"max": highest, "min": int(np.argmin(y)), "peak": highest, "total": len(y) - 1}
         points += [(x[places[key.partition("_")[0]]], printed_entry(strategy, time)[key]) for key in keys]
@@ -122,11 +121,11 @@ def surface_figure(points: list[dict[str, Any]], longest_s: float, longest_ramp_
     coefficients = enoc_coefficients(line)
     over_time, over_ramp = [], []
     times = np.linspace(min(p["travel_time_s"] for p in points) / 1.3, longest_s, POINTS_A_LINE)
-    over_time.append(Line("T_e of least energy", times, least_energies_j(coefficients, times) / J_PER_WH))
+    over_time.append(Line("T_e of least energy", times, min_energies_j(coefficients, times) / J_PER_WH))
     if points is paper()["table_3"]:
         label = f"T_e of least energy, {TABLE_3_COPPER_WEIGHT:g} times the copper loss"
         heavier = replace(line, loss_coefficient=TABLE_3_COPPER_WEIGHT * line.loss_coefficient)
-        over_time.append(Line(label, times, least_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
+        over_time.append(Line(label, times, min_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
     for point in points:
         time, ramp = point["travel_time_s"], point["acceleration_time_s"]
         over_time.append(Line(f"T_e = {ramp:g} s", times, enoc_energy(coefficients, times, ramp) / J_PER_WH))

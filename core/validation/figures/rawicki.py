@@ -14,6 +14,7 @@ from railjoule.core.validation.rawicki_runs import (
     printed_phases,
     replan,
     solve_phases,
+    supply_energy_kwh,
     tram_scenario,
 )
 
@@ -72,7 +73,7 @@ def _printed_ends(kr: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
                     position + phase["distance_m"],
                     time + phase["duration_s"],
                     phase["end_ms"],
-                    energy + _supply_energy_kwh(phase, kr),
+                    energy + supply_energy_kwh(phase, kr),
                 )
             )
         if part == "part I":
@@ -80,12 +81,6 @@ def _printed_ends(kr: float) -> tuple[FloatArray, FloatArray, FloatArray, FloatA
             rows.append((position, time + stop_s, speed, energy))
     position, time, speed, energy = np.array(rows).T
     return frozen_array(position), frozen_array(time), frozen_array(speed), frozen_array(energy)
-
-
-def _supply_energy_kwh(phase: Printed, kr: float) -> float:
-    """Return the energy of a phase [kWh]: braking energies are printed for kr = 1 and count by the share."""
-    energy = float(phase.get("energy_kwh", 0.0))
-    return energy if energy > 0 else kr * energy
 
 
 def _lines_by_stage(run: Trajectory, x: FloatArray) -> tuple[Line, ...]:
@@ -111,7 +106,7 @@ def _joined(parts: list[tuple[FloatArray, FloatArray]]) -> tuple[FloatArray, Flo
 
 
 def _energy_line(run: Trajectory) -> Line:
-    return Line("railjoule", run.position_m, frozen_array(run.line_energy_j / J_PER_KWH))
+    return Line("railjoule", run.position_m, frozen_array(run.supply_energy_j / J_PER_KWH))
 
 
 def _energy_note(run: Trajectory, entry: Printed) -> str:

@@ -7,7 +7,7 @@ from railjoule.core.limit_search.problem import Evaluation
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
 from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
-from railjoule.core.validation.shtompel_rows import map_efficiency, run_limits, search_run
+from railjoule.core.validation.shtompel import map_efficiency, search_limits
 
 SPEED_KMH = 20
 """The printed average speed."""
@@ -32,7 +32,7 @@ def efficiency_maps() -> FigureData:
 
 def even_search() -> FigureData:
     """Return the first search: all combinations, and those that lower the energy."""
-    samples = [one for one in search_run(SPEED_KMH, "coast").evaluations if one.stage == "sample"]
+    samples = [one for one in search_limits(SPEED_KMH, "coast")[1].evaluations if one.stage == "sample"]
     better = _improvements(samples)
     lines = (
         Line("steps that are not optimal", *_set_speeds(samples)),
@@ -47,7 +47,7 @@ def even_search() -> FigureData:
 
 def simplex_search() -> FigureData:
     """Return the second search: the simplex from the best of the first search."""
-    search = search_run(SPEED_KMH, "coast")
+    _, search = search_limits(SPEED_KMH, "coast")
     samples, refined = ([one for one in search.evaluations if one.stage == stage] for stage in ("sample", "refine"))
     start = _improvements(samples)[-1]
     better = _improvements([start, *refined])
@@ -64,8 +64,8 @@ def simplex_search() -> FigureData:
 
 def optimal_schedule() -> FigureData:
     """Return set speed, speed, force, energy and profile over the distance."""
-    run = run_limits(SPEED_KMH, "coast")
-    best = search_run(SPEED_KMH, "coast").best
+    run, search = search_limits(SPEED_KMH, "coast")
+    best = search.best
     line = run.scenario.line.in_running_order()
     ends = np.concatenate([[0.0], np.repeat(best.boundaries_m, 2), [line.length_m]])
     places = np.repeat(run.position_m, 2)[1:-1]
@@ -80,7 +80,7 @@ def optimal_schedule() -> FigureData:
             ),
         ),
         Panel(DISTANCE, "Force, kN", (Line("tractive force", places, force),)),
-        Panel(DISTANCE, "Energy, kWh", (Line("energy", run.position_m, run.line_energy_j / J_PER_KWH),)),
+        Panel(DISTANCE, "Energy, kWh", (Line("energy", run.position_m, run.supply_energy_j / J_PER_KWH),)),
         Panel(DISTANCE, "Height, m", (Line("profile", section_borders(line), height_profile(line)),)),
     )
     return FigureData(

@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from railjoule.core import Trajectory
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.state.workbench import Workbench
 
-SIGNS: Mapping[StrategyName, str] = {"speed_limits": "Set speeds"}
+SIGNS: Mapping[str, str] = {"speed_limits": "Set speeds"}
 """What stands at lines where the whole word has no room."""
 
 
@@ -45,7 +44,7 @@ def contenders(state: Workbench) -> tuple[Contender, ...]:
     return (*named, *pinned)
 
 
-def strategy_runs(state: Workbench) -> Mapping[StrategyName, Trajectory]:
+def strategy_runs(state: Workbench) -> Mapping[str, Trajectory]:
     """Return the runs of the scenario's strategies: all that are known, or those that are ticked."""
     if state.runs is None:
         return {}

@@ -3,7 +3,6 @@
 from typing import Any
 
 from railjoule.core import RailjouleError
-from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
@@ -11,11 +10,10 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
 
 PAGE = "Compare"
-SLOW: tuple[StrategyName, ...] = ("bellman", "speed_limits")
-"""What is still under way when the next scenario is asked for is left, so these come last."""
 REST_MS = 400
 """While a slider moves, what is under way takes turns from the page."""
-IN_TURN = (*(name for name in STRATEGIES if name not in SLOW), *SLOW)
+IN_TURN = tuple(sorted(STRATEGIES, key=lambda name: STRATEGIES[name].seconds_per_cell))
+"""The slowest come last, as a strategy still under way is abandoned when the next scenario is asked for."""
 
 
 class Compare(PageWork[Workbench]):

@@ -10,8 +10,8 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.actual_run import actual_run, plan_of
-from railjoule.core.simulate.disturbances import DisturbedRun
+from railjoule.core.simulation.actual_run import actual_run, plan_of
+from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.dashboard.work.refusals import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
@@ -38,7 +38,7 @@ class RidesRequest:
 
     def disturbed(self) -> Scenario:
         """Return the scenario with its events; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(**self.changes)
+        return self.scenario.replace(**self.changes)
 
 
 @dataclass(frozen=True, eq=False)

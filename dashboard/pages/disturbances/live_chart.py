@@ -7,8 +7,8 @@ import numpy as np
 from bokeh.events import Tap
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.simulate.leg import Leg
-from railjoule.core.simulate.live import LiveEvent, LiveRun
+from railjoule.core.simulation.leg import Leg
+from railjoule.core.simulation.live import LiveEvent, LiveRun
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, DistanceChart, xy
 from railjoule.dashboard.charts.line_names import Name

@@ -6,8 +6,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.live import LiveRun
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.live import LiveRun
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.look import comparisons, words

@@ -10,7 +10,7 @@ import panel as pn
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
 from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
-from railjoule.core.simulate.live import (
+from railjoule.core.simulation.live import (
     LiveRun,
     advance,
     clear_signal,
@@ -163,7 +163,7 @@ class Live(PageWork[LiveModel]):
             self.model.playing = False
             return
         accepted = {"disturbance.accepted_delay_s": float(self.state.disturbances.accepted_delay_s)}
-        scenario = self.state.scenario.scenario().with_(strategy=self.state.chosen, **accepted)
+        scenario = self.state.scenario.scenario().replace(strategy=self.state.chosen, **accepted)
         if self.is_new(scenario):
             self._drop()
             self.starts.ask(scenario)

@@ -7,7 +7,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
-from railjoule.core.simulate.disturbances import DisturbedRun
+from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.dashboard.actual.model import add_stop
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.driven import reality_words

@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.actual_run import ActualRun, Cause
+from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.parts.html import (
@@ -51,7 +51,7 @@ def cause_words(cause: Cause, scenario: Scenario) -> str:
 
 def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
     """Return the numbers of Drive while an actual run stands beside the plan."""
-    largest = actual.largest_cause
+    largest = actual.max_cause
     cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
     if largest is not None:
         told = cause_words(largest, actual.scenario)

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from railjoule.core import Trajectory
-from railjoule.core.energy_flow import EnergyFlow, energy_flow
+from railjoule.core.energy_along import EnergyFlow, energy_flow
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.look import words

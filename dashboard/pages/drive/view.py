@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
-from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import (
@@ -166,7 +166,7 @@ class DriveView(PageView):
     def _repair(self, *_: Any) -> None:
         failure = self.state.failure
         if isinstance(failure, TimetableError):
-            self.state.scenario.travel_time_s = failure.least_tenth_s
+            self.state.scenario.travel_time_s = failure.min_tenth_s
 
     def _show_failure(self) -> None:
         """Say why there is no run as asked for, and offer what mends it."""
@@ -179,7 +179,7 @@ class DriveView(PageView):
             self.tell(failure, shown)
         self.repair.visible = isinstance(failure, TimetableError)
         if isinstance(failure, TimetableError):
-            self.repair.label = f"Use {words.number(failure.least_tenth_s)} s"
+            self.repair.label = f"Use {words.number(failure.min_tenth_s)} s"
 
     def _show_run(self) -> None:
         state = self.state

@@ -10,8 +10,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
-from railjoule.core.imports.encoding import encoding_mentioned, found_code_page
-from railjoule.core.imports.source_file import json_of
+from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, json_of
 
 OtherKind = Literal["track", "train", "journey"]
 Kind = IntervalKind | OtherKind | Literal[""]

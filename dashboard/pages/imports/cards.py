@@ -9,12 +9,11 @@ from railjoule.core import RailjouleError
 from railjoule.core.errors import ChoiceError, UnitError
 from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
 from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
-from railjoule.core.imports.encoding import encoding_mentioned
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
 from railjoule.core.imports.numbers import text_of_cell
-from railjoule.core.imports.parts import checked_vehicle
+from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
-from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
+from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
 from railjoule.dashboard.pages.imports.brought import ENCODING, SHEET, Brought, selectors_of
 
 FIRST_ROWS = 4

@@ -7,20 +7,20 @@ import param
 
 from railjoule.core import Scenario
 from railjoule.core.imports import ImportedLine
-from railjoule.core.imports.source_file import counted
 from railjoule.core.imports.vehicle import ImportedVehicle
+from railjoule.core.scenario._sentences import counted
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.pages.imports.brought import ENCODING, KIND_WORDS, SHEET, TABLE_WORDS
 from railjoule.dashboard.pages.imports.cards import Card, Choice
 from railjoule.dashboard.pages.imports.compute import Offer, Stretch, examples, waiting_words
-from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, ImportModel, Wanted
+from railjoule.dashboard.pages.imports.model import MAX_FILE_BYTES, ImportModel, Wanted
 
 ACCEPTED = ".csv,.tsv,.txt,.xlsx,.json"
 FORMATS = (
     "Tables of gradients, speed limits, curves, tunnels or neutral sections (CSV, XLSX; also as SNCF and RINF publish "
-    f"them), TTOBench (JSON); at most {LARGEST_FILE_BYTES / 1e6:g} MB each. The example is an invented line in the "
+    f"them), TTOBench (JSON); at most {MAX_FILE_BYTES / 1e6:g} MB each. The example is an invented line in the "
     "columns of SNCF."
 )
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
@@ -40,7 +40,7 @@ class FilesForm(Form):
     refusal = param.String(default="", doc="Why a file was not taken.")
     accept = param.String(default=ACCEPTED, doc="Ends of the names of files to choose.")
     formats = param.String(default=FORMATS, doc="What can be brought, in words.")
-    largest_bytes = param.Integer(default=LARGEST_FILE_BYTES, doc="Larger files are not sent.")
+    max_bytes = param.Integer(default=MAX_FILE_BYTES, doc="Larger files are not sent.")
     version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
 
     _esm = module("import_files")

@@ -13,9 +13,9 @@ from railjoule.dashboard.pages.imports.brought import Brought
 from railjoule.dashboard.pages.imports.compute import Reading, Stretch
 from railjoule.dashboard.state.page_model import PageModel, result
 
-LARGEST_FILE_BYTES = 4_000_000
+MAX_FILE_BYTES = 4_000_000
 """Of one file: a session keeps it until the page is closed, and a message of the browser may have 20 MB."""
-MOST_FILES = 8
+MAX_FILES = 8
 LONGEST_NAME = 120
 
 
@@ -52,10 +52,10 @@ class ImportModel(PageModel):
         """Take a file as a browser sends it, or say why not."""
         name = "".join(letter if letter.isprintable() else " " for letter in name)[:LONGEST_NAME] or "a file"
         # four letters carry three bytes
-        if len(encoded) > LARGEST_FILE_BYTES * 4 / 3 + 4:
+        if len(encoded) > MAX_FILE_BYTES * 4 / 3 + 4:
             self.refuse_large(name)
-        elif len(self.files) >= MOST_FILES:
-            self.refusal = f"{name}: at most {MOST_FILES} files at a time; remove one first."
+        elif len(self.files) >= MAX_FILES:
+            self.refusal = f"{name}: at most {MAX_FILES} files at a time; remove one first."
         else:
             self._count += 1
             self.param.update(files=(*self.files, Brought(self._count, name, encoded)), refusal="")
@@ -68,7 +68,7 @@ class ImportModel(PageModel):
 
     def refuse_large(self, name: str) -> None:
         """Say that a file is too large."""
-        self.refusal = f"{name[:LONGEST_NAME]}: larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed for one file."
+        self.refusal = f"{name[:LONGEST_NAME]}: larger than the {MAX_FILE_BYTES / 1e6:g} MB allowed for one file."
 
     def replace(self, file: Brought) -> None:
         """Put a file in the place of the one of its number."""

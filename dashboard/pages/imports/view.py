@@ -5,7 +5,7 @@ from typing import Any
 
 from panel.viewable import Viewable
 
-from railjoule.core.imports.source_file import counted
+from railjoule.core.scenario._sentences import counted
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.editor.fields_of import Field, parts_of, plain
 from railjoule.dashboard.look import words

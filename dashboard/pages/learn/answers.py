@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from railjoule.core import Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.energy_flow import BRAKES
+from railjoule.core.energy_along import BRAKES
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.learn.compute import LessonResult

@@ -1,4 +1,4 @@
-"""The lesson that is driven: the course that the browser drives on, and how a try compares with the optimum."""
+"""The lesson that is driven: the meshed line that the browser drives on, and how a try compares with the optimum."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import IntArray
-from railjoule.core.drive import constant_efficiency
+from railjoule.core.drive.formulas import BRAKING_EFFICIENCY, TRACTION_EFFICIENCY
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
+from railjoule.core.motion.driving import braking_envelope
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.simulate.by_hand import (
+from railjoule.core.simulation.manual import (
     WALKING_PACE_MS,
-    drive_by_hand,
+    drive_manually,
     parting_node,
     read_commands,
     require_drivable,
 )
-from railjoule.core.simulate.driver import braking_envelope
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
@@ -42,7 +42,7 @@ IN_TIME_S = 0.05
 
 @dataclass(frozen=True)
 class TryRequest:
-    """A try: its commands as a text, such as p0c300b2200; empty where only the course is asked for."""
+    """A try: its commands as a text, such as p0c300b2200; empty where only the meshed line is asked for."""
 
     commands: str = ""
 
@@ -54,37 +54,37 @@ class TryResult:
     Parameters
     ----------
     request : TryRequest
-    course : mapping
+    mesh : mapping
         What it drives on.
     verdict : mapping or None
         How the try compares with the optimum; None where there was none.
     """
 
     request: TryRequest
-    course: Mapping[str, Any]
+    mesh: Mapping[str, Any]
     verdict: Mapping[str, Any] | None = None
 
 
 def judge(request: TryRequest) -> TryResult:
-    """Return the course and how a try compares with the optimum.
+    """Return the meshed line and how a try compares with the optimum.
 
     Raises
     ------
     ScenarioError
-        If the text is not one of commands for this course.
+        If the text is not one of commands for this meshed line.
     """
-    _, course = lesson()
-    arrays = course_arrays(course)
+    _, mesh = lesson()
+    arrays = mesh_arrays(mesh)
     if not request.commands:
         return TryResult(request, arrays)
     return TryResult(request, arrays, verdict_on(request.commands))
 
 
 @cache
-def lesson() -> tuple[Scenario, Course]:
-    """Return the scenario of the lesson over its mesh, and its course."""
-    scenario = load_scenario(PRESET).with_(**LESSON_CHANGES)
-    return scenario, build_course(scenario)
+def lesson() -> tuple[Scenario, MeshedLine]:
+    """Return the scenario of the lesson over its mesh, and its meshed line."""
+    scenario = load_scenario(PRESET).replace(**LESSON_CHANGES)
+    return scenario, build_meshed_line(scenario)
 
 
 @cache
@@ -95,33 +95,33 @@ def best_run() -> Trajectory:
 
 def driven_run(text: str) -> Trajectory:
     """Return the run of a try; errors as `read_commands`."""
-    scenario, course = lesson()
-    return drive_by_hand(scenario, course, read_commands(text, course.cell_count))
+    scenario, mesh = lesson()
+    return drive_manually(scenario, mesh, read_commands(text, mesh.cell_count))
 
 
-def course_arrays(course: Course) -> dict[str, Any]:
-    """Return a course as `driving.js` takes it, in SI units.
+def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
+    """Return a meshed line as `driving.js` takes it, in SI units.
 
     Raises
     ------
     ScenarioError
-        If its drive has no constant efficiency, or `railjoule.core.simulate.by_hand` does not take the course.
+        If its drive has no constant efficiency, or `railjoule.core.simulation.manual` does not take the meshed line.
     """
-    data = course.data
-    require_drivable(course)
+    data = mesh.data
+    require_drivable(mesh)
     if data.drive_kind != CONSTANT_EFFICIENCY:
         raise ScenarioError("The lesson needs a drive with a constant efficiency.")
     return {
-        "position": course.position_m.tolist(),
+        "position": mesh.position_m.tolist(),
         "length": data.cell_length_m.tolist(),
         "constant": (data.resistance_constant_n + data.line_force_n).tolist(),
         "running_constant": data.resistance_constant_n,
         "linear": data.resistance_linear,
         "quadratic": np.asarray(data.resistance_quadratic).tolist(),
-        "gradient": course.gradient_force_n.tolist(),
-        "permille": course.gradient_permille.tolist(),
-        "limit": course.cell_limit_ms.tolist(),
-        "highest2": braking_envelope(course).tolist(),
+        "gradient": mesh.gradient_force_n.tolist(),
+        "permille": mesh.gradient_permille.tolist(),
+        "limit": mesh.cell_limit_ms.tolist(),
+        "highest2": braking_envelope(mesh).tolist(),
         "entering2": max(float(data.fixed_speed2[0]), 0.0),
         "pace2": WALKING_PACE_MS**2,
         "half_inertia": data.half_inertia_kg,
@@ -131,16 +131,16 @@ def course_arrays(course: Course) -> dict[str, Any]:
         "most_acceleration": _finite(data.max_acceleration_ms2),
         "most_deceleration": _finite(data.max_deceleration_ms2),
         "auxiliary": data.auxiliary_power_w,
-        "driving_efficiency": float(data.drive_parameters[constant_efficiency.TRACTION_EFFICIENCY]),
-        "braking_efficiency": float(data.drive_parameters[constant_efficiency.BRAKING_EFFICIENCY]),
+        "driving_efficiency": float(data.drive_parameters[TRACTION_EFFICIENCY]),
+        "braking_efficiency": float(data.drive_parameters[BRAKING_EFFICIENCY]),
         "recuperated": data.recuperation_factor,
     }
 
 
 def verdict_on(text: str) -> dict[str, Any]:
     """Return how a try compares with the optimum, in numbers and sentences; errors as `read_commands`."""
-    scenario, course = lesson()
-    commands, best = read_commands(text, course.cell_count), best_run()
+    scenario, mesh = lesson()
+    commands, best = read_commands(text, mesh.cell_count), best_run()
     run = driven_run(text)
     late = run.travel_time_s - scenario.travel_time_s
     bound = best.bound
@@ -155,7 +155,7 @@ def verdict_on(text: str) -> dict[str, Any]:
         "proven": best.is_proven,
         "best_kwh": best.energy_kwh,
         "best_ms": best.speed_ms.tolist(),
-        "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
+        "above_kwh": ((run.supply_energy_j - best.supply_energy_j) / J_PER_KWH).tolist(),
         "parting": _parting(run, best, commands),
         "rows": beyond(run, best),
     }
@@ -172,7 +172,7 @@ def _parting(run: Trajectory, best: Trajectory, commands: IntArray) -> dict[str,
     others = np.flatnonzero(commands[node:] != commands[node])
     end = node + int(others[0]) if len(others) else len(commands)
     faster = float(run.node_speed_ms[end] - best.node_speed_ms[end])
-    cost = float(run.line_energy_j[end] - best.line_energy_j[end]) / J_PER_KWH
+    cost = float(run.supply_energy_j[end] - best.supply_energy_j[end]) / J_PER_KWH
     return {
         "position": place,
         "node": node,

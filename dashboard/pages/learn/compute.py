@@ -6,11 +6,10 @@ from typing import Any
 
 from railjoule.core import Scenario, Trajectory, load_scenario, solve
 from railjoule.core.energy import share_above
-from railjoule.core.simulate.following import follow, plan_for
+from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.strategies import prepare_task
-from railjoule.core.studies.plain_driving import one_speed_run
 from railjoule.core.studies.steady import PhaseCurve, SteadySpeeds, phase_plane, steady_speeds
-from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times
+from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times, one_speed_run
 
 BASE = "liashenko-0"
 """A metro train of five cars with a constant efficiency, whose speeds follow from a formula."""
@@ -66,7 +65,7 @@ def compute_lesson(request: LessonRequest) -> LessonResult:
 
 
 def _level(length_m: float, **changes: Any) -> Scenario:
-    return load_scenario(BASE).with_(line={"sections": [{"length_m": length_m}]}, **changes)
+    return load_scenario(BASE).replace(line={"sections": [{"length_m": length_m}]}, **changes)
 
 
 def _coasting(request: LessonRequest) -> LessonResult:
@@ -76,7 +75,7 @@ def _coasting(request: LessonRequest) -> LessonResult:
 
 def _multiplier(request: LessonRequest) -> LessonResult:
     scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": request.value})
-    later = solve(scenario.with_(**{"timetable.travel_time_s": request.value + 1}))
+    later = solve(scenario.replace(**{"timetable.travel_time_s": request.value + 1}))
     task = prepare_task(scenario)
     frontier = energy_time_frontier(task, frontier_times(task, 24))
     return _with_plane(request, scenario, {"optimum": solve(scenario), "a second later": later}, frontier)
@@ -84,7 +83,7 @@ def _multiplier(request: LessonRequest) -> LessonResult:
 
 def _recuperation(request: LessonRequest) -> LessonResult:
     without = _level(LONG_M, **{"timetable.travel_time_s": LONG_TIME_S})
-    scenario = without.with_(**{"drive.recuperation_factor": request.value / 100})
+    scenario = without.replace(**{"drive.recuperation_factor": request.value / 100})
     return _with_plane(request, scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
 
 
@@ -99,7 +98,7 @@ def _gradient(request: LessonRequest) -> LessonResult:
         {"length_m": 150.0},
     ]
     without = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
-    with_gradients = without.with_(line={"sections": sections})
+    with_gradients = without.replace(line={"sections": sections})
     driven = follow(plan_for(without), with_gradients).actual
     return LessonResult(
         request, {"planned with gradients": plan_for(with_gradients), "planned for level track": driven}
@@ -109,9 +108,9 @@ def _gradient(request: LessonRequest) -> LessonResult:
 def _load(request: LessonRequest) -> LessonResult:
     planned = _level(SHORT_M, **{"timetable.travel_time_s": LOAD_TIME_S, "vehicle.load_factor": PLANNED_LOAD})
     actual = request.value / 100
-    driven = follow(plan_for(planned), planned.with_(**{"disturbance.actual_load_factor": actual})).actual
+    driven = follow(plan_for(planned), planned.replace(**{"disturbance.actual_load_factor": actual})).actual
     # a heavier train is late: the plan for the actual load gets the same arrival
-    for_actual = planned.with_(**{"vehicle.load_factor": actual, "timetable.travel_time_s": driven.travel_time_s})
+    for_actual = planned.replace(**{"vehicle.load_factor": actual, "timetable.travel_time_s": driven.travel_time_s})
     return LessonResult(request, {"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
 
 

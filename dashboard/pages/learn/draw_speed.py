@@ -19,7 +19,7 @@ from railjoule.dashboard.pages.learn.played_form import PlayedForm
 class DrawSpeed(PlayedForm):
     """A speed drawn over the distance in the browser; the server tells the best run in the time that it takes."""
 
-    course = param.Dict(default={}, doc="What the train obeys.")
+    mesh = param.Dict(default={}, doc="What the train obeys.")
     shortest_s = param.Number(default=0.0, doc="Shortest possible time [s].")
     begun = param.List(default=[], doc="The drawing to begin with [km/h].")
     linked = param.Boolean(default=False, doc="Whether that drawing is one of a link.")
@@ -31,7 +31,7 @@ class DrawSpeed(PlayedForm):
     def shown(self, found: DrawingResult) -> dict[str, Any]:
         """Return what the train obeys, and the drawing to begin with."""
         return {
-            "course": dict(found.course),
+            "mesh": dict(found.mesh),
             "shortest_s": found.shortest_s,
             "begun": list(found.begun),
             "linked": bool(found.request.begun),

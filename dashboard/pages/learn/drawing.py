@@ -1,4 +1,4 @@
-"""The lesson that is drawn: the course, the run beneath a drawing, and how it compares with the best in its time."""
+"""The lesson that is drawn: the mesh, the run below a drawing, and how it compares with the best in its time."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -10,13 +10,13 @@ import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import FloatArray
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.phases import PhaseName
-from railjoule.core.simulate.drawn import drive_drawn
+from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.by_hand import FASTER, MORE, beyond, course_arrays
+from railjoule.dashboard.pages.learn.by_hand import FASTER, MORE, beyond, mesh_arrays
 
 PRESET = "liashenko-iii"
 """A metro with a constant efficiency on a long climb, whose optimum has all four phases."""
@@ -49,7 +49,7 @@ class DrawingRequest:
     Parameters
     ----------
     judged : str
-        The one to be compared with the best; empty where only the course is asked for.
+        The one to be compared with the best; empty where only the meshed line is asked for.
     begun : str
         The one to begin with; empty for one at the limit.
     """
@@ -65,7 +65,7 @@ class DrawingResult:
     Parameters
     ----------
     request : DrawingRequest
-    course : mapping
+    mesh : mapping
         What the train obeys.
     shortest_s : float
         Shortest possible time [s].
@@ -76,14 +76,14 @@ class DrawingResult:
     """
 
     request: DrawingRequest
-    course: Mapping[str, Any]
+    mesh: Mapping[str, Any]
     shortest_s: float
     begun: tuple[int, ...]
     verdict: Mapping[str, Any] | None = None
 
 
 def judge_drawing(request: DrawingRequest) -> DrawingResult:
-    """Return the course and how a drawing compares with the best run.
+    """Return the meshed line and how a drawing compares with the best run.
 
     Raises
     ------
@@ -93,17 +93,17 @@ def judge_drawing(request: DrawingRequest) -> DrawingResult:
         If a drawing leaves no time to save with.
     """
     begun = read_drawing(request.begun) if request.begun else (MOST_KMH,) * POINTS
-    scenario, course = drawing_lesson()
+    scenario, mesh = drawing_lesson()
     verdict = verdict_on(read_drawing(request.judged)) if request.judged else None
     shortest = prepare_task(scenario).shortest_travel_time_s
-    return DrawingResult(request, course_arrays(course), shortest, begun, verdict)
+    return DrawingResult(request, mesh_arrays(mesh), shortest, begun, verdict)
 
 
 @cache
-def drawing_lesson() -> tuple[Scenario, Course]:
-    """Return the scenario of the lesson, and its course."""
+def drawing_lesson() -> tuple[Scenario, MeshedLine]:
+    """Return the scenario of the lesson, and its meshed line."""
     scenario = load_scenario(PRESET)
-    return scenario, build_course(scenario)
+    return scenario, build_meshed_line(scenario)
 
 
 def read_drawing(text: str) -> tuple[int, ...]:
@@ -124,9 +124,9 @@ def read_drawing(text: str) -> tuple[int, ...]:
 
 def run_of(speeds_kmh: Sequence[int]) -> Trajectory:
     """Return the run beneath a drawing."""
-    scenario, course = drawing_lesson()
-    places = np.linspace(0.0, float(course.position_m[-1]), len(speeds_kmh))
-    return drive_drawn(scenario, course, np.interp(course.position_m, places, speeds_kmh) * MS_PER_KMH)
+    scenario, mesh = drawing_lesson()
+    places = np.linspace(0.0, float(mesh.position_m[-1]), len(speeds_kmh))
+    return drive_drawn(scenario, mesh, np.interp(mesh.position_m, places, speeds_kmh) * MS_PER_KMH)
 
 
 def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
     bound = best.bound
     assert bound is not None
     # the optimum may have a finer mesh; within a cell the square of speed is linear
-    best_j = np.interp(run.position_m, best.position_m, best.line_energy_j)
+    best_j = np.interp(run.position_m, best.position_m, best.supply_energy_j)
     return {
         "points": list(speeds_kmh),
         "kwh": run.energy_kwh,
@@ -145,7 +145,7 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
         "proven": best.is_proven,
         "best_kwh": best.energy_kwh,
         "best_ms": np.sqrt(np.interp(run.position_m, best.position_m, best.speed_ms**2)).tolist(),
-        "above_kwh": ((run.line_energy_j - best_j) / J_PER_KWH).tolist(),
+        "above_kwh": ((run.supply_energy_j - best_j) / J_PER_KWH).tolist(),
         "rows": beyond(run, best),
         "stretches": stretches(run, best),
     }
@@ -153,7 +153,7 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
 
 def in_time_of(run: Trajectory) -> Scenario:
     """Return the scenario of the lesson with the time of a run."""
-    return drawing_lesson()[0].with_(**{"timetable.travel_time_s": run.travel_time_s})
+    return drawing_lesson()[0].replace(**{"timetable.travel_time_s": run.travel_time_s})
 
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:
@@ -195,4 +195,4 @@ def _mean_speed(run: Trajectory, start_m: float, end_m: float) -> float:
 
 
 def _taken_kwh(run: Trajectory, start_m: float, end_m: float) -> float:
-    return _growth(run.position_m, run.line_energy_j, start_m, end_m) / J_PER_KWH
+    return _growth(run.position_m, run.supply_energy_j, start_m, end_m) / J_PER_KWH

@@ -22,7 +22,7 @@ class DriveIt(PlayedForm):
 
     timetable_s = param.Number(default=0.0, doc="Travel time of the timetable [s].")
     length_km = param.Number(default=0.0, doc="Length of the line [km].")
-    course = param.Dict(default={}, doc="What the train obeys.")
+    mesh = param.Dict(default={}, doc="What the train obeys.")
     driven = param.String(default="", doc="Commands of a run that may be replayed.")
 
     _esm = module("drive_it")
@@ -34,7 +34,7 @@ class DriveIt(PlayedForm):
 
     def shown(self, found: TryResult) -> dict[str, Any]:
         """Return what the train obeys, and a run that may be replayed."""
-        return {"course": dict(found.course), "driven": self.state.learn.driven}
+        return {"mesh": dict(found.mesh), "driven": self.state.learn.driven}
 
     def _take(self, message: dict[str, Any]) -> None:
         if message.get("what") == "open":

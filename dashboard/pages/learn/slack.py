@@ -10,8 +10,8 @@ from typing import Any
 from railjoule.core import Scenario, ScenarioError, load_scenario
 from railjoule.core.energy import share_above
 from railjoule.core.strategies.line_parts import shortest_times_s, stop_nodes
-from railjoule.core.studies.leg_tables import LegTable, leg_tables
-from railjoule.core.studies.whole_line import Leg, WholeLine, shared_line
+from railjoule.core.studies.table import StudyTable
+from railjoule.core.studies.whole_line import Leg, WholeLine, leg_tables, shared_line
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look import words
@@ -117,7 +117,7 @@ def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
     shortest = shortest_times_s(task, stop_nodes(task))
     running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
     arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
-    return task.scenario.with_(**{"line.stations": _stations(name, arrivals)})
+    return task.scenario.replace(**{"line.stations": _stations(name, arrivals)})
 
 
 @cache
@@ -127,11 +127,11 @@ def line_tables(name: str) -> dict[str, Any]:
     dwells = DWELL_S * (len(NAMES) - 2)
     tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
     # what the train takes while it stands is the same however the seconds are shared
-    standing_j = task.course.data.auxiliary_power_w * dwells
+    standing_j = task.mesh.data.auxiliary_power_w * dwells
     return {
         "legs": [_leg(name, k, table) for k, table in enumerate(tables)],
         "standing_kwh": standing_j / J_PER_KWH,
-        "least_s": LEAST_S,
+        "min_s": LEAST_S,
         "slack_s": SLACK_S,
     }
 
@@ -187,14 +187,14 @@ def _worth(share: float) -> str:
     return f"{told}: on this line it does not pay. A few more passengers change more."
 
 
-def _leg(name: str, number: int, table: LegTable) -> dict[str, Any]:
+def _leg(name: str, number: int, table: StudyTable) -> dict[str, Any]:
     return {
         "from": NAMES[number],
         "to": NAMES[number + 1],
         "length_m": LENGTHS_M[name][number],
         "shortest_s": table.shortest_time_s,
-        "energy_kwh": (table.energy_j / J_PER_KWH).tolist(),
-        "price_wh_s": (table.price_of_time_w / J_PER_WH).tolist(),
+        "energy_kwh": table["energy_kwh"].tolist(),
+        "price_wh_s": table["price_of_time_wh_per_s"].tolist(),
     }
 
 
@@ -202,7 +202,7 @@ def _scenario(name: str, travel_time_s: float) -> Scenario:
     sections = [section for length in LENGTHS_M[name] for section in _hump(length)]
     line = {"name": f"Three {name} legs (assumed)", "sections": sections, "stations": _stations(name)}
     title = f"Share out the slack: {name} legs"
-    return load_scenario(BASE).with_(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
+    return load_scenario(BASE).replace(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
 
 
 def _hump(length_m: float) -> list[dict[str, float]]:

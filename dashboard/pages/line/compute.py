@@ -100,7 +100,7 @@ def compute_line(request: LineRequest) -> LineRuns:
 
 def compute_given(request: GivenRequest) -> WholeLine:
     """Return the line as a given timetable has it; errors as `railjoule.core.studies.whole_line.whole_line`."""
-    return shared_line(prepare_task(request.scenario.with_(**{"line.stations": list(request.stations)})), "given")
+    return shared_line(prepare_task(request.scenario.replace(**{"line.stations": list(request.stations)})), "given")
 
 
 def has_given(scenario: Scenario) -> bool:

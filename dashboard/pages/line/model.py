@@ -181,7 +181,7 @@ class LineModel(TypedParameters, PageModel):
         model = self.scenario
         rows = station_rows(model.edited.line, times)
         others = {key: value for key, value in model.edits.items() if key != STATIONS_KEY}
-        if rows == station_rows(model.base.with_(**others).line, {}):
+        if rows == station_rows(model.base.replace(**others).line, {}):
             model.take_back(STATIONS_KEY)
         else:
             model.edit({STATIONS_KEY: rows})

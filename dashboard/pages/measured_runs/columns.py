@@ -9,17 +9,18 @@ import numpy as np
 from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
 from railjoule.core.imports.cells import Cell, CellTable
-from railjoule.core.imports.source_file import SourceFile, shown_list
+from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.measured import RecorderFormat, recorder_cells
 from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised, unknown_unit
 from railjoule.core.measured.table import EPOCH_UNITS, unit_of_times
 from railjoule.core.scenario import Vehicle
+from railjoule.core.scenario._sentences import shown_list
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.work.uploads import too_large
 
-MOST_ROWS = 20_000
+MAX_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
 MOST_SHEETS = 12
 """As many runs as a page can have open."""
@@ -165,9 +166,9 @@ def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: st
     cells = recorder_cells(SourceFile(name, content), sheet=sheet)
     if not cells.has_header:
         raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
-    if len(cells.rows) > MOST_ROWS:
+    if len(cells.rows) > MAX_ROWS:
         raise RailjouleError(
-            f"{name}: {words.number(len(cells.rows), 0)} rows; at most {words.number(MOST_ROWS, 0)} can be read. Leave "
+            f"{name}: {words.number(len(cells.rows), 0)} rows; at most {words.number(MAX_ROWS, 0)} can be read. Leave "
             "out some samples, or cut the file into its runs."
         )
     return RunFile(name, cells, is_example)

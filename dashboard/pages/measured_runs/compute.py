@@ -9,12 +9,12 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
-from railjoule.core.fit import Fit, HeldOut, fit_runs, hold_out
-from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
-from railjoule.core.imports.source_file import shown_list
+from railjoule.core.identification import Fit, HeldOut, fit_runs, hold_out
+from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
 from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, recording_of
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
+from railjoule.core.scenario._sentences import shown_list
 from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, used_table
 
 ANY_TIMETABLE = Timetable(travel_time_s=100.0)
@@ -228,7 +228,7 @@ def power_error(run: MeasuredRun) -> float | None:
     """
     if run.measured is None or run.recording.power_w is None:
         return None
-    modelled, measured = run.modelled.line_power_w, run.measured.line_power_w
+    modelled, measured = run.modelled.supply_power_w, run.measured.supply_power_w
     duration = np.diff(run.modelled.time_s)
     whole = float(measured**2 @ duration)
     return float(np.sqrt((modelled - measured) ** 2 @ duration / whole)) if whole > 0 else None

@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from railjoule.core.fit import Fit, Parameter
-from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
+from railjoule.core.identification import Fit, Parameter
+from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup

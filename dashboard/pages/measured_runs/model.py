@@ -11,7 +11,7 @@ EXAMPLE_SCENARIO = "metro-with-limit"
 """On whose line the example runs were made, see tests/measured_example.py."""
 LONGEST_NAME = 80
 """Characters of a file's name: it comes from the browser, however long."""
-MOST_FILES = 12
+MAX_FILES = 12
 """Kept of one page: each is held in the server's memory."""
 
 
@@ -42,8 +42,8 @@ class MeasuredRunsModel(TypedParameters, PageModel):
     def add(self, file: RunFile) -> None:
         """Take a file and show it; one of the same name is replaced."""
         others = tuple(other for other in self.files if other.name != file.name)
-        if len(others) >= MOST_FILES:
-            self.refusal = f"{file.name}: at most {MOST_FILES} runs can be open; remove one first."
+        if len(others) >= MAX_FILES:
+            self.refusal = f"{file.name}: at most {MAX_FILES} runs can be open; remove one first."
             return
         self.param.update(files=(*others, file), shown=file.name)
 

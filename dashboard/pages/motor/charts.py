@@ -8,8 +8,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.scenario import StrategyName
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -76,7 +75,7 @@ INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
 
 def of_rivals(quantity: Quantity) -> dict[str, Line]:
     """Return a line for each of the paper's two strategies."""
-    rivals: tuple[StrategyName, ...] = ("eoc", "enoc")
+    rivals: tuple[str, ...] = ("eoc", "enoc")
     return {of.upper(): Line(of, {"line_width": 1.8, "line_dash": DASHES[of]}, of, quantity) for of in rivals}
 
 
@@ -265,7 +264,7 @@ class FluxChart(LoneChart):
         for name, share in lines.items():
             self.put(name, **xy(current, share))
         top = nice_range(0.0, max(float(share.max()) for share in lines.values()))[1]
-        best = sweep.least_loss.flux_current_a
+        best = sweep.min_loss.flux_current_a
         self.put("least", x=[best], **{"from": [0.0], "to": [top]})
         self.set_ranges((float(current[0]), float(current[-1])), (0.0, top))
         names = [Name(name, name, self.palette.tokens[token]) for name, token in FLUX_LINES.items()]
@@ -275,7 +274,7 @@ class FluxChart(LoneChart):
 def flux_table(sweep: FluxSweep) -> str:
     """Return the numbers of three fluxes."""
     points = {
-        "minimum loss": sweep.least_loss,
+        "minimum loss": sweep.min_loss,
         "maximum within the voltage": sweep.within_voltage,
         "rated": sweep.rated,
     }
@@ -289,7 +288,7 @@ def flux_table(sweep: FluxSweep) -> str:
                 words.number(100 * point.efficiency),
                 words.number(point.power_factor, 3),
             ),
-            point is sweep.least_loss,
+            point is sweep.min_loss,
         )
         for name, point in points.items()
     ]

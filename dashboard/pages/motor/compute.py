@@ -9,10 +9,9 @@ import numpy as np
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
 from railjoule.core.arrays import frozen_array
-from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import CopperLoss, Induction
-from railjoule.core.simulate.actual_vehicle import actual_vehicle
-from railjoule.core.simulate.field_oriented import (
+from railjoule.core.simulation.actual_vehicle import actual_vehicle
+from railjoule.core.simulation.field_oriented import (
     FieldOrientedRun,
     Ripple,
     current_ripple,
@@ -21,15 +20,14 @@ from railjoule.core.simulate.field_oriented import (
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
 from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
-from railjoule.core.studies.induction_map import induction_map, machine_points
-from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
+from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, induction_map, machine_points
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
 
 MACHINE_SCENARIO = "ftorek-300s"
 """A shipped scenario whose drive has a machine."""
-RIVALS: tuple[StrategyName, ...] = ("eoc", "enoc")
+RIVALS: tuple[str, ...] = ("eoc", "enoc")
 """The strategies that the paper compares."""
 DRAWN_POINTS = 120
 """Of a run in its machine's map, at most."""
@@ -95,16 +93,16 @@ class LoopRequest:
     """A scenario, the strategy that plans it, and controller and limits by the keys of the scenario's file."""
 
     scenario: Scenario
-    strategy: StrategyName
+    strategy: str
     changes: Mapping[str, Any]
 
     def in_loop(self) -> Scenario:
         """Return the scenario with its controller; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(strategy=self.strategy, **self.changes)
+        return self.scenario.replace(strategy=self.strategy, **self.changes)
 
-    def plan(self, strategy: StrategyName | None = None) -> Trajectory:
+    def plan(self, strategy: str | None = None) -> Trajectory:
         """Return a plan, which knows nothing of the limits that are tried in the loop."""
-        planned = self.scenario.with_(strategy=strategy or self.strategy)
+        planned = self.scenario.replace(strategy=strategy or self.strategy)
         with named_refusals(planned):
             task = prepare_task(planned)
             task.require_timetable()
@@ -149,8 +147,8 @@ class LoopRivals:
     run: FieldOrientedRun
     with_precompensator: FieldOrientedRun
     without_precompensator: FieldOrientedRun
-    strategies: Mapping[StrategyName, FieldOrientedRun]
-    refused: Mapping[StrategyName, str]
+    strategies: Mapping[str, FieldOrientedRun]
+    refused: Mapping[str, str]
 
     @property
     def named(self) -> Mapping[str, FieldOrientedRun]:
@@ -167,9 +165,9 @@ def compute_rivals(loop: LoopRun) -> LoopRivals:
     """Return what a run is compared with; errors as `compute_loop_run`."""
     scenario, run = loop.request.in_loop(), loop.run
     ahead = scenario.simulation.precompensator
-    other = simulate_field_oriented(scenario.with_(**{"simulation.precompensator": not ahead}), run.planned)
-    strategies: dict[StrategyName, FieldOrientedRun] = {}
-    refused: dict[StrategyName, str] = {}
+    other = simulate_field_oriented(scenario.replace(**{"simulation.precompensator": not ahead}), run.planned)
+    strategies: dict[str, FieldOrientedRun] = {}
+    refused: dict[str, str] = {}
     for name in RIVALS:
         if name == loop.request.strategy:
             # driven already: it is the run itself

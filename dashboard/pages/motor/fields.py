@@ -9,7 +9,7 @@ from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import number_fields
 from railjoule.dashboard.state.workbench import Workbench
 
-FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
+FLUX_WORDS = {"Constant": "constant", "Least loss": "min_loss"}
 
 
 class MotorFields:

@@ -7,7 +7,7 @@ import param
 
 from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
-from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineMap, limit_changes, limits_of
@@ -16,7 +16,7 @@ from railjoule.dashboard.state.page_model import PageModel, result
 
 # the fields begin with the defaults of the file's own keys
 LOOP = SimulationOptions()
-FLUXES = ("constant", "least_loss")
+FLUXES = ("constant", "min_loss")
 CRUISE_KMH = 44.0
 """Speed of the flux chart where a scenario is opened: of the cruise that Rawicki prints, 12.26 m/s."""
 CONTROL_FIELDS = (

@@ -7,7 +7,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
@@ -281,7 +281,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
     by_input, by_parts = (
         float(energy[-1]) / J_PER_KWH for energy in (run.energy_by_input_power_j, run.energy_by_parts_j)
     )
-    magnetising = run.magnetising_loss_j / J_PER_KWH
+    magnetising = run.magnetising_loss_kwh
     # in millionths, as a percentage of so small a difference would read 0.00
     share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
     # both from the supply: the motors' net energy counts braking energy that the supply may not take back

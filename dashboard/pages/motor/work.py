@@ -3,7 +3,7 @@
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.core.simulate.field_oriented import Ripple
+from railjoule.core.simulation.field_oriented import Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.dashboard.pages.motor.compute import (

@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.core.scenario import load_scenario
-from railjoule.core.scenario.files import format_scenario
+from railjoule.core.scenario.document import format_scenario
 from railjoule.core.validation.figure import FigureData, PaperFigure
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
@@ -105,7 +105,7 @@ class PrintedFigures:
         return parts.stack(heading, self.bodies[number], self.notes[number], self.buttons[number])
 
     def _open(self, printed: PaperFigure, _: object) -> None:
-        scenario = load_scenario(printed.scenario).with_(**printed.changes)
+        scenario = load_scenario(printed.scenario).replace(**printed.changes)
         title = f"{scenario.title}, {printed.place}" if printed.changes else scenario.title
         self._state.scenario.open(format_scenario(scenario.model_copy(update={"title": title})), title)
         self._state.page = "Drive"

@@ -5,8 +5,7 @@ from collections.abc import Collection, Iterable
 
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.validation import Claim, Erratum, Row, Table, first_comparisons
-from railjoule.core.validation.claim import Verdict
-from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.core.validation.table import CLOSE_PERCENT, Verdict
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.pages.papers.compute import PaperTables

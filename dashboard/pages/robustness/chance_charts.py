@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.chart import nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.label_places import text_width_px
@@ -19,7 +19,7 @@ SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
-MOST_POINTS = 2000
+MAX_POINTS = 2000
 
 
 def finite(values: FloatArray) -> FloatArray:
@@ -84,7 +84,7 @@ class HistogramChart(LoneChart):
         self.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
 
 
-def chance_table(table: MonteCarloTable) -> str:
+def chance_table(table: StudyTable) -> str:
     """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
     results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
         "Energy, kWh": (table.energy_kwh, words.energy),
@@ -103,15 +103,15 @@ def chance_table(table: MonteCarloTable) -> str:
                 cells[0], cells[-1] = f"earliest {cells[0]}", f"latest {cells[-1]}"
             rows.append(((name, *cells), False))
     seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
-    text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
+    text = f"{words.number(table.done, 0)} of {words.number(table.scenario.montecarlo.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
     quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
     return parts.inset(quantiles, parts.note_paragraphs([text, *_missed_words(table)]))
 
 
-def _missed_words(table: MonteCarloTable) -> list[str]:
+def _missed_words(table: StudyTable) -> list[str]:
     """Return how many runs need less than a plan for their load by a miss, in a sentence; nothing where none does."""
-    known = table.replanned_kwh[: table.done]
+    known = table.replanned_kwh
     missed = int(comparisons.is_false_saving(table.energy_kwh, known, table.delay_s, table.stop_error_m).sum())
     count = f"{words.number(missed, 0)} of the runs need"
     return [f"{count} less than a plan for their load, but arrive late or miss the stop: no saving."] if missed else []
@@ -133,17 +133,17 @@ class LoadScatter(LoneChart):
         self.glyphs("scatter", "points", "x", "y", paint=driven, size=3.5, fill_alpha=0.35, line_color=None)
         self.line("line", "accent", line_width=1.8)
 
-    def draw(self, table: MonteCarloTable) -> None:
+    def draw(self, table: StudyTable) -> None:
         """Draw the runs so far, and the energy of plans for the actual load."""
         done = np.isfinite(table.energy_kwh)
-        load = 100 * table.drawn["load_factor"][: table.done][done]
+        load = 100 * table["load_factor"][done]
         energy = table.energy_kwh[done]
         if not len(load):
             self.clear()
             return
-        self.put("points", **xy(load[:MOST_POINTS], energy[:MOST_POINTS]))
+        self.put("points", **xy(load[:MAX_POINTS], energy[:MAX_POINTS]))
         order = np.argsort(load)[:: max(1, len(load) // 60)]
-        knowing = table.replanned_kwh[: table.done][done][order]
+        knowing = table.replanned_kwh[done][order]
         self.put("line", **xy(load[order], knowing))
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
         self.set_ranges((0.0, 100.0), (low, high))

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
+from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
-from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
+from railjoule.core.studies.montecarlo import monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
-from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import Knows, sensitivity_steps
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.work.refusals import named_refusals
 
 
@@ -22,7 +23,7 @@ class RealityRequest:
 
     def scenario_in_reality(self) -> Scenario:
         """Return the scenario with its reality; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(**self.changes)
+        return self.scenario.replace(**self.changes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,14 +67,14 @@ class TableRequest:
     knows: Knows
 
 
-def compute_table(request: TableRequest) -> Iterator[SensitivityTable]:
+def compute_table(request: TableRequest) -> Iterator[StudyTable]:
     """Yield the table of loads and errors as it fills; errors as `compute_reality`."""
     scenario = request.reality.scenario_in_reality()
     with named_refusals(scenario):
         yield from sensitivity_steps(scenario, both_directions=request.both_directions, knows=request.knows)
 
 
-def compute_chance(request: RealityRequest) -> Iterator[MonteCarloTable]:
+def compute_chance(request: RealityRequest) -> Iterator[StudyTable]:
     """Yield the runs that chance draws as they come; errors as `compute_reality`."""
     scenario = request.scenario_in_reality()
     with named_refusals(scenario):

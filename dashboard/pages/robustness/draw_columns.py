@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.look import words
 
 Bounds = dict[str, tuple[float, float]]
@@ -33,7 +33,7 @@ class Column:
     """
 
     words: str
-    values: Callable[[MonteCarloTable], FloatArray]
+    values: Callable[[StudyTable], FloatArray]
     show: Callable[[float], str]
     is_drawn: bool = False
 
@@ -54,7 +54,7 @@ class Column:
 
 
 def _drawn(name: str, told: str, show: Callable[[float], str], scale: float = 1.0) -> Column:
-    return Column(told, lambda table: scale * table.drawn[name][: table.done], show, is_drawn=True)
+    return Column(told, lambda table: scale * table[name], show, is_drawn=True)
 
 
 def _percent(show: Callable[[float], str]) -> Callable[[float], str]:
@@ -96,13 +96,13 @@ def histogram_name(column: str) -> str:
 class Request:
     """What is to be drawn of a table: `y` over `x`, and histograms of all else, in light or dark colours."""
 
-    table: MonteCarloTable
+    table: StudyTable
     x: str
     y: str
     dark: bool
 
 
-def varied(table: MonteCarloTable) -> dict[str, FloatArray]:
+def varied(table: StudyTable) -> dict[str, FloatArray]:
     """Return the columns in which runs that reached the end differ, of these runs alone; shapes (reached,)."""
     reached = np.isfinite(table.energy_kwh)
     columns = {name: column.values(table)[reached] for name, column in COLUMNS.items()}

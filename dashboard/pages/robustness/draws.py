@@ -15,7 +15,7 @@ from bokeh.plotting import figure
 from holoviews.operation import histogram
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.chart import nice_range
 from railjoule.dashboard.charts.elements import figure_of
 from railjoule.dashboard.charts.figures import dress_alone
@@ -87,7 +87,7 @@ def draw(request: Request) -> Drawn:
     )
 
 
-def dataset(table: MonteCarloTable) -> hv.Dataset:
+def dataset(table: StudyTable) -> hv.Dataset:
     """Return the runs that reached the end: what was drawn as key dimensions, the results as value dimensions."""
     columns = varied(table)
     keys, values = (
@@ -164,7 +164,7 @@ def _brushed(f: figure, columns: tuple[str, ...], name: str, palette: Palette) -
 # ---- what brushes hold
 
 
-def brush_words(table: MonteCarloTable, rows: hv.Dataset, bounds: Bounds) -> list[str]:
+def brush_words(table: StudyTable, rows: hv.Dataset, bounds: Bounds) -> list[str]:
     """Return in sentences how many runs lie within the bounds, and what became of them beside all others."""
     stuck = table.done - len(rows)
     lost = f" In {words.number(stuck, 0)} more the train comes to a stand." if stuck else ""

@@ -13,7 +13,7 @@ from bokeh.models import CustomJS
 from panel import Row
 
 from railjoule.core import RailjouleError
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.sketches import SketchKind
 from railjoule.dashboard.look.scripts import function
@@ -96,7 +96,7 @@ class Explorer:
         self.state, self.model, self._changed = state, state.robustness, changed
         self.charts: tuple[BrushedChart, ...] = ()
         self.is_open = False
-        self._table: MonteCarloTable | None = None
+        self._table: StudyTable | None = None
         self._axes = FIRST
         self._brushing: _Brushing | None = None
         # by the threads for single runs of seconds: short requests do not wait for it

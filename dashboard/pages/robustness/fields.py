@@ -54,7 +54,7 @@ class RealityFields:
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness
         chance, robust = model.chance, model.robust
-        self.drawing.show(model.drawing, 0.0 if chance is None else chance.done / chance.runs)
+        self.drawing.show(model.drawing, 0.0 if chance is None else chance.done / chance.scenario.montecarlo.runs)
         tried = 0 if robust is None else len(robust.found.candidates) + robust.found.refused
         # the check of the chosen plan comes last
         self.search.show(model.searching, 0.0 if robust is None else tried / (robust.found.asked + 2))

@@ -12,7 +12,8 @@ from bokeh.models import FixedTicker, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
-from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
+from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.validation.liashenko_runs import PAPER, rms
 from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
@@ -45,16 +46,16 @@ class Measure:
     """
 
     words: str
-    values: Callable[[SensitivityTable], FloatArray]
+    values: Callable[[StudyTable], FloatArray]
     show: Callable[[float], str]
-    reference_kwh: Callable[[SensitivityTable], FloatArray] | None = None
+    reference_kwh: Callable[[StudyTable], FloatArray] | None = None
 
     @property
     def unit(self) -> str:
         """The unit alone."""
         return self.words.rpartition(", ")[2]
 
-    def texts(self, table: SensitivityTable) -> list[str]:
+    def texts(self, table: StudyTable) -> list[str]:
         """Return what each cell reads, row after row: a share, where it means nothing kWh, or what a run misses."""
         energies = table.energy_kwh
         if self.reference_kwh is None:
@@ -64,7 +65,7 @@ class Measure:
         columns = energies, references, table.delay_s, table.stop_error_m
         return [comparisons.extra_cell(*map(float, cell)) for cell in zip(*map(np.ravel, columns), strict=True)]
 
-    def drawn(self, table: SensitivityTable) -> FloatArray:
+    def drawn(self, table: StudyTable) -> FloatArray:
         """Return the values without those of runs that need less by a miss; shape (loads, errors)."""
         if self.reference_kwh is None:
             return self.values(table)
@@ -89,7 +90,7 @@ MEASURES = {
         "Extra energy against the plan, %",
         lambda table: 100 * table.overconsumption,
         percent_difference,
-        lambda table: np.array(table.planned_kwh),
+        lambda table: np.array(table.planned_energy_kwh),
     ),
     "delay_s": Measure("Delay at the stop, s", lambda table: table.delay_s, words.delay),
     "stop_error_m": Measure("Overshoot, m", lambda table: table.stop_error_m, words.stop_error),
@@ -120,7 +121,7 @@ class HeatMapChart(Chart):
     def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
         super().__init__("heatmap", "", height)
         self.palette, self._choose = palette, choose
-        self._table: SensitivityTable | None = None
+        self._table: StudyTable | None = None
         self._drawn: tuple[object, ...] = ()
 
     def build(self) -> None:
@@ -151,12 +152,12 @@ class HeatMapChart(Chart):
         if table is None or event.x is None:
             return
         column, row = round(event.x), round(event.y)
-        if 0 <= column < len(table.coordinate_errors_m) and 0 <= row < len(table.load_factors):
-            self._choose(table.load_factors[row], table.coordinate_errors_m[column])
+        if 0 <= column < len(table.coordinate_error_m) and 0 <= row < len(table.load_factor):
+            self._choose(table.load_factor[row], table.coordinate_error_m[column])
 
-    def draw(self, table: SensitivityTable, measure: Measure, load_factor: float, error_m: float) -> None:
+    def draw(self, table: StudyTable, measure: Measure, load_factor: float, error_m: float) -> None:
         """Draw the table so far, and the frame around a load and an error."""
-        loads, errors = table.load_factors, table.coordinate_errors_m
+        loads, errors = table.load_factor, table.coordinate_error_m
         self.numbers.text_font_size = value("10px" if self.width_px < NARROW_PX else "13px")
         state = (table, measure, self.palette.costs)
         if state != self._drawn:
@@ -169,9 +170,9 @@ class HeatMapChart(Chart):
         )
         self.put("frame", x=[column], y=[row])
 
-    def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
+    def _draw_cells(self, table: StudyTable, measure: Measure) -> None:
         assert self.figure is not None
-        loads, errors, values = table.load_factors, table.coordinate_errors_m, measure.drawn(table)
+        loads, errors, values = table.load_factor, table.coordinate_error_m, measure.drawn(table)
         most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
         done = np.arange(values.size).reshape(values.shape) < table.done
         y, x = (index.ravel() for index in np.indices(values.shape))
@@ -213,7 +214,7 @@ class CostSurface(Chart):
         self._drawn = ()
         self.content, self.figure = pn.Column(self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
-    def draw(self, table: SensitivityTable, measure: Measure) -> None:
+    def draw(self, table: StudyTable, measure: Measure) -> None:
         """Draw a complete table."""
         values, state = measure.drawn(table), (table, measure, self.palette.costs)
         if state == self._drawn or not np.any(np.isfinite(values)):
@@ -225,8 +226,8 @@ class CostSurface(Chart):
             "data": [
                 {
                     "type": "surface",
-                    "x": list(table.coordinate_errors_m),
-                    "y": [100 * load for load in table.load_factors],
+                    "x": list(table.coordinate_error_m),
+                    "y": [100 * load for load in table.load_factor],
                     "z": values,
                     "colorscale": signed_scale(self.palette),
                     "cmin": -most,
@@ -244,12 +245,12 @@ class CostSurface(Chart):
         return scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
 
 
-def printed_table(table: SensitivityTable, measure: Measure) -> str:
+def printed_table(table: StudyTable, measure: Measure) -> str:
     """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario.
 
     Parameters
     ----------
-    table : SensitivityTable
+    table : StudyTable
         Complete.
     measure : Measure
         The measure of our numbers; (12) of the paper where it is no share of an energy.
@@ -262,7 +263,7 @@ def printed_table(table: SensitivityTable, measure: Measure) -> str:
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
         return ""
     loads, errors = paper["load_factors"], paper["coordinate_errors_m"]
-    places = np.ix_([table.load_factors.index(load) for load in loads], [*map(table.coordinate_errors_m.index, errors)])
+    places = np.ix_([table.load_factor.index(load) for load in loads], [*map(table.coordinate_error_m.index, errors)])
     printed = np.array(entry["overconsumption_percent"]).T
     differences = {key: MEASURES[key].values(table)[places] - printed for key in ("overconsumption", "over_replanned")}
     shown = "over_replanned" if measure is MEASURES["over_replanned"] else "overconsumption"

@@ -9,9 +9,9 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
 from railjoule.core.studies.braking_sensors import BrakingSensors
-from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY
-from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
+from railjoule.core.studies.sensitivity_table import Knows
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY, SENSOR_ERRORS, SENSOR_FIELDS
 from railjoule.dashboard.pages.robustness.compute import Reality, RobustAnswer
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
@@ -110,8 +110,8 @@ class RobustnessModel(TypedParameters, PageModel):
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
 
     reality = result(Reality, "The last good run.")
-    table = result(SensitivityTable, "The table so far.")
-    chance = result(MonteCarloTable, "Random runs so far.")
+    table = result(StudyTable, "The table so far.")
+    chance = result(StudyTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
     stops = result(BrakingSensors, "Stopping errors with precision braking and without.")

@@ -31,10 +31,10 @@ def stop_table(study: BrakingSensors) -> str:
     deviation = (words.number(spread.deviation_m, 2) for spread in both)
     rows.append((("All, 95 % within", "", *within), True))
     rows.append((("All, deviation", "", *deviation), False))
+    runs, seed = words.number(study.table.done, 0), study.table.scenario.montecarlo.seed
     note = (
-        f"{words.number(len(study.with_m), 0)} runs, seed {study.scenario.montecarlo.seed}; each error by itself at "
-        "the upper end of the middle 95 % of its draws, then all drawn together. Without sensors the train stops where "
-        "it estimates the stop."
+        f"{runs} runs, seed {seed}; each error by itself at the upper end of the middle 95 % of its draws, then "
+        "all drawn together. Without sensors the train stops where it estimates the stop."
     )
     return parts.inset(parts.table("Precision braking: stopping error", HEADER, rows), parts.note_paragraphs([note]))
 

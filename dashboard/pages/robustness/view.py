@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.driven import (
     BrakingChart,
@@ -268,13 +268,13 @@ class RobustnessView(PageView):
         if table is not None and np.any(np.isfinite(table.over_replanned)):
             k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
             worst = words.share_difference(float(table.over_replanned[k, m]))
-            place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
+            place = reality_words(table.load_factor[k], table.coordinate_error_m[m])
             cells.append(parts.figure("Largest in table", worst, "%", place))
         chance = self.model.chance
         return cells if chance is None else [*cells, *chance_figures(chance)]
 
 
-def chance_figures(chance: MonteCarloTable) -> list[str]:
+def chance_figures(chance: StudyTable) -> list[str]:
     """Return what half of the runs drawn cost at most, and what nineteen of twenty do."""
     values = finite(chance.over_replanned)
     if not len(values):

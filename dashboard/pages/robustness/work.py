@@ -5,8 +5,7 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.studies.braking_sensors import BrakingSensors
-from railjoule.core.studies.montecarlo import MonteCarloTable
-from railjoule.core.studies.sensitivity_table import SensitivityTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,
@@ -193,12 +192,12 @@ class Robustness(PageWork[RobustnessModel]):
         self.model.param.update(reality=reality, failure=None)
         self._go_on()
 
-    def _take_table(self, table: SensitivityTable, last: bool) -> None:
+    def _take_table(self, table: StudyTable, last: bool) -> None:
         self.model.table = table
         if last:
             self._go_on()
 
-    def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
+    def _take_chance(self, chance: StudyTable, last: bool) -> None:
         self.model.param.update(chance=chance, drawing=not last)
         if last:
             self._go_on()

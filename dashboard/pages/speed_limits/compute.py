@@ -42,7 +42,7 @@ class LimitsRequest:
 
     def limited(self) -> Scenario:
         """Return the scenario with its sections; raises ScenarioError if a value is out of its bounds."""
-        return self.scenario.with_(**self.changes)
+        return self.scenario.replace(**self.changes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,7 @@ def compute_limit_run(request: LimitsRequest) -> LimitRun:
 def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory | None, str]:
     """Return the optimum of a scenario over another time, or None and why there is none."""
     try:
-        task = prepare_task(scenario.with_(**{"timetable.travel_time_s": travel_time_s}))
+        task = prepare_task(scenario.replace(**{"timetable.travel_time_s": travel_time_s}))
         task.require_timetable()
         return run_strategy(task, "optimal"), ""
     # a scenario that is wrong in itself is no lack of an optimum: other errors go on
@@ -146,7 +146,7 @@ def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
     other = "together" if run.search.runs else "separate"
     changes = {"search.inter_station_runs": other, "search.boundaries_m": run.borders_m.tolist()}
     try:
-        runs[other] = run_strategy(prepare_task(scenario.with_(**changes)), "speed_limits")
+        runs[other] = run_strategy(prepare_task(scenario.replace(**changes)), "speed_limits")
     except (ScenarioError, TimetableError, SolverError, StrategyRefusedError) as refusal:
         refusals[other] = without_keys(str(refusal))
     task = prepare_task(scenario)
@@ -156,7 +156,7 @@ def compute_inter_station_runs(run: LimitRun) -> InterStationRuns:
 def run_figures(run: Trajectory) -> tuple[FloatArray, FloatArray]:
     """Return the running times [s] and energies [kWh] of a run from stop to stop; shape (k,) each."""
     arrives, leaves = nodes_at_stops(run, np.array(run.scenario.line.in_running_order().stops_m))
-    times, energies = (values[arrives[1:]] - values[leaves[:-1]] for values in (run.time_s, run.line_energy_j))
+    times, energies = (values[arrives[1:]] - values[leaves[:-1]] for values in (run.time_s, run.supply_energy_j))
     return times, energies / J_PER_KWH
 
 
@@ -234,11 +234,11 @@ class StorageCurve:
 def compute_storage(request: StorageRequest) -> StorageCurve:
     """Return what storages save over a run; raises ScenarioError if a size or power is negative."""
     need = request.run.need
-    size = need.largest_drop_kwh if request.size_kwh is None else request.size_kwh
+    size = need.max_drop_kwh if request.size_kwh is None else request.size_kwh
     power = max(need.charging_peak_kw, need.discharging_peak_kw) if request.power_kw is None else request.power_kw
     efficiencies = request.charging_efficiency, request.discharging_efficiency
     # a run that never brakes needs no storage: the axis of sizes must still have a length
-    sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.largest_drop_kwh, 1.1 * size, 1e-3), SIZES)
+    sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.max_drop_kwh, 1.1 * size, 1e-3), SIZES)
     return StorageCurve(
         size_kwh=frozen_array(sizes),
         saved_kwh=saving_over_size(request.run.run, sizes, power, *efficiencies),

@@ -10,7 +10,7 @@ from bokeh.events import PanEnd
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
-from railjoule.core.strategies.set_speed_run import LEAST_LIMIT_KMH
+from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
 from railjoule.dashboard.charts.chart import Axis, dragged
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity
@@ -39,7 +39,7 @@ TRIP = "trip"
 HEADROOM = 1.09
 GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
 """Half the size of a handle, and how far above its step a limit is written."""
-LEAST_SECTION_M = 10
+MIN_SECTION_M = 10
 """No border can be dragged closer to the next one."""
 
 
@@ -88,7 +88,7 @@ class LimitSpeedChart(RunLines):
         self.glyphs("scatter", "sections", "middle", "limit", paint=grip, size=11, line_width=2)
         self.glyphs("scatter", "handles", "x", "y", paint=grip, size=10, line_width=2, marker="square")
         self.grounded_signs("sections", "limit", at=("middle", "limit"), text_align="center", y_offset=-10)
-        bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
+        bounds = {"least": MIN_LIMIT_KMH, "shortest": MIN_SECTION_M}
         dragged(f, "drag_sections", sections=sections, borders=borders, handles=handles, **bounds)
         sections.on_change("data", self._take)
         f.on_event(PanEnd, lambda _: self._release())

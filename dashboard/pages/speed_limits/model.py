@@ -9,8 +9,8 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.options import LITERAL_KEYS, SearchOptions
-from railjoule.core.strategies.set_speed_run import LEAST_LIMIT_KMH
-from railjoule.core.strategies.speed_limits import MOST_SECTIONS
+from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
+from railjoule.core.strategies.speed_limits import MAX_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.pages.speed_limits.compute import InterStationRuns, LimitRun, LimitTrip, StorageCurve
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
@@ -32,7 +32,7 @@ class SectionModel(TypedParameters):
 
     kept = ("limit_kmh", "to_m")
 
-    limit_kmh = TypedNumber("set speed, km/h", "km/h", 1, default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0))
+    limit_kmh = TypedNumber("set speed, km/h", "km/h", 1, default=80.0, bounds=(MIN_LIMIT_KMH, 600.0))
     to_m = TypedNumber("ends at, m", "m", default=1000.0, bounds=(1.0, LONGEST_M))
 
 
@@ -62,7 +62,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         objects=list(INTER_STATION_RUNS),
         doc="Whether each inter-station run is searched by itself.",
     )
-    section_count = TypedInteger("Sections", default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS))
+    section_count = TypedInteger("Sections", default=FIRST_SECTIONS, bounds=(1, MAX_SECTIONS))
     time_window_percent = TypedNumber(
         "Time window, \u00b1 %", "%", 1, default=1.0, **core_bounds(SearchOptions, "time_window", 100)
     )
@@ -105,7 +105,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         own_borders = section_borders(scenario.line.in_running_order())[1:-1].tolist()
         limits = options.limits_kmh
         runs = len(stops) - 1
-        most_sections = min(runs * MOST_SECTIONS, MOST_BORDERS + 1)
+        most_sections = min(runs * MAX_SECTIONS, MOST_BORDERS + 1)
         even = even_borders(stops, min(runs * FIRST_SECTIONS, most_sections))
         borders = list(options.boundaries_m) or (own_borders if limits else even)
         if limits is not None and len(limits) != len(borders) + 1:
@@ -133,7 +133,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         for limit, end in zip(limits_kmh, [*borders_m, self._stops_m[-1]], strict=True):
             section = SectionModel(to_m=float(end))
             # of this section alone: param copies a parameter for the instance through which it is asked for
-            section.param.limit_kmh.bounds = (LEAST_LIMIT_KMH, self._most_kmh)
+            section.param.limit_kmh.bounds = (MIN_LIMIT_KMH, self._most_kmh)
             section.limit_kmh = float(np.clip(limit, *section.param.limit_kmh.bounds))
             made.append(section)
         return made

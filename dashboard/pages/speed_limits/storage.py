@@ -30,7 +30,7 @@ class StorageChart(LoneChart):
 
     def draw(self, storage: StorageCurve) -> None:
         """Draw the curve, the size needed, the storage chosen and what a receptive line would save."""
-        chosen, need = storage.chosen, storage.need.largest_drop_kwh
+        chosen, need = storage.chosen, storage.need.max_drop_kwh
         most = chosen.with_resistors_kwh - chosen.with_receptive_line_kwh
         self.put("curve", **xy(storage.size_kwh, storage.saved_kwh))
         self.put("chosen", **points([(chosen.storage.size_kwh, chosen.saved_kwh)]))

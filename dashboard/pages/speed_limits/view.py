@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.energy_flow import BRAKES
+from railjoule.core.energy_along import BRAKES
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.units import J_PER_KWH, W_PER_KW
 from railjoule.dashboard.charts.chart import Axis, Chart
@@ -275,7 +275,7 @@ class SpeedLimitsView(PageView):
             self._time_figure(run.run.travel_time_s),
             parts.figure(
                 "Storage needed",
-                words.energy(need.largest_drop_kwh),
+                words.energy(need.max_drop_kwh),
                 "kWh",
                 f"{words.number(need.charging_peak_kw, 0)} kW at most",
             ),

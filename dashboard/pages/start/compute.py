@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from railjoule.core import RailjouleError, Trajectory, load_scenario
-from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 
 FIRST = ("metro-with-limit", "metro-10-stations", "tram-950m", "ftorek-300s", "kharkiv-like-40kmh", "liashenko-ii")
@@ -64,7 +64,7 @@ def outlines() -> tuple[Card, ...]:
     return tuple(outline(name) for name in card_names())
 
 
-def _first_run(task: Task, strategies: tuple[StrategyName, ...]) -> Trajectory:
+def _first_run(task: Task, strategies: tuple[str, ...]) -> Trajectory:
     """Return the run of the first strategy that takes a task; the last one takes every one."""
     for strategy in strategies[:-1]:
         try:

@@ -72,7 +72,7 @@ GOOD_FOR = {
 """What each shipped scenario is good for, in one line."""
 WIDTH, HEIGHT = 1000.0, 240.0
 SMALL_WIDTH, SMALL_HEIGHT = 240.0, 54.0
-MOST_POINTS, MOST_TICKS = 160, 6
+MAX_POINTS, MOST_TICKS = 160, 6
 SKETCHED_LINE = Markup(
     '<path d="M2 53 C 8 20 14 8 32 8 L 196 8 C 222 8 232 30 238 53" fill="none" stroke="var(--rj-line2)" '
     'stroke-width="1.8" vector-effect="non-scaling-stroke"/>'
@@ -360,6 +360,6 @@ def scaled(
     position_m: FloatArray, speed_kmh: FloatArray, length_m: float, top_kmh: float, width: float, height: float
 ) -> tuple[FloatArray, FloatArray]:
     """Return places and speeds in a picture's units, thinned out to what it can show; each stop stays."""
-    some = np.linspace(0, len(position_m) - 1, min(len(position_m), MOST_POINTS)).astype(int)
+    some = np.linspace(0, len(position_m) - 1, min(len(position_m), MAX_POINTS)).astype(int)
     keep = np.union1d(some, np.flatnonzero(speed_kmh == 0))
     return width * position_m[keep] / length_m, height * (1 - speed_kmh[keep] / top_kmh)

@@ -14,15 +14,15 @@ import numpy as np
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.studies.sweep import Study, SweepTable, sensitivities, study_of
+from railjoule.core.studies.sweep import Study, SweepTable, make_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.export import write_rows
 from railjoule.core.studies.sweep.running import worker_count
+from railjoule.core.studies.sweep.table_files import write_rows
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
 
 ENERGY = "energy_kwh"
-MOST_POINTS = 50_000
+MAX_POINTS = 50_000
 """With more runs the points are drawn as a raster."""
 BINS = 40
 CELLS = 5
@@ -242,7 +242,7 @@ def compute_look(request: LookRequest) -> Look:
         count,
         ends,
         _ends(colour, room=0.0),
-        Points(x, y, colour, rows) if count <= MOST_POINTS else raster_of(x, y, colour, ends, request.raster_px),
+        Points(x, y, colour, rows) if count <= MAX_POINTS else raster_of(x, y, colour, ends, request.raster_px),
         histogram_of(x, ends[0]),
         histogram_of(y, ends[1]),
         medians_of(table.study, values, request.map_x, request.map_y),
@@ -355,7 +355,7 @@ def write_table(table: SweepTable, path: Path) -> None:
 
 @dataclass(frozen=True)
 class EstimateRequest:
-    """A study that may be begun: as `study_of` takes it."""
+    """A study that may be begun: as `make_study` takes it."""
 
     scenario: Scenario
     over: tuple[tuple[str, float, float], ...]
@@ -368,7 +368,7 @@ class EstimateRequest:
     def study(self) -> Study:
         """Return the study; raises ScenarioError if anything of it cannot be."""
         over = {path: (low, high) for path, low, high in self.over}
-        return study_of(
+        return make_study(
             self.scenario,
             over,
             self.sample,
@@ -396,10 +396,10 @@ def compute_estimate(request: EstimateRequest) -> Estimate:
         return Estimate(request, None, str(refusal))
     samples = study.sampler().take(min(TRIED, study.sample))
     # the first run loads the kernels and makes what all others share
-    solve_rows(study.plan, samples[:1])
+    solve_rows(study, samples[:1])
     started, count = time.perf_counter(), 0
     for row in range(len(samples)):
-        solve_rows(study.plan, samples[row : row + 1])
+        solve_rows(study, samples[row : row + 1])
         count += 1
         if time.perf_counter() - started > TRIED_S:
             break

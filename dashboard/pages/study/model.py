@@ -8,7 +8,7 @@ from typing import Any, Literal
 import param
 
 from railjoule.core import Scenario
-from railjoule.core.scenario import STRATEGY_NAMES
+from railjoule.core.strategy import STRATEGIES
 from railjoule.core.studies.sweep import DEFAULT_COLUMNS, METHODS, Study
 from railjoule.dashboard.editor.fields_of import Field
 from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Estimate, EstimateRequest, Look
@@ -97,7 +97,7 @@ class StudyModel(TypedParameters, PageModel):
 
     over = param.Dict(default={}, doc="What varies, by its key in the file: from where to where.")
     method = param.Selector(default="sobol", objects=list(METHODS), doc="How the runs are drawn.")
-    strategy = param.Selector(default="optimal", objects=list(STRATEGY_NAMES), doc="Who makes the runs.")
+    strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="Who makes the runs.")
     runs = TypedInteger("Runs", default=FIRST_RUNS, bounds=(1, MOST_RUNS))
     seed = TypedInteger("Seed", default=1, bounds=(0, 2**31))
     x = param.String(default="", doc="What lies to the right; empty for the first field.")

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future
 
 from railjoule.core import RailjouleError
-from railjoule.core.studies.sweep import InterruptedStudyError, Results, SweepTable, run_study, table_of
+from railjoule.core.studies.sweep import InterruptedStudyError, SweepFile, SweepTable, run_study
 from railjoule.dashboard.pages.study.model import Progress, State
 from railjoule.dashboard.work.study_pool import RUNS, STUDY_THREADS
 from railjoule.dashboard.work.worker import told
@@ -25,7 +25,7 @@ class Running:
 
     Parameters
     ----------
-    results : Results
+    results : SweepFile
         Where its rows go.
     hear : callable
         Takes how far it is, and the table where there is a new one; called in the page's own turns.
@@ -33,7 +33,7 @@ class Running:
         Lets the page take a turn; may be called in any thread.
     """
 
-    def __init__(self, results: Results, hear: Hear, turn: Callable[[Callable[[], None]], object]) -> None:
+    def __init__(self, results: SweepFile, hear: Hear, turn: Callable[[Callable[[], None]], object]) -> None:
         self._results, self._hear, self._turn = results, hear, turn
         self._stop = threading.Event()
         self._lock = threading.Lock()
@@ -81,7 +81,7 @@ class Running:
         self._told_s = now
         table = None
         if now - self._table_s >= TABLE_EVERY_S:
-            table = table_of(self._results)
+            table = self._results.to_table()
             # a table of a million rows takes its time: then there are fewer of them
             self._table_s = now + 3 * (time.monotonic() - now)
         self._tell("stopping" if self._stop.is_set() else "running", table)
@@ -89,7 +89,7 @@ class Running:
     def _end(self, state: State, sentence: str = "") -> None:
         table = None
         try:
-            table = table_of(self._results)
+            table = self._results.to_table()
         except RailjouleError as error:
             sentence = sentence or str(error)
         self._tell(state, table, sentence)

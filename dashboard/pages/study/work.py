@@ -11,8 +11,8 @@ import panel as pn
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
-from railjoule.core.studies.sweep import MemoryResults, Results, Study, SweepTable
-from railjoule.core.studies.sweep.reading import ReadStudy, read_study
+from railjoule.core.studies.sweep import MemoryResults, Study, SweepFile, SweepTable
+from railjoule.core.studies.sweep.table_files import ReadStudy, read_study
 from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.pages.study.compute import (
     ENERGY,
@@ -123,11 +123,11 @@ class Begun:
     """Where the rows of a study go, and what asked for it."""
 
     request: BeginRequest
-    results: Results
+    results: SweepFile
 
 
 def make_results(request: BeginRequest) -> Begun:
-    """Return the place for the rows of a study; errors as `study_of`."""
+    """Return the place for the rows of a study; errors as `make_study`."""
     return Begun(request, MemoryResults(request.settings.study()))
 
 
@@ -157,7 +157,7 @@ class Studies(PageWork[StudyModel]):
 
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state.study)
-        self.results: Results | None = None
+        self.results: SweepFile | None = None
         self.table: SweepTable | None = None
         self._running: Running | None = None
         # what begins, and how far the study before it was
@@ -254,7 +254,7 @@ class Studies(PageWork[StudyModel]):
             self.model.progress = self._beginning[1]
             self._beginning = None
 
-    def _show_results(self, results: Results) -> None:
+    def _show_results(self, results: SweepFile) -> None:
         """Show another study, and let go of the one before."""
         self._let_go()
         self.results, self.table, self._shape, self._base = results, None, (), None
@@ -372,7 +372,7 @@ class Studies(PageWork[StudyModel]):
         scenario, base = self.state.scenario, self._base
         if base is None or any(base[name] != getattr(scenario, name) for name in ("preset", "toml")):
             # opened from a file, or the page has another scenario by now
-            row: Scenario = study.scenario.with_(**values)
+            row: Scenario = study.scenario.replace(**values)
             scenario.open(format_scenario(row), study.scenario.title)
             return
         edits = {**base["edits"], **{path: number for path, number in values.items() if path not in FIELD_KEYS}}

@@ -26,7 +26,7 @@ from railjoule.dashboard.pages.trade_off.compute import EnocMap, TradeOff
 from railjoule.dashboard.state.workbench import Workbench
 
 TIME_TITLE = "Travel time, s"
-MOST_LEVELS = 10
+MAX_LEVELS = 10
 STEEPEST_SHARE = 0.04
 """The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
 BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
@@ -307,7 +307,7 @@ def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[Float
 def contour_levels(energy_kwh: FloatArray) -> list[float]:
     """Return the multiples of a round step that most of the energies lie between, and ends beyond all of them."""
     low, high = (float(level) for level in np.nanquantile(energy_kwh, SIGNED))
-    step = round_step((high - low) / MOST_LEVELS)
+    step = round_step((high - low) / MAX_LEVELS)
     inner = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
     # the first and the last level only close the lowest and the highest band: they must lie beyond all energies
     return [0.0, *(round(float(level), 9) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]

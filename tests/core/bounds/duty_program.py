@@ -35,7 +35,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.drives import loss_model
 from railjoule.core.check.loss_model import LossModel
-from railjoule.core.check.train import Route, Train, route_of, train_of
+from railjoule.core.check.train import Route, Train, build_route, build_train
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction, LossPolynomial
 from railjoule.core.units import H_PER_MH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -76,11 +76,11 @@ class Problem:
 
     @cached_property
     def route(self) -> Route:
-        return route_of(self.scenario)
+        return build_route(self.scenario)
 
     @cached_property
     def train(self) -> Train:
-        return train_of(self.scenario.vehicle)
+        return build_train(self.scenario.vehicle)
 
     @cached_property
     def model(self) -> LossModel:
@@ -150,7 +150,7 @@ class Problem:
     def limit_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest electric effort of vehicle and motors at speeds of shape (k,) [N]."""
         limits = self.scenario.vehicle.braking if braking else self.scenario.vehicle.traction
-        effort = self.model.largest_effort_n(speed_ms, braking)
+        effort = self.model.max_effort_n(speed_ms, braking)
         if limits.max_effort_kn is not None:
             effort = np.minimum(effort, limits.max_effort_kn * N_PER_KN)
         if limits.max_power_kw is not None:

@@ -31,7 +31,7 @@ def task():
 
 def test_the_optimum_and_its_bound_are_in_si_with_dwells(task):
     solution = minimise(task)
-    run = make_trajectory(task.scenario, task.course, "any", solution.optimum.speed2)
+    run = make_trajectory(task.scenario, task.mesh, "any", solution.optimum.speed2)
     # to the gap that was asked for: a barrier leaves a little of both efforts everywhere
     assert solution.energy_j == pytest.approx(run.energy.net_j, rel=1e-7)
     assert solution.optimum.energy_j == pytest.approx(run.energy.net_j - 25 * 40e3, rel=1e-7)
@@ -52,7 +52,7 @@ def test_the_price_of_time_is_what_a_second_saves(task):
 def test_a_known_bound_is_taken_where_it_covers(task):
     known = bound_of(task)
     assert bounded(task, run_strategy(task, "fastest"), known).bound is known
-    other = replace(known, position_m=task.course.position_m[1:])
+    other = replace(known, position_m=task.mesh.position_m[1:])
     assert bounded(task, run_strategy(task, "fastest"), other).bound.energy_j == pytest.approx(known.energy_j)
 
 
@@ -62,9 +62,9 @@ def test_a_run_keeps_its_own_bound(task):
 
 
 def test_a_late_run_gets_the_bound_of_its_own_time(task):
-    slower = 0.9**2 * task.greatest_speed2
+    slower = 0.9**2 * task.fastest_speed2
     late = replace(task, running_time_s=0.95 * task.shortest_time_s / 0.9)
-    run = make_trajectory(task.scenario, task.course, "any", slower)
+    run = make_trajectory(task.scenario, task.mesh, "any", slower)
     bound = bounded(late, run, None).bound
     assert bound.travel_time_s == pytest.approx(run.travel_time_s)
     assert bound.energy_j <= run.energy.net_j
@@ -83,9 +83,9 @@ def test_there_is_no_bound_without_slack_or_without_an_optimum(task, monkeypatch
 
 def test_a_bound_covers_runs_over_any_nodes(task):
     """It is one of every driving: a run over halved cells takes that of the coarse mesh."""
-    coarse, known = task.course.position_m, bound_of(task)
+    coarse, known = task.mesh.position_m, bound_of(task)
     fine = prepare_task(task.scenario, position_m=np.union1d(coarse, 0.5 * (coarse[1:] + coarse[:-1])))
-    run = make_trajectory(fine.scenario, fine.course, "any", fine.greatest_speed2)
+    run = make_trajectory(fine.scenario, fine.mesh, "any", fine.fastest_speed2)
     assert bounded(task, run, known).bound is known
 
 
@@ -105,10 +105,10 @@ def test_chains_prove_more_than_one_price_a_place_can(metro):
     assert metro.scenario.solver.tolerance * (1 - 1e-4) < run.with_bound(bound).gap < 2e-3
     assert bound.energy_j < run_strategy(metro, "bellman").energy.net_j
     # it does not hold over other meshes
-    assert np.array_equal(bound.position_m, metro.course.position_m)
+    assert np.array_equal(bound.position_m, metro.mesh.position_m)
     # both energies downwards
     proven, every = (np.floor(energy / J_PER_KWH * 1e4) / 1e4 for energy in (bound.energy_j, every_j))
-    start = f"over this mesh of {metro.course.cell_count} cells of at most 10 m, with one effort in each, "
+    start = f"over this mesh of {metro.mesh.cell_count} cells of at most 10 m, with one effort in each, "
     assert bound.statement == (
         f"No run within {metro.travel_time_s:.1f} s {start}uses less than {proven:.4f} kWh; every way of driving this "
         f"train needs at least {every:.4f} kWh."
@@ -140,5 +140,5 @@ def test_dwells_and_auxiliaries_count_in_both_bounds(drive):
     fine = prepare_task(train(drive, 15.0, **stop, **{"solver.mesh_m": 2.5}))
     for name in ("optimal", "bellman"):
         run = run_strategy(fine, name)
-        exact_j = follow_between_nodes(fine.course.data, run.node_speed_ms**2).total_j + run.energy.auxiliary_j
+        exact_j = follow_between_nodes(fine.mesh.data, run.node_speed_ms**2).total_j + run.energy.auxiliary_j
         assert first.energy_j < exact_j < first.energy_j * 1.04

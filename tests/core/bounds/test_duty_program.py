@@ -19,10 +19,10 @@ def task_of(drive, **changes):
 @pytest.mark.parametrize("drive", ["loss polynomial", "induction"])
 def test_the_problem_is_ours_by_formulas_written_apart(drive):
     task = task_of(drive)
-    problem, data = Problem(task.scenario, task.course.position_m), task.course.data
+    problem, data = Problem(task.scenario, task.mesh.position_m), task.mesh.data
     fixed = data.fixed_speed2 >= 0
     assert np.array_equal(problem.stands, fixed)
-    np.testing.assert_allclose(problem.limit_ms[~fixed] ** 2, data.largest_speed2[~fixed], rtol=1e-12)
+    np.testing.assert_allclose(problem.limit_ms[~fixed] ** 2, data.limit_speed2[~fixed], rtol=1e-12)
     np.testing.assert_allclose(problem.constant_n, data.line_force_n + data.resistance_constant_n, rtol=1e-9)
     np.testing.assert_allclose(problem.quadratic, data.resistance_quadratic, rtol=1e-9)
 
@@ -33,8 +33,8 @@ def test_the_problem_is_ours_by_formulas_written_apart(drive):
 )
 def test_ipopt_finds_our_relaxed_value(drive, changes):
     task = task_of(drive, **changes)
-    problem = Problem(task.scenario, task.course.position_m)
-    found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.greatest_speed2)))
+    problem = Problem(task.scenario, task.mesh.position_m)
+    found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.fastest_speed2)))
     assert found.converged
     assert minimise(task).energy_j == pytest.approx(found.energy_j, rel=1e-5)
 
@@ -43,10 +43,10 @@ def test_ipopt_finds_our_relaxed_value(drive, changes):
 # machines take more than they have, while the brake takes over for the rest of the cell, would find 6e-4 less
 @pytest.mark.parametrize(("mesh_m", "agreement", "loose"), [(40.0, 1e-6, 1e-2), (10.0, 2e-5, 4e-3)])
 def test_cells_that_machines_may_share_with_a_standstill_brake_are_bounded(mesh_m, agreement, loose):
-    task = prepare_task(load_scenario("tram-950m-recuperating").with_(**{"solver.mesh_m": mesh_m}))
-    problem = Problem(task.scenario, task.course.position_m)
+    task = prepare_task(load_scenario("tram-950m-recuperating").replace(**{"solver.mesh_m": mesh_m}))
+    problem = Problem(task.scenario, task.mesh.position_m)
     assert problem.scenario.vehicle.drive.standstill_brake
-    found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.greatest_speed2)))
+    found = DutyProgram(problem).solve(even_run(problem, np.sqrt(task.fastest_speed2)))
     assert found.converged
     ours = minimise(task)
     assert ours.energy_j == pytest.approx(found.energy_j, rel=agreement)

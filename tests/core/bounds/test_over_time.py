@@ -9,7 +9,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise, time_line
 from railjoule.core.continuous_bound.refinement import refined_optimum
-from railjoule.core.simulate.drawn import drive_drawn
+from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.task import Task
 
@@ -53,5 +53,5 @@ def test_runs_of_any_time_lie_above_a_line() -> None:
     task = prepare_task(scenario)
     proven = line_at(task, 1.2)
     for speed in (20.0, 45.0, 60.0, 70.0):
-        run = drive_drawn(scenario, task.course, np.full(task.course.cell_count + 1, speed / 3.6))
+        run = drive_drawn(scenario, task.mesh, np.full(task.mesh.cell_count + 1, speed / 3.6))
         assert run.energy.net_j > proven(run.travel_time_s)

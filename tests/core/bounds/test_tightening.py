@@ -1,11 +1,13 @@
 """A bound that tightens: it never falls, ends where it is told to, and belongs to its own task alone."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import pytest
 
 from railjoule.core import ScenarioError, compare, load_scenario, solve
 from railjoule.core.bounds import can_tighten, run_to_prove, tightened, tightening, with_tighter_bound
+from railjoule.core.interior_point.solver import minimise_energy
 from railjoule.core.strategies import prepare_task, run_strategy
 
 SOON_REACHED, HARD = "tram-950m-recuperating", "kharkiv-like-20kmh"
@@ -57,6 +59,19 @@ def test_a_proof_ends_with_its_budget_or_its_time(metro):
     assert soon.boxes < budget
 
 
+def test_a_proof_takes_the_relaxed_optimum_of_its_strategy(monkeypatch):
+    """It was solved a second time."""
+    is_relaxed = []
+
+    def counted(mesh, *given):
+        is_relaxed.append(mesh.mode.size == 0)
+        return minimise_energy(mesh, *given)
+
+    monkeypatch.setattr(import_module("railjoule.core.bounds.minimum"), "minimise_energy", counted)
+    solve(load_scenario(SOON_REACHED, {"solver.mesh_m": 20.0}), "optimal")
+    assert sum(is_relaxed) == 1
+
+
 def test_a_bound_of_another_time_is_not_the_tasks_own(tram):
     task, run = tram
     assert can_tighten(task, run.bound, run)
@@ -91,8 +106,8 @@ def test_solve_and_compare_prove_alike_for_as_long_as_they_are_told():
     assert usual.gap == pytest.approx(scenario.solver.tolerance, rel=1e-4)
     assert usual.is_proven
     assert longer.bound.energy_j == usual.bound.energy_j
-    assert compare(scenario)[0][0].bound.energy_j == usual.bound.energy_j
-    assert compare(scenario, prove_seconds=0)[0][0].bound.energy_j == first.bound.energy_j
+    assert compare(scenario).runs[0].bound.energy_j == usual.bound.energy_j
+    assert compare(scenario, prove_seconds=0).runs[0].bound.energy_j == first.bound.energy_j
 
 
 @pytest.mark.parametrize("seconds", [-1.0, float("nan"), float("inf"), 1e9])

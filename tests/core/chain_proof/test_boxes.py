@@ -16,17 +16,18 @@ from railjoule.core.chain_proof.boxes import (
     OFF,
     TIME,
     UPPER,
+    Box,
+    cell_motion,
     fill_box,
-    steps_of,
 )
-from railjoule.core.chain_proof.proof import table_of
-from railjoule.core.drive.kernels import has_standstill_brake, jumps_at_no_effort, negligible_effort
-from railjoule.core.motion import build_course
+from railjoule.core.chain_proof.proof import drive_table
+from railjoule.core.drive.kernels import has_idle_losses, has_standstill_brake, negligible_effort
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.motion.passes import greatest_speeds
+from railjoule.core.motion.passes import max_speeds
 from railjoule.core.physics.account import account_of_cell
-from railjoule.core.physics.course_data import cell_of, train_of
-from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.physics.mesh_data import cell_of, train_of
 
 STEPS = 1500
 SLOWEST2 = 0.01
@@ -39,7 +40,7 @@ def mode_of(data, account):
         return OFF if account.tractive_effort_n <= off else DRIVE
     if account.power_w == 0.0:
         return OFF
-    strongest = largest_effort(data.braking, account.mean_speed_ms)
+    strongest = max_effort(data.braking, account.mean_speed_ms)
     whole = account.electric_braking_n + account.friction_braking_n
     return BRAKE if whole <= strongest else BLEND
 
@@ -52,22 +53,22 @@ def random_box(rng, w, y, lowest, greatest):
         share = rng.random()
         a, b = (v - share * width) ** 2 if v > share * width else 0.0, (v + (1 - share) * width) ** 2
         ends += [min(max(a, low), square), max(min(b, high), square)]
-    return tuple(ends)
+    return Box(*ends)
 
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)
 def test_steps_lie_above_the_planes_of_their_boxes(case):
-    data = build_course(scenario_of(case)).data
-    greatest, _, _ = greatest_speeds(data)
+    data = build_meshed_line(scenario_of(case)).data
+    greatest, _, _ = max_speeds(data)
     fixed = data.fixed_speed2
     lowest = np.where(fixed >= 0, np.maximum(fixed, 0), np.minimum(SLOWEST2, greatest))
-    table = table_of(data, greatest, lowest)
+    table = drive_table(data, greatest, lowest)
     drive = data.drive_kind, data.drive_parameters
     friction = data.friction_effort_n, negligible_effort(*drive), bool(has_standstill_brake(*drive))
     rng, seen, close = np.random.default_rng(5), dict.fromkeys(range(4), 0), []
     for _ in range(STEPS):
         i = int(rng.integers(len(greatest) - 1))
-        steps, row = steps_of(data, i), np.empty(COLUMNS)
+        steps, row = cell_motion(data, i), np.empty(COLUMNS)
         w = rng.uniform(lowest[i], greatest[i])
         force = rng.uniform(-1.3, 1.0) * data.traction.constant_n
         y = (force + steps.k0 * w - steps.constant_n - steps.linear * math.sqrt(w)) / steps.k1
@@ -93,7 +94,7 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
             -rng.uniform(0, 1.5) * data.half_inertia_kg,
         )
         assert fill_box(table, steps, data.traction, data.braking, friction, mode, box, prices, row)
-        energy, time = account.line_power_w * account.duration_s, account.duration_s
+        energy, time = account.supply_power_w * account.duration_s, account.duration_s
         size = data.traction.constant_n * steps.length_m
         below = row[ENERGY] + row[ENERGY + 1] * w + row[ENERGY + 2] * y
         assert below <= energy + 1e-9 * size
@@ -106,7 +107,7 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
             close.append((energy - below) / energy)
     assert seen[DRIVE] > 100
     # a smooth drive that coasts but for rounding drives or brakes a little, and takes as little
-    assert seen[OFF] > (50 if jumps_at_no_effort(data.drive_kind) else 10)
+    assert seen[OFF] > (50 if has_idle_losses(data.drive_kind) else 10)
     assert seen[BRAKE] > 50
     if data.friction_effort_n > 0.0:
         assert seen[BLEND] > 10

@@ -9,7 +9,7 @@ from railjoule.core.chain_proof.table import EFFORTS, SPEEDS, premise, row_at, t
 from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, INDUCTION, LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.line_power import line_power
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.braking import electric_effort
 
 SLOWEST, FASTEST = 0.05, 25.0
@@ -38,7 +38,7 @@ def points(limit, seed):
 
 @pytest.mark.parametrize("case", CASES, ids=name_of)
 def test_no_account_lies_below_the_table(case):
-    data = build_course(scenario_of(case)).data
+    data = build_meshed_line(scenario_of(case)).data
     table = tabulate(data, SLOWEST, FASTEST)
     effort, speed = points(data.traction, 1)
     kind, drive = data.drive_kind, data.drive_parameters
@@ -59,7 +59,7 @@ def test_no_account_lies_below_the_table(case):
 
 @pytest.mark.parametrize("drive", [*IDLING, *SMOOTH])
 def test_the_table_is_close_to_the_drive(drive):
-    data = build_course(train(drive)).data
+    data = build_meshed_line(train(drive)).data
     table = tabulate(data, SLOWEST, FASTEST)
     effort, speed = points(data.traction, 3)
     effort, speed = effort[speed > 2.0], speed[speed > 2.0]

@@ -59,6 +59,18 @@ def reference() -> ModuleType:
     return module
 
 
+class FormerNames:
+    """A run under the names that the review's checker reads."""
+
+    NAMES = {"line_energy_j": "supply_energy_j", "line_power_w": "supply_power_w"}  # noqa: RUF012
+
+    def __init__(self, run):
+        self.run = run
+
+    def __getattr__(self, name):
+        return getattr(self.run, self.NAMES.get(name, name))
+
+
 WITHOUT_PRICE = "early"
 """The reference calls every early arrival so, ours only one that costs something."""
 
@@ -70,7 +82,11 @@ def test_what_the_reference_finds_ours_finds_too(reference):
             document = run.scenario.model_dump(mode="json", exclude_none=True)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", RuntimeWarning)
-                faults = [fault for fault in reference.check(document, run, run.strategy) if fault[0] != WITHOUT_PRICE]
+                faults = [
+                    fault
+                    for fault in reference.check(document, FormerNames(run), run.strategy)
+                    if fault[0] != WITHOUT_PRICE
+                ]
             ours = check_run(run.scenario, run).broken
             place = f"seed {seed}, {run.strategy}"
             if faults and not ours:

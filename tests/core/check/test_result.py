@@ -1,6 +1,6 @@
 import numpy as np
 
-from railjoule.core.check.result import Check, CheckResult, largest_of
+from railjoule.core.check.result import Check, CheckResult, find_largest
 
 GOOD, BAD = Check("a", 1e-9, 1e-6, None, "one"), Check("b", 0.02, 1e-6, 350.0, "the limit")
 WORSE = Check("c", 0.5, 1e-9, None, "the line")
@@ -15,15 +15,15 @@ def test_the_verdict_names_the_worst():
 
 
 def test_the_largest_deviation_has_its_place():
-    check = largest_of("a", "one", 0.1, np.array([-1.0, 0.3, 0.2]), np.array([5.0, 6.0, 7.0]))
+    check = find_largest("a", "one", 0.1, np.array([-1.0, 0.3, 0.2]), np.array([5.0, 6.0, 7.0]))
     assert (check.largest, check.at_m, check.ok) == (0.3, 6.0, False)
 
 
 def test_a_rule_that_is_kept_everywhere_has_neither():
-    check = largest_of("a", "one", 0.0, np.array([-1.0, -0.3]), np.array([5.0, 6.0]))
+    check = find_largest("a", "one", 0.0, np.array([-1.0, -0.3]), np.array([5.0, 6.0]))
     assert (check.largest, check.at_m, check.ok) == (0.0, None, True)
-    assert largest_of("a", "one", 0.0, np.zeros(0)).ok
+    assert find_largest("a", "one", 0.0, np.zeros(0)).ok
 
 
 def test_what_is_no_number_breaks_a_rule():
-    assert not largest_of("a", "one", 1e9, np.array([0.0, np.nan])).ok
+    assert not find_largest("a", "one", 1e9, np.array([0.0, np.nan])).ok

@@ -45,7 +45,7 @@ def test_of_two_brakes_only_their_sum_and_what_is_possible_is_checked(drive):
     assert {"effort of all brakes", "line power"} <= checked
     assert {"sharing of the brakes", "electric braking effort", "friction braking effort"} <= unchecked
     # no sharing gives back more than all of it in the electric brake
-    braking = int(np.argmin(run.line_power_w))
+    braking = int(np.argmin(run.supply_power_w))
     table.loc[braking, "line_power_kw"] *= 1.01
     assert "line power" in {check.name for check in check_table(run.scenario, table, "fastest").broken}
 
@@ -105,7 +105,7 @@ def test_a_table_goes_through_csv_unharmed(run, table, tmp_path):
 
 
 def test_the_strategy_says_whether_a_run_may_be_late(run, table):
-    hurried = run.scenario.with_(**{"timetable.travel_time_s": 149.0})
+    hurried = run.scenario.replace(**{"timetable.travel_time_s": 149.0})
     assert "late arrival" in {check.name for check in check_table(hurried, table).broken}
     assert "late arrival" not in {check.name for check in check_table(hurried, table, "speed_limits").broken}
 

@@ -10,7 +10,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.compilation import Compilation, compilation, needs_compiler, parts, require_compiled
 from railjoule.core.compilation import background as module
-from railjoule.core.compilation.order import PARTS_IN_ORDER
+from railjoule.core.compilation.background import PARTS_IN_ORDER
 from railjoule.core.compiled import MODE
 
 HELPER = """
@@ -128,7 +128,7 @@ def test_short_runs_of_smooth_drives_need_no_compiler(name, strategies, expected
 
 def test_a_helper_ends_with_the_process_that_started_it():
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-m", "railjoule.core.compilation.helper"], **pipes) as helper:
+    with subprocess.Popen([sys.executable, "-m", "railjoule.core.compilation.parts"], **pipes) as helper:
         assert helper.stdin is not None
         helper.stdin.close()
         assert helper.wait(50) == 0

@@ -8,11 +8,13 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.continuous_bound.bound import continuous_bound, piece_shares, sum_of_ends, tabulate_drive
-from railjoule.core.continuous_bound.hamiltonian import least_hamiltonian, strip_bends
+from railjoule.core.continuous_bound.hamiltonian import min_hamiltonian, strip_bends
 from railjoule.core.continuous_bound.refinement import refined_optimum
-from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH
+from tests.any_scenarios import any_wide_document
 from tests.every_drive import DRIVES, train
 from tests.random_scenarios import random_run
 
@@ -20,18 +22,18 @@ PLACES = 40
 """Random prices, limits and line forces for each drive."""
 
 
-def brute_force(course, place, speeds, shares):
+def brute_force(mesh, place, speeds, shares):
     """Return the least Hamiltonian over a grid of speeds and efforts [J/m], and the size of its terms there."""
     price, by_speed2, constant, linear, limit, price_of_time, powered = place
     v = np.append(speeds[speeds < limit], limit)[:, None]
-    data = course.data
+    data = mesh.data
     driving, braking = (
-        np.array([largest_effort(side, float(speed)) for speed in v[:, 0]])[:, None] * shares
+        np.array([max_effort(side, float(speed)) for speed in v[:, 0]])[:, None] * shares
         for side in (data.traction, data.braking)
     )
     effort = np.hstack([driving, -braking]) * powered
     at = np.broadcast_to(v, effort.shape)
-    power = course.drive.line_power_w(effort.ravel(), at.ravel()).reshape(effort.shape)
+    power = mesh.drive.supply_power_w(effort.ravel(), at.ravel()).reshape(effort.shape)
     # a drive that is off takes nothing
     drive = np.where(effort == 0.0, 0.0, power / v) - price * effort
     friction = data.friction_effort_n * min(price, 0.0)
@@ -45,8 +47,8 @@ def brute_force(course, place, speeds, shares):
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
-    course = prepare_task(train(drive, 15.0)).course
-    rows, rng = tabulate_drive(course), np.random.default_rng(7)
+    mesh = prepare_task(train(drive, 15.0)).mesh
+    rows, rng = tabulate_drive(mesh), np.random.default_rng(7)
     bend, fastest = strip_bends(rows.speed_ms), rows.speed_ms[-1]
     speeds = np.union1d(np.geomspace(0.01, fastest, 150), np.linspace(0.1, fastest, 300))
     shares = np.linspace(0.0, 1.0, 121) ** 1.5
@@ -61,8 +63,8 @@ def test_the_least_hamiltonian_is_that_of_a_grid_from_below(drive):
             # a quarter of them in a neutral section, where friction brakes are all there is
             number % 4 > 0,
         )
-        found = least_hamiltonian(rows, bend, *place)
-        least, size = brute_force(course, place, speeds, shares)
+        found = min_hamiltonian(rows, bend, *place)
+        least, size = brute_force(mesh, place, speeds, shares)
         assert found <= least + 1e-9 * size
         assert found >= least - 2e-3 * size
 
@@ -84,19 +86,19 @@ def test_what_is_proven_of_shipped_scenarios(refined):
 def test_any_prices_prove_and_the_worse_they_are_the_less(refined):
     """Prices off by a share that is random at both ends of each cell, and a price of time off by as much."""
     _, found = refined
-    course, pieces = found.task.course, found.bound.pieces
-    rows, node = tabulate_drive(course), np.append(0.0, np.cumsum(course.data.cell_length_m))
+    mesh, pieces = found.task.mesh, found.bound.pieces
+    rows, node = tabulate_drive(mesh), np.append(0.0, np.cumsum(mesh.data.cell_length_m))
     way = (np.array([pieces.position_m[:-1], pieces.position_m[1:]]) - node[pieces.cell]) / np.diff(node)[pieces.cell]
     for seed in range(2):
-        ends = np.random.default_rng(seed).normal(size=(2, course.cell_count))
+        ends = np.random.default_rng(seed).normal(size=(2, mesh.cell_count))
         off = ends[0, pieces.cell] * (1 - way) + ends[1, pieces.cell] * way
         proven = []
         for share in (0.0, 1e-3, 1e-2, 1e-1):
             change = share * off * np.abs(pieces.motion)
             wrong = pieces._replace(motion=pieces.motion + change, force=pieces.force + change)
             price = found.bound.price_of_time_w * (1 + share * ends[0, 0])
-            shares = piece_shares(course, rows, wrong, price + course.data.auxiliary_power_w)
-            proven.append(shares.sum() + sum_of_ends(course, wrong) - price * found.task.running_time_s)
+            shares = piece_shares(mesh, rows, wrong, price + mesh.data.auxiliary_power_w)
+            proven.append(shares.sum() + sum_of_ends(mesh, wrong) - price * found.task.running_time_s)
         assert proven[0] == pytest.approx(found.bound.energy_j, rel=1e-9)
         assert proven == sorted(proven, reverse=True)
         assert proven[0] < found.solution.optimum.energy_j
@@ -106,8 +108,15 @@ def test_any_prices_prove_and_the_worse_they_are_the_less(refined):
 def test_no_run_over_cells_an_eighth_as_long_lies_below_the_bound_of_a_coarse_mesh(seed):
     """Over its own mesh an optimum may: the account of a cell next to a stop is optimistic by up to a thousandth."""
     task = random_run(seed, stops=seed % 2 == 1).task
-    bound = continuous_bound(task.course, minimise(task).optimum, task.running_time_s)
-    node = task.course.position_m
+    bound = continuous_bound(task.mesh, minimise(task).optimum, task.running_time_s)
+    node = task.mesh.position_m
     eighths = np.append((node[:-1, None] + np.diff(node)[:, None] * np.arange(8) / 8).ravel(), node[-1])
     fine = replace(prepare_task(task.scenario, *task.end_speeds_ms, eighths), running_time_s=task.running_time_s)
     assert minimise(fine).optimum.energy_j > bound.energy_j
+
+
+@pytest.mark.parametrize("seed", [10, 766])
+def test_efforts_that_a_machine_cannot_reach_leave_no_hole_in_the_table(seed):
+    """At the greatest speed the line above a limit passed the pull-out: the bound was NaN, `optimal` a traceback."""
+    task = prepare_task(scenario_from_document(any_wide_document(seed)))
+    assert np.all(np.isfinite(tabulate_drive(task.mesh).least))

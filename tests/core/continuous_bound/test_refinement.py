@@ -23,10 +23,10 @@ def steepest(length_m):
 def test_a_shipped_scenario_is_solved_within_its_tolerance(name):
     task = prepare_task(load_scenario(name, {"solver.mesh_m": 20.0}))
     found = refined_optimum(task)
-    data, speed2 = found.task.course.data, found.solution.optimum.speed2
+    data, speed2 = found.task.mesh.data, found.solution.optimum.speed2
     assert 0 < found.gap <= task.scenario.solver.tolerance
-    assert np.isin(task.course.position_m, found.task.course.position_m).all()
-    assert steepest(data.cell_length_m) <= max(STEEPEST, steepest(task.course.data.cell_length_m)) * (1 + 1e-6)
+    assert np.isin(task.mesh.position_m, found.task.mesh.position_m).all()
+    assert steepest(data.cell_length_m) <= max(STEEPEST, steepest(task.mesh.data.cell_length_m)) * (1 + 1e-6)
     assert follow_between_nodes(data, speed2).excess_share.max() <= 1e-3
     assert running_time(data.cell_length_m, speed2) <= task.running_time_s * (1 + LATE_SHARE)
 
@@ -37,7 +37,7 @@ def test_a_tighter_tolerance_takes_more_cells_and_leaves_a_smaller_gap():
         for tolerance in (5e-4, FINE)
     )
     assert fine.gap <= FINE < usual.gap
-    assert fine.task.course.cell_count > usual.task.course.cell_count
+    assert fine.task.mesh.cell_count > usual.task.mesh.cell_count
     assert fine.bound.energy_j > usual.bound.energy_j
     # the same run of the same train: both energies lie between both bounds and one another's gap
     assert abs(fine.solution.energy_j - usual.solution.energy_j) < 5e-4 * usual.solution.energy_j

@@ -15,7 +15,7 @@ DRIVES = {
 def test_efficiencies():
     """1 MW at the wheels through 0.85, and back through 0.6, of which the line takes half."""
     drive = make_drive(DRIVES["constant efficiency"])
-    power = drive.line_power_w(np.array([1e5, -1e5]), np.array([10.0, 10.0]))
+    power = drive.supply_power_w(np.array([1e5, -1e5]), np.array([10.0, 10.0]))
     assert power == pytest.approx([1e6 / 0.85, -0.5 * 0.6e6])
     assert drive.losses_w(np.array([-1e5]), np.array([10.0])) == {
         "drive": pytest.approx([0.4e6]),

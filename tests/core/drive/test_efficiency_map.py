@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
 from railjoule.core.drive import make_drive
-from railjoule.core.drive.loss_map.table import loss_at, loss_table
-from railjoule.core.motion import build_course
+from railjoule.core.drive.loss_map import loss_at, loss_table
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import scenario_from_document
 
 TORQUE, SPEED = [0.0, 200.0, 800.0, 2000.0], [0.0, 50.0, 150.0, 400.0]
@@ -32,7 +32,7 @@ def with_map(folder, text, **changes):
     (folder / "map.csv").write_text(text, encoding="utf-8")
     drive = {"model": "efficiency_map", "file": "map.csv", **GEAR}
     document = {**PLAIN, "vehicle": {**PLAIN["vehicle"], "drive": drive}}
-    return scenario_from_document(document, folder=folder).with_(**changes)
+    return scenario_from_document(document, folder=folder).replace(**changes)
 
 
 def test_points_come_back(tmp_path):
@@ -79,7 +79,7 @@ def test_bad_maps_are_refused_in_one_sentence(tmp_path, change, expected):
 
 def test_both_file_and_points(tmp_path):
     scenario = with_map(tmp_path, rows())
-    assert scenario.with_(**{"vehicle.load_factor": 0.5}).vehicle.drive == scenario.vehicle.drive
+    assert scenario.replace(**{"vehicle.load_factor": 0.5}).vehicle.drive == scenario.vehicle.drive
     drive = {"model": "efficiency_map", "file": "map.csv", "points": [[0.0, 0.0, 0.0]], **GEAR}
     document = {**PLAIN, "vehicle": {**PLAIN["vehicle"], "drive": drive}}
     with pytest.raises(ScenarioError, match=r"drive needs only one of file and points."):
@@ -88,18 +88,18 @@ def test_both_file_and_points(tmp_path):
 
 def test_beyond_the_map_nobody_guesses(tmp_path):
     scenario = with_map(tmp_path, rows())  # 400 rad/s are 115 km/h
-    build_course(scenario)
+    build_meshed_line(scenario)
     faster = with_map(tmp_path, rows(), **{"vehicle.traction.max_speed_kmh": 130.0})
     with pytest.raises(ScenarioError, match=r"map of the drive ends at 400 rad/s of the motor, below the 451.4 rad/s"):
-        build_course(faster)
+        build_meshed_line(faster)
     drive = make_drive(scenario.vehicle.drive)
     with pytest.raises(ScenarioError, match=r"map of the drive ends at 98.04 kN to drive with, below 200 kN."):
         drive.electrical_power_w(2e5, 5.0)
 
 
 def test_the_map_limits_the_effort(tmp_path):
-    course = build_course(with_map(tmp_path, rows(), **{"vehicle.traction.max_effort_kn": 300.0}))
-    assert course.data.traction.constant_n == pytest.approx(4 * 2000 * 12.5 / 1.02)
+    mesh = build_meshed_line(with_map(tmp_path, rows(), **{"vehicle.traction.max_effort_kn": 300.0}))
+    assert mesh.data.traction.constant_n == pytest.approx(4 * 2000 * 12.5 / 1.02)
 
 
 def losses(draw_rising):

@@ -1,6 +1,7 @@
 """The induction drive against its formulas: by brute force over the flux, by differences, by its account."""
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.drive import kernels, kinds, make_drive
-from railjoule.core.drive.induction.least_loss import BEYOND, FREE, FULL_VOLTAGE, RATED_FLUX, best_ratio
+from railjoule.core.drive.geared import STANDSTILL_BRAKE
 from railjoule.core.drive.induction.machine import (
     leakage_share,
     machine_of,
@@ -18,13 +19,15 @@ from railjoule.core.drive.induction.machine import (
     steady_state,
     torque_constant,
 )
-from railjoule.core.drive.induction.power import driving_power, generated_power, idle_power, power_with_idle
+from railjoule.core.drive.induction.min_loss import BEYOND, FREE, FULL_VOLTAGE, RATED_FLUX, best_ratio
 from railjoule.core.errors import ScenarioError
 
 DRIVE = make_drive(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
 MACHINE = machine_of(DRIVE.parameters)
 BARE = DRIVE.parameters.copy()
-BARE[14] = 0.0  # no standstill brake
+BARE[STANDSTILL_BRAKE] = 0.0
+driving_power = partial(kernels.driving_power, kinds.INDUCTION)
+generated_power = partial(kernels.generated_power, kinds.INDUCTION)
 speeds = st.floats(0.05, 25)
 shares = st.floats(0.001, 0.999)
 signs = st.sampled_from([1.0, -1.0])
@@ -151,21 +154,20 @@ def test_the_account_closes(share, speed, recuperation):
     losses = drive.losses_w(effort, at)
     assert set(losses) == {"copper", "iron", "mechanical", "gear", "standstill_brake", "brake_resistors"}
     assert all((loss >= -1e-9).all() for loss in losses.values())
-    taken = drive.line_power_w(effort, at)
+    taken = drive.supply_power_w(effort, at)
     # rounding, and an effort that counts as none
     assert taken == pytest.approx(effort * speed + sum(losses.values()), rel=1e-9, abs=0.2)
 
 
 def test_no_power_without_effort_and_idle_power_with_the_least():
-    """n (T_m Omega + loss at T_m), with the currents of least loss; findings: coasting is W(v) alone."""
+    """n (T_m Omega + loss at T_m), with the currents of least loss; findings: coasting is only W(v)."""
     speed = np.array([12.0])
-    assert DRIVE.line_power_w(np.zeros(1), speed) == 0
+    assert DRIVE.supply_power_w(np.zeros(1), speed) == 0
     assert DRIVE.current_a(np.zeros(1), speed) == 0
-    idle = idle_power(DRIVE.parameters, 12.0)[0]
-    assert DRIVE.line_power_w(np.array([0.01]), speed)[0] == pytest.approx(idle, rel=1e-3)
+    idle = kernels.power_when_on(DRIVE.kind, DRIVE.parameters, False, 0.0, 12.0)[0]
+    assert DRIVE.supply_power_w(np.array([0.01]), speed)[0] == pytest.approx(idle, rel=1e-3)
     shaft = 4 * 4.05 * 7.16 / 0.327 * 12
     assert shaft < idle < 1.2 * shaft
-    assert power_with_idle(DRIVE.parameters, 0.0, 12.0)[0] == idle
 
 
 def test_cruise_at_twelve_metres_per_second():
@@ -193,7 +195,7 @@ def test_full_current_starts_at_rated_flux_and_weakens_it_under_full_voltage():
     assert DRIVE.current_a(limit[:4], np.array([0.0, corner, corner, 11.0])) == pytest.approx([201.05] * 4, rel=1e-3)
     assert DRIVE.current_a(limit[4:], np.array([19.0])) < 190
     held, power = DRIVE.full_current_start(np.array([11.0, 16.0, 20.0]), 201.05)
-    assert (held[0], power[0]) == pytest.approx((limit[3], DRIVE.line_power_w(limit[3:4], np.array([11.0]))[0]))
+    assert (held[0], power[0]) == pytest.approx((limit[3], DRIVE.supply_power_w(limit[3:4], np.array([11.0]))[0]))
     assert held[1] < DRIVE.effort_limit_n(np.array([16.0]))[0]
     # findings: above 18.9 m/s the voltage no longer carries the starting current
     assert held[2] < 0
@@ -275,7 +277,7 @@ def test_beyond_what_the_machine_has_its_power_goes_on_rising(change, speed):
 @pytest.mark.parametrize("braking", [False, True], ids=["driving", "braking"])
 @pytest.mark.parametrize("change", [{}, {"starting_current_a": 400.0}, {"max_phase_voltage_v": 180.0}], ids=str)
 def test_the_least_of_three_pairs_of_limits_is_the_limit_of_all(change, braking):
-    """Flux with current is constant; the voltage with either of them is told apart."""
+    """Flux with current is constant; the voltage with either of them is another."""
     drive = make_drive(plain_scenario({"vehicle.drive": {**INDUCTION, **change}}).vehicle.drive)
     speeds = np.linspace(0.0, 25.0, 400)
     constant = float(drive.effort_limit_n(np.zeros(1), braking)[0])

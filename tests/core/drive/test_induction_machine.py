@@ -1,6 +1,7 @@
 """The machine of the closed loop: its circuits, its steady state beside motulator's, flux, limits and efficiency."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,14 +10,12 @@ from motulator.drive.model import InductionMachine as Peer
 from motulator.drive.utils import InductionMachineInvGammaPars, InductionMachinePars
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.drive.induction.circuit import TCircuit, inverse_gamma_of, t_circuit_of_machine
 from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.machine import phase_voltage_v, steady_state, torque_constant
 from railjoule.core.drive.induction.traction import traction_machines
 
 FTOREK = traction_machines(load_scenario("ftorek-300s").vehicle.drive)
 TRAM = traction_machines(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
-CIRCUIT = TCircuit(0.0358, 0.032, 15.5e-3, 1.2e-3, 1.2e-3)
 
 
 def peer_in_steady_state(machines, voltage, stator_rads, speed_rads):
@@ -66,13 +65,18 @@ def test_steady_state_is_that_of_motulator(machines):
 
 def test_both_circuits_have_one_impedance_at_the_terminals():
     """Stator's leakage and, across the mutual inductance, the rotor's: complex impedances in series and in parallel."""
-    circuit = inverse_gamma_of(CIRCUIT)
+    machine = FTOREK.machine._replace(
+        stator_resistance_ohm=0.0358,
+        rotor_resistance_ohm=0.032,
+        mutual_inductance_h=15.5e-3,
+        stator_inductance_h=16.7e-3,
+        rotor_inductance_h=16.7e-3,
+    )
+    circuit = replace(FTOREK, machine=machine).circuit
     for stator_rads in (1.0, 50.0, 300.0):
         for slip in (-0.5, -0.01, 0.02, 1.0):
-            t_rotor = CIRCUIT.rotor_resistance_ohm / slip + 1j * stator_rads * CIRCUIT.rotor_leakage_h
-            t_mutual, t_leakage = (
-                1j * stator_rads * h for h in (CIRCUIT.mutual_inductance_h, CIRCUIT.stator_leakage_h)
-            )
+            t_rotor = machine.rotor_resistance_ohm / slip + 1j * stator_rads * 1.2e-3
+            t_mutual, t_leakage = 1j * stator_rads * 15.5e-3, 1j * stator_rads * 1.2e-3
             g_rotor = circuit.rotor_resistance_ohm / slip
             g_mutual = 1j * stator_rads * circuit.magnetising_inductance_h
             seen = t_leakage + t_mutual * t_rotor / (t_mutual + t_rotor)
@@ -92,7 +96,7 @@ def test_the_shipped_machine_has_the_torque_and_flux_of_the_paper():
 
 
 def test_the_tram_has_the_machine_of_its_own_keys():
-    assert t_circuit_of_machine(TRAM.machine).stator_leakage_h == pytest.approx((33.81 - 33.15) * 1e-3)
+    assert TRAM.machine.stator_inductance_h - TRAM.machine.mutual_inductance_h == pytest.approx((33.81 - 33.15) * 1e-3)
     assert TRAM.driving_current_a == 201.05
     assert TRAM.braking_current_a == 148.67
 
@@ -124,11 +128,11 @@ def test_flux_of_least_loss_is_that_of_a_search(torque):
 
 def test_efficiency_ends_where_current_or_voltage_do():
     speed, torque = np.array([50.0, 150.0, 230.0]), np.linspace(-9000, 9000, 361)
-    for least_loss in (False, True):
-        found = FTOREK.efficiency(torque, speed, least_loss)
+    for min_loss in (False, True):
+        found = FTOREK.efficiency(torque, speed, min_loss)
         assert np.nanmax(found) < 1
         for braking in (False, True):
-            greatest = FTOREK.greatest_torque_nm(speed, braking)
+            greatest = FTOREK.max_torque_nm(speed, braking)
             for j in range(len(speed)):
                 there = np.abs(torque[np.isfinite(found[:, j]) & ((torque < 0) == braking)]).max()
                 # the torques are 50 N m apart

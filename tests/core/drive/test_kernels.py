@@ -70,7 +70,7 @@ def test_copper_loss_draws_power_near_standstill():
 def test_each_kind_has_its_row_of_capabilities():
     numbers = {name: value for name, value in vars(kinds_of_drives).items() if isinstance(value, int)}
     assert sorted(numbers.values()) == list(range(len(CAPABILITIES)))
-    assert [kernels.jumps_at_no_effort(kind) for kind in range(5)] == [False, False, True, True, True]
+    assert [kernels.has_idle_losses(kind) for kind in range(5)] == [False, False, True, True, True]
     assert [kernels.may_draw_while_braking(kind) for kind in range(5)] == [False, True, True, True, True]
     assert [row.geared for row in CAPABILITIES[:5]] == [False, False, False, True, True]
 
@@ -82,13 +82,13 @@ def test_an_unknown_kind_is_no_drive(unknown):
         Drive(unknown, np.zeros(2), 0.0, "none", None)
 
 
-@pytest.mark.parametrize("asked", [kernels.jumps_at_no_effort, kernels.may_draw_while_braking])
+@pytest.mark.parametrize("asked", [kernels.has_idle_losses, kernels.may_draw_while_braking])
 def test_compiled_code_knows_no_unknown_kind(asked):
     with pytest.raises(IndexError):
         asked(len(CAPABILITIES))
 
 
-@pytest.mark.parametrize("kernel", [kernels.driving_power, kernels.generated_power])
-def test_no_power_of_an_unknown_kind(kernel):
+@pytest.mark.parametrize("braking", [False, True])
+def test_no_power_of_an_unknown_kind(braking):
     with pytest.raises(ValueError, match="no kernel of drives knows this kind"):
-        kernel(len(CAPABILITIES), np.ones(12), 1e4, 10.0)
+        kernels.power_when_on(len(CAPABILITIES), np.ones(12), braking, 1e4, 10.0)

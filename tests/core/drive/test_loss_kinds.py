@@ -13,7 +13,7 @@ KINDS = ("copper", "iron", "mechanical", "harmonics", "inverter")
 
 def steady() -> Scenario:
     """Return a run that keeps 54 km/h, 15 m/s, on a constant gradient."""
-    return load_scenario("kharkiv-like-40kmh").with_(
+    return load_scenario("kharkiv-like-40kmh").replace(
         **{
             "line": {"sections": [{"length_m": 300.0, "gradient_permille": 30.0, "speed_limit_kmh": 54.0}]},
             "timetable": {"travel_time_s": 20.001, "entry_speed_kmh": 54.0, "exit_speed_kmh": 54.0},
@@ -24,7 +24,7 @@ def steady() -> Scenario:
 
 
 def without_harmonics(scenario: Scenario) -> Scenario:
-    return scenario.with_(**{"drive.harmonic_losses": False})
+    return scenario.replace(**{"drive.harmonic_losses": False})
 
 
 def test_the_parts_are_those_of_the_machine_and_sum_to_its_losses():

@@ -56,7 +56,7 @@ def test_no_effort_takes_no_power(name):
 @given(speed=speeds)
 def test_the_least_effort_takes_the_idle_power(name, speed):
     drive = DRIVES[name]
-    idle = kernels.idle_power(drive.kind, drive.parameters, speed)[0]
+    idle = kernels.power_when_on(drive.kind, drive.parameters, False, 0.0, speed)[0]
     assert idle == pytest.approx(12 * loss_by_hand(0, speed * TURNS), rel=2e-3)
     assert drive.electrical_power_w(1.0, speed) == pytest.approx(idle, rel=1e-3)
 
@@ -80,7 +80,7 @@ def test_derivatives_against_differences(name, braking, effort, speed):
 
 @given(effort=efforts, speed=speeds)
 def test_a_map_of_the_polynomial_gives_its_power(effort, speed):
-    """Within one percent of the losses; at the lowest speeds efficiency says nothing of them."""
+    """Within one percent of the losses; at the lowest speeds efficiency does not determine them."""
     exact = DRIVES["polynomial"].electrical_power_w(effort, speed)
     loss = 12 * loss_by_hand(1.025 * effort / 12 / TURNS, speed * TURNS)
     assert DRIVES["map"].electrical_power_w(effort, speed) == pytest.approx(exact, abs=1e-2 * loss)
@@ -92,5 +92,5 @@ def test_never_more_out_than_in(name, effort, speed):
     drive = DRIVES[name]
     assert float(drive.electrical_power_w(effort, speed)) >= effort * speed - 1e-6
     losses = drive.losses_w(effort, speed)
-    assert sum(losses.values()) == pytest.approx(drive.line_power_w(effort, speed) - effort * speed, abs=1e-6)
+    assert sum(losses.values()) == pytest.approx(drive.supply_power_w(effort, speed) - effort * speed, abs=1e-6)
     assert losses["gear"] in (0.0, pytest.approx(0.025 * abs(effort) * speed))

@@ -19,7 +19,7 @@ from railjoule.core.drive.synchronous.harmonics import (
     side_bands,
     six_step_loss,
 )
-from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque
+from railjoule.core.drive.synchronous.machine import Machine, currents, max_torque
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import scenario_from_document
 
@@ -63,7 +63,7 @@ def test_greatest_torque_by_a_grid(rads):
     voltage = np.hypot(0.03 * along - rads * 3.2e-3 * across, 0.03 * across + rads * (0.28 + 0.9e-3 * along))
     torque = 6 * across * (0.28 - 2.3e-3 * along)
     best = torque[voltage <= MACHINE.max_phase_voltage_v].max()
-    assert greatest_torque(MACHINE, 1.0, rads, 3000.0) == pytest.approx(best, rel=3e-3)
+    assert max_torque(MACHINE, 1.0, rads, 3000.0) == pytest.approx(best, rel=3e-3)
 
 
 def test_side_bands_against_a_switched_wave():
@@ -81,8 +81,8 @@ def test_side_bands_against_a_switched_wave():
     bands = side_bands()[depth_index]
     for order in (1, 2):
         window = spectrum[order * pulses - 10 : order * pulses + 11]
-        ours = bands[order - 1, SIDE_BANDS - 10 : SIDE_BANDS + 11]
-        assert np.sum(ours**2) == pytest.approx(np.sum(window**2), rel=1e-2)
+        found = bands[order - 1, SIDE_BANDS - 10 : SIDE_BANDS + 11]
+        assert np.sum(found**2) == pytest.approx(np.sum(window**2), rel=1e-2)
 
 
 def test_resistance_rises_with_frequency():
@@ -160,12 +160,12 @@ def test_the_envelope_limits_the_effort():
 )
 def test_bad_machines(key, value, expected):
     with pytest.raises(ScenarioError, match=expected):
-        load_scenario("kharkiv-like-20kmh").with_(**{key: value})
+        load_scenario("kharkiv-like-20kmh").replace(**{key: value})
 
 
 def test_a_scenario_survives_its_document():
     scenario = load_scenario("kharkiv-like-20kmh")
-    changed = scenario.with_(**{"drive.switching_frequency_hz": 2000.0})
+    changed = scenario.replace(**{"drive.switching_frequency_hz": 2000.0})
     assert changed.vehicle.drive.switching_frequency_hz == 2000
     assert make_drive(changed.vehicle.drive) is not make_drive(scenario.vehicle.drive)
     assert (

@@ -4,9 +4,8 @@ import pytest
 
 from railjoule.core.errors import EncodingError, ScenarioError, UnitError
 from railjoule.core.imports import SourceFile
-from railjoule.core.imports.encoding import encoding_mentioned, found_code_page
 from railjoule.core.imports.findings import Finding
-from railjoule.core.imports.source_file import json_of, text_of
+from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, json_of, text_of
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,7 @@ import pytest
 
 from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile, read_intervals
-from railjoule.core.imports.cells import MOST_COLUMNS, read_cells
-from railjoule.core.imports.workbook import LARGEST_UNPACKED_BYTES, MOST_FILES
+from railjoule.core.imports.cells import MAX_COLUMNS, MAX_FILES, MAX_UNPACKED_BYTES, read_cells
 
 openpyxl = pytest.importorskip("openpyxl")
 
@@ -81,7 +80,7 @@ def test_dates_are_no_positions():
 
 def test_many_columns_are_refused():
     content = workbook([["x"] * 10_000])
-    with pytest.raises(ScenarioError, match=rf"row 1: 10000 columns; at most {MOST_COLUMNS} are allowed"):
+    with pytest.raises(ScenarioError, match=rf"row 1: 10000 columns; at most {MAX_COLUMNS} are allowed"):
         read_cells(SourceFile("line.xlsx", content))
 
 
@@ -104,15 +103,15 @@ def test_a_size_that_the_file_claims_costs_nothing():
 
 
 def test_what_unpacks_to_too_much_is_not_unpacked():
-    bomb = package([("xl/workbook.xml", b"0" * (LARGEST_UNPACKED_BYTES + 1))])
+    bomb = package([("xl/workbook.xml", b"0" * (MAX_UNPACKED_BYTES + 1))])
     assert len(bomb) < 1_000_000
     with pytest.raises(ScenarioError, match=r"^line.xlsx: unpacks to 200 MB; at most 200 MB are allowed\.$"):
         read_cells(SourceFile("line.xlsx", bomb))
 
 
 def test_too_many_files_are_refused():
-    with pytest.raises(ScenarioError, match=rf"holds {MOST_FILES + 1} files"):
-        read_cells(SourceFile("line.xlsx", package([(f"{index}.xml", b"") for index in range(MOST_FILES + 1)])))
+    with pytest.raises(ScenarioError, match=rf"holds {MAX_FILES + 1} files"):
+        read_cells(SourceFile("line.xlsx", package([(f"{index}.xml", b"") for index in range(MAX_FILES + 1)])))
 
 
 @pytest.mark.parametrize("content", [b"PK\x03\x04nothing", package([("readme.txt", b"no workbook")])])

@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 from railjoule.core.drive.kernels import may_be_concave, power_when_on
 from railjoule.core.interior_point.envelope import envelope_power, envelope_steps, lower_hull, tabulate_envelope
 from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, RAY_COUNT
-from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import max_effort
 from railjoule.core.strategies import prepare_task
 
 ROUNDING = 2e-6
@@ -18,8 +18,8 @@ MAPS = ("efficiency map", "synchronous")
 
 @pytest.fixture(scope="module", params=MAPS)
 def case(request):
-    """Return the course of a drive with a map, and its envelopes."""
-    data = prepare_task(train(request.param)).course.data
+    """Return the meshed line of a drive with a map, and its envelopes."""
+    data = prepare_task(train(request.param)).mesh.data
     table = np.empty((2, RAY_COUNT, ENVELOPE_EFFORTS, 4))
     tabulate_envelope(data, table)
     return request.param, data, table
@@ -28,22 +28,22 @@ def case(request):
 def points(data, braking, count, seed=0):
     """Yield random efforts up to their limit at random speeds."""
     rng, limit = np.random.default_rng(seed), data.braking if braking else data.traction
-    for speed in rng.uniform(0.3, 0.97 * np.sqrt(data.largest_speed2.max()), count):
-        yield rng.uniform(0.01, 0.99) * largest_effort(limit, speed), speed
+    for speed in rng.uniform(0.3, 0.97 * np.sqrt(data.limit_speed2.max()), count):
+        yield rng.uniform(0.01, 0.99) * max_effort(limit, speed), speed
 
 
 def power(data, braking, effort, speed):
     return power_when_on(data.drive_kind, data.drive_parameters, braking, effort, speed)[0]
 
 
-def largest_power(data, braking):
+def max_power(data, braking):
     return max(abs(power(data, braking, *point)) for point in points(data, braking, 50, seed=1))
 
 
 @pytest.mark.parametrize("braking", [False, True])
 def test_it_is_nowhere_above_the_power_nor_above_none_at_no_effort(case, braking):
     _, data, table = case
-    allowed = ROUNDING * largest_power(data, braking)
+    allowed = ROUNDING * max_power(data, braking)
     for effort, speed in points(data, braking, 3000):
         assert (
             envelope_power(data, table[int(braking)], effort, speed)[0] <= power(data, braking, effort, speed) + allowed
@@ -55,9 +55,9 @@ def test_it_is_nowhere_above_the_power_nor_above_none_at_no_effort(case, braking
 def test_it_is_convex_in_effort_at_the_speeds_of_the_table(case, braking):
     _, data, table = case
     step, speed_step = envelope_steps(data)
-    allowed = ROUNDING * largest_power(data, braking)
+    allowed = ROUNDING * max_power(data, braking)
     for k in range(5, RAY_COUNT - 1, 7):
-        limit = largest_effort(data.braking if braking else data.traction, k * speed_step)
+        limit = max_effort(data.braking if braking else data.traction, k * speed_step)
         values = table[int(braking), k, : int(limit / step) + 1, 0]
         assert np.all(np.diff(values, 2) >= -allowed)
 
@@ -66,9 +66,9 @@ def test_it_is_convex_in_effort_at_the_speeds_of_the_table(case, braking):
 def test_it_is_the_hull_of_off_and_on_where_losses_do_not_fall_with_speed(case, braking):
     """Against the hull of 2,000 samples; of a map whose losses fall with speed it is lower, by a hundredth at most."""
     name, data, table = case
-    largest = largest_power(data, braking)
+    largest = max_power(data, braking)
     for _, speed in points(data, braking, 12):
-        most = largest_effort(data.braking if braking else data.traction, speed)
+        most = max_effort(data.braking if braking else data.traction, speed)
         efforts = np.linspace(0.0, most, 2000)
         values = np.array([0.0, *(power(data, braking, y, speed) for y in efforts[1:])])
         numbers = np.empty(2000, dtype=np.int64)
@@ -115,5 +115,5 @@ def test_the_hull_against_that_of_scipy():
 
 
 def test_maps_alone_have_one():
-    kinds = {name: prepare_task(train(name)).course.data.drive_kind for name in DRIVES}
+    kinds = {name: prepare_task(train(name)).mesh.data.drive_kind for name in DRIVES}
     assert {name for name, kind in kinds.items() if may_be_concave(kind)} == set(MAPS)

@@ -9,8 +9,8 @@ from random_scenarios import random_run
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.interior_point.solver import CONVERGED, ITERATIONS_EXCEEDED, minimise_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.between_nodes import follow_between_nodes
-from railjoule.core.physics.reference import reference_energy
 from railjoule.core.strategies import prepare_task
 
 G1 = Path(__file__).parents[2] / "benchmarks" / "g1.toml"
@@ -61,7 +61,7 @@ def test_a_public_benchmark_of_48_km():
 def outcome(seed):
     """Return iterations, and what the run lies above its bound by exact motion between its nodes, of a random task."""
     task = random_run(seed, stops=seed % 2 == 1).task
-    data, solution = task.course.data, minimise(task)
+    data, solution = task.mesh.data, minimise(task)
     exact = follow_between_nodes(data, solution.optimum.speed2)
     # a second beyond the time is worth its price
     late_s = exact.duration_s.sum() - task.running_time_s
@@ -90,12 +90,12 @@ def hilly():
     return prepare_task(load_scenario("liashenko-iii"))
 
 
-def run_method(task, iterations, tolerance=1e-7, least_centring=1e-6):
-    limits = task.greatest_speed2, task.shortest_time_s, task.running_time_s
-    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring, False, False)
+def run_method(task, iterations, tolerance=1e-7, min_centring=1e-6):
+    limits = task.fastest_speed2, task.shortest_time_s, task.running_time_s
+    return minimise_energy(task.mesh.data, *limits, tolerance, iterations, min_centring, False)
 
 
-@pytest.mark.parametrize("settings", [{"tolerance": 1e-9}, {"least_centring": 0.2}], ids=lambda x: next(iter(x)))
+@pytest.mark.parametrize("settings", [{"tolerance": 1e-9}, {"min_centring": 0.2}], ids=lambda x: next(iter(x)))
 def test_settings_change_the_way_but_not_the_optimum(hilly, settings):
     usual, other = run_method(hilly, 60), run_method(hilly, 60, **settings)
     assert other.status == CONVERGED

@@ -12,11 +12,11 @@ from railjoule.core.interior_point.switching import (
     hull_power,
     hull_with_standstill_brake,
 )
-from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import max_effort
 from railjoule.core.strategies import prepare_task
 
 TASK = prepare_task(plain_scenario({"vehicle.drive": INDUCTION, "vehicle.traction": {"max_speed_kmh": 72.0}}))
-DATA = TASK.course.data
+DATA = TASK.mesh.data
 DRIVE = DATA.drive_kind, DATA.drive_parameters
 SPEEDS = (0.4, 2.0, 5.0, 9.0, 13.0, 18.0)
 SIDES = [(False, DATA.traction), (True, DATA.braking)]
@@ -30,7 +30,7 @@ def power(braking, effort, speed):
 @pytest.mark.parametrize(("braking", "limit"), SIDES, ids=["driving", "braking"])
 def test_the_hull_lies_below_all_mixtures_and_is_one(braking, limit, speed):
     """Against the least over a grid of shares: on for a share of the way with effort over share."""
-    most = largest_effort(limit, speed)
+    most = max_effort(limit, speed)
     for effort in np.array([0.02, 0.1, 0.3, 0.6, 0.9]) * most:
         shares = np.linspace(effort / most, 1, 2000)
         mixtures = [share * smooth_power_when_on(*DRIVE, braking, effort / share, speed)[0] for share in shares]

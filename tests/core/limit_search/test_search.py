@@ -31,7 +31,7 @@ def scenario(speed):
 @pytest.fixture(scope="module")
 def optimum(scenario):
     late = 1.01 * scenario.travel_time_s
-    return solve(scenario.with_(**{"timetable.travel_time_s": late}), "bellman").energy_kwh
+    return solve(scenario.replace(**{"timetable.travel_time_s": late}), "bellman").energy_kwh
 
 
 def test_two_sections_with_a_regulator_that_coasts(scenario, optimum):
@@ -58,13 +58,13 @@ def test_no_pair_of_limits_on_a_fine_grid_is_better(scenario):
 
 def test_free_borders_come_near_the_optimum(scenario, speed, optimum):
     """The issue asks for 2 % at 40 km/h."""
-    run = solve(scenario.with_(**{"search.boundaries_m": [800, 1600], "search.free_boundaries": True}))
+    run = solve(scenario.replace(**{"search.boundaries_m": [800, 1600], "search.free_boundaries": True}))
     assert 1.0 <= run.energy_kwh / optimum < {20: 1.04, 40: 1.02}[speed]
 
 
 def test_the_best_braked_limits_are_one_limit(scenario):
     """Within 0.1 %, as findings.md says: a regulator that brakes has no use for more sections."""
-    braked = scenario.with_(**{"search.regulator": "brake"})
+    braked = scenario.replace(**{"search.regulator": "brake"})
     best = speed_limits_with_search(prepare_task(braked))[1].best
     uniform = build_limit_problem(prepare_task(braked)).evaluate("given", np.array([10.0, 10.0]), best.boundaries_m)
     assert best.energy_j == pytest.approx(uniform.energy_j, rel=1e-3)
@@ -72,5 +72,5 @@ def test_the_best_braked_limits_are_one_limit(scenario):
 
 def test_braking_for_limits_costs_a_fifth_more(scenario, optimum):
     """findings.md: 16 to 22 % on another assumed line; here 26 and 23 %."""
-    run = solve(scenario.with_(**{"search.regulator": "brake"}))
+    run = solve(scenario.replace(**{"search.regulator": "brake"}))
     assert 1.15 < run.energy_kwh / optimum < 1.30

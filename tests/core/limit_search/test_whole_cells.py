@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from builders import plain_scenario
+from set_speeds import drive_under_limits
 
 from railjoule.core.limit_search.problem import limit_problem
 from railjoule.core.limit_search.whole_cells import trip_over_cells
-from railjoule.core.simulate.regulator import drive_under_limits
 from railjoule.core.task import prepare_task
 
 
@@ -22,12 +22,10 @@ def test_borders_beside_a_node_are_merged_with_it(border):
 def test_a_train_too_fast_to_brake_fails_where_it_passes_the_limit():
     """From 20 m/s a stop at 0.5 m/s2 takes 400 m; the line has 300."""
     scenario = plain_scenario({"line.sections": [{"length_m": 300.0}], "vehicle.braking.max_deceleration_ms2": 0.5})
-    course = prepare_task(scenario).course
-    data = course.data._replace(
-        fixed_speed2=np.where(np.arange(course.cell_count + 1) == 0, 400.0, course.data.fixed_speed2)
-    )
-    problem = limit_problem(course, 0.8, False, 1.0, 30.0, 100.0)
-    position, speed2 = np.empty((2, course.cell_count + 1))
+    mesh = prepare_task(scenario).mesh
+    data = mesh.data._replace(fixed_speed2=np.where(np.arange(mesh.cell_count + 1) == 0, 400.0, mesh.data.fixed_speed2))
+    problem = limit_problem(mesh, 0.8, False, 1.0, 30.0, 100.0)
+    position, speed2 = np.empty((2, mesh.cell_count + 1))
     nodes, seconds, _ = trip_over_cells(data, problem.regulation, np.empty(0), np.array([25.0]), position, speed2)
     assert seconds == np.inf
     assert position[nodes - 1] == 300

@@ -5,7 +5,7 @@ from recordings import as_csv, samples
 from railjoule.core import RailjouleError, load_scenario, solve
 from railjoule.core.measured import RecorderFormat, load_recording, read_recording
 from railjoule.core.measured.recording import between_samples
-from railjoule.core.measured.speed_error import quantisation
+from railjoule.core.measured.speed import quantisation
 
 
 def table(rows, head="time_s,speed_kmh"):
@@ -205,7 +205,7 @@ def test_a_shipped_run_is_read_as_it_was_driven(tmp_path):
 @pytest.mark.parametrize(("volts", "words"), [(-750, "must be at least 0"), (2e5, "must be at most 100 kV")])
 def test_refuses_voltages_that_no_line_has(volts, words):
     rows = [[*row, 10, volts] for row in plain()]
-    assert words in refusal(table(rows, "time_s,speed_kmh,line_current_a,line_voltage_v"))
+    assert words in refusal(table(rows, "time_s,speed_kmh,supply_current_a,line_voltage_v"))
 
 
 def test_a_time_since_1970_in_milliseconds_is_read_so():
@@ -255,11 +255,11 @@ def test_plain_names_of_current_and_voltage_are_those_of_the_line():
     recording = read_recording(
         table(rows, "Uhrzeit,v [km/h],Strom [A],Spannung [V]".replace("Uhrzeit", "Zeit")), "r.csv"
     )
-    assert recording.line_current_a.max() == 100.0
+    assert recording.supply_current_a.max() == 100.0
     assert "Strom [A] is taken as that of the line." in recording.notes
     # alone, a current may be that of a motor; beside a power it is not asked for
     alone = read_recording(table([row[:3] for row in rows], "time_s,speed_kmh,current_a"), "run.csv")
-    assert alone.line_current_a is None
+    assert alone.supply_current_a is None
     powered = read_recording(table(rows, "time_s,speed_kmh,power_kw,voltage_v"), "run.csv")
     assert powered.line_voltage_v is None
 

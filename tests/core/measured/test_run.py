@@ -5,7 +5,7 @@ from recordings import as_csv, samples, with_time
 from railjoule.core import load_scenario, solve
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured import load_run, measured_run, possible_saving, read_recording
-from railjoule.core.measured.smoothing import smoothed_speed
+from railjoule.core.measured.speed import smoothed_speed
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +159,7 @@ def test_refuses_a_meter_that_was_reset(scenario):
 
 
 def test_a_run_that_the_model_cannot_drive_has_no_saving(scenario):
-    weak = scenario.with_(**{"vehicle.traction.max_power_kw": 1500})
+    weak = scenario.replace(**{"vehicle.traction.max_power_kw": 1500})
     run = run_of(weak, solve(scenario, "fastest"))
     assert any("more tractive effort than the scenario's vehicle has" in note for note in run.notes)
     with pytest.raises(RecordingError, match="but the scenario's train needs at least"):
@@ -184,7 +184,7 @@ def test_a_line_current_gives_the_power(scenario):
     assert run.measured_kwh == pytest.approx(with_power.measured_kwh, rel=1e-6)
     assert any(note.startswith("The electric power is the line current times the line voltage; ") for note in run.notes)
     # without a voltage in the file that of the vehicle counts
-    at_750 = scenario.with_(**{"vehicle.line_voltage_v": 750})
+    at_750 = scenario.replace(**{"vehicle.line_voltage_v": 750})
     alone = read_recording(as_csv(columns, names[:3]), "run.csv")
     assert measured_run(alone, at_750).measured_kwh == pytest.approx(with_power.measured_kwh, rel=1e-6)
     assert any("line_voltage_v of 750 V" in note for note in measured_run(alone, at_750).notes)
@@ -209,4 +209,4 @@ def test_refuses_a_voltage_in_another_unit(scenario):
     names = ("time_s", "speed_ms", "line_current_a", "line_voltage_v")
     recording = read_recording(as_csv(columns, names), "run.csv")
     with pytest.raises(RecordingError, match=r"about 0.75 V, but the vehicle's line_voltage_v is 750 V; is it in"):
-        measured_run(recording, scenario.with_(**{"vehicle.line_voltage_v": 750}))
+        measured_run(recording, scenario.replace(**{"vehicle.line_voltage_v": 750}))

@@ -33,8 +33,8 @@ def test_columns_and_units_of_a_recorder_are_found():
     assert run.speed_ms == pytest.approx([0, 1, 2, 3])
     assert run.effort_n[:3] == pytest.approx([0, 1e5, 1e5])
     assert np.isnan(run.effort_n[3])
-    assert run.line_power_w[1] == pytest.approx(140e3)
-    assert run.line_energy_j == pytest.approx([0, 72e3, 288e3, 540e3])
+    assert run.supply_power_w[1] == pytest.approx(140e3)
+    assert run.supply_energy_j == pytest.approx([0, 72e3, 288e3, 540e3])
     assert "Columns not used: Door." in run.notes
     assert "Force (kN) has no value in 1 of 4 rows." in run.notes
 
@@ -127,13 +127,13 @@ def test_units_that_nobody_names_are_told():
 def test_current_times_voltage_is_the_power_where_nothing_else_tells_it():
     text = "t,v_kmh,Line current (A),Line voltage (V)\n0,0,0,750\n1,10,400,700\n2,10,-100,800\n"
     run = run_of(text)
-    assert run.line_power_w.tolist() == [0, 280e3, -80e3]
+    assert run.supply_power_w.tolist() == [0, 280e3, -80e3]
     assert run.notes[-1] == (
         "The electric power is the line current times the line voltage; regenerated current counts as negative."
     )
     assert run.to_columns()["line_current_a"].tolist() == [0, 400, -100]
     with_power = run_of(text.replace("Line voltage (V)", "power_w"))
-    assert with_power.line_power_w.tolist() == [750, 700, 800]
+    assert with_power.supply_power_w.tolist() == [750, 700, 800]
 
 
 def test_times_follow_from_positions_where_none_are_told():

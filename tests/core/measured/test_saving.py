@@ -7,7 +7,7 @@ import pytest
 from recordings import as_csv, samples, with_time
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.fit.steps import usable_steps
+from railjoule.core.identification.steps import usable_steps
 from railjoule.core.measured import measured_run, possible_saving, read_recording
 
 SHIPPED = Path(__file__).parents[3] / "assets" / "recordings" / "liashenko-ii-108s.csv"
@@ -88,7 +88,7 @@ def test_a_run_on_another_part_of_the_line_has_no_saving_without_a_measured_ener
 
 
 def test_a_model_that_is_off_by_more_has_no_saving(scenario):
-    saving = saving_of(shipped(power=True), scenario.with_(**{"drive.traction_efficiency": 0.7}))
+    saving = saving_of(shipped(power=True), scenario.replace(**{"drive.traction_efficiency": 0.7}))
     assert saving.run.model_error_kwh is not None
     low, high = saving.interval_kwh
     assert high - low == pytest.approx(sum(saving.speed_error_kwh) + 4 * saving.run.model_error_kwh)

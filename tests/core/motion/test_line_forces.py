@@ -6,8 +6,8 @@ from builders import HILLS, plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import TrainExtent, mean_over_train
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.motion.line_geometry import TrainExtent, mean_over_train
 from railjoule.core.scenario import Line
 
 LINE = Line.model_validate({"sections": HILLS})
@@ -55,7 +55,7 @@ def test_forces_on_a_train():
             "line.sections": [{"length_m": 500, "gradient_permille": 25, "curve_radius_m": 300}],
         }
     )
-    course = build_course(scenario)
-    assert course.gradient_force_n == pytest.approx(120 * 9.81 * 25)
-    assert course.curve_force_n == pytest.approx(120 * 9.81 * 600 / 300)
-    assert course.data.line_force_n == pytest.approx(course.gradient_force_n + course.curve_force_n)
+    mesh = build_meshed_line(scenario)
+    assert mesh.gradient_force_n == pytest.approx(120 * 9.81 * 25)
+    assert mesh.curve_force_n == pytest.approx(120 * 9.81 * 600 / 300)
+    assert mesh.data.line_force_n == pytest.approx(mesh.gradient_force_n + mesh.curve_force_n)

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from railjoule.core import InfeasibleLineError, solve
-from railjoule.core.motion import build_course, greatest_speeds, running_time
+from railjoule.core.motion import build_meshed_line, max_speeds, running_time
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.strategies import prepare_task
 
@@ -25,15 +25,15 @@ WEAK_AT_A_STAND = {
 LIMITED = {"vehicle.traction.max_acceleration_ms2": 0.5, "vehicle.braking.max_deceleration_ms2": 0.3}
 
 
-def largest_effort(limit, speed):
+def max_effort(limit, speed):
     return float(limit.effort_n(np.array([max(speed, 1e-9)]))[0])
 
 
-def reference(course):
+def reference(mesh):
     """Pass forward and backward cell by cell, each unknown by bisection, until nothing moves."""
-    data = course.data
-    cells = range(course.cell_count)
-    w = data.largest_speed2.copy()
+    data = mesh.data
+    cells = range(mesh.cell_count)
+    w = data.limit_speed2.copy()
     w[data.fixed_speed2 >= 0] = data.fixed_speed2[data.fixed_speed2 >= 0]
 
     def force(i, before, after):
@@ -46,11 +46,11 @@ def reference(course):
 
     def too_much_traction(i, before, after):
         needed, speed = force(i, before, after)
-        return needed - largest_effort(data.traction, speed)
+        return needed - max_effort(data.traction, speed)
 
     def too_much_braking(i, before, after):
         needed, speed = force(i, before, after)
-        return -needed - largest_effort(data.braking, speed) - data.friction_effort_n
+        return -needed - max_effort(data.braking, speed) - data.friction_effort_n
 
     def greatest(excess, bound):
         return bound if excess(bound) <= 0 else brentq(excess, 0.0, bound, xtol=1e-13, rtol=1e-14)
@@ -81,20 +81,20 @@ def reference(course):
     ids=["flat", "curve", "braking power", "stop and limits", "reverse", "weak at a stand"],
 )
 def test_against_the_reference(changes):
-    course = build_course(plain_scenario({"solver.mesh_m": 40.0, **changes}))
-    speed2, obstacle, _ = greatest_speeds(course.data)
+    mesh = build_meshed_line(plain_scenario({"solver.mesh_m": 40.0, **changes}))
+    speed2, obstacle, _ = max_speeds(mesh.data)
     assert obstacle == MOVED
-    assert speed2 == pytest.approx(reference(course), rel=1e-7, abs=1e-7)
+    assert speed2 == pytest.approx(reference(mesh), rel=1e-7, abs=1e-7)
 
 
 @given(st.integers(0, 10**6))
 def test_random_courses_against_the_reference(seed):
     run = random_run(seed, stops=seed % 2 == 1)
-    coarse = run.scenario.with_(**{"solver.mesh_m": max(run.course.length_m / 25, 20.0)})
-    course = build_course(coarse)
-    speed2, obstacle, _ = greatest_speeds(course.data)
+    coarse = run.scenario.replace(**{"solver.mesh_m": max(run.mesh.length_m / 25, 20.0)})
+    mesh = build_meshed_line(coarse)
+    speed2, obstacle, _ = max_speeds(mesh.data)
     if obstacle == MOVED:
-        assert speed2 == pytest.approx(reference(course), rel=1e-7, abs=1e-7)
+        assert speed2 == pytest.approx(reference(mesh), rel=1e-7, abs=1e-7)
 
 
 def test_running_time_by_hand():
@@ -133,7 +133,7 @@ def test_order_of_convergence(initial_speed_ms, order):
         "vehicle.resistance.linear_n_per_kn_per_kmh": 0.05,
     }
     scenario = plain_scenario(changes)
-    data = build_course(scenario).data
+    data = build_meshed_line(scenario).data
 
     def motion(_, y):
         drag = data.resistance_constant_n + data.resistance_linear * y[1] + data.resistance_quadratic[0] * y[1] ** 2
@@ -146,10 +146,10 @@ def test_order_of_convergence(initial_speed_ms, order):
     exact = solve_ivp(motion, (0, 200), [0, initial_speed_ms], events=arrived, rtol=1e-11, atol=1e-11).t_events[0][0]
     errors = []
     for mesh_m in (40.0, 20.0, 10.0, 5.0):
-        course = build_course(scenario, initial_speed_ms, position_m=np.arange(0, 2001, mesh_m))
-        speed2, _, _ = greatest_speeds(course.data)
-        half = course.cell_count // 2
-        errors.append(abs(running_time(course.data.cell_length_m[:half], speed2[: half + 1]) - exact))
+        mesh = build_meshed_line(scenario, initial_speed_ms, position_m=np.arange(0, 2001, mesh_m))
+        speed2, _, _ = max_speeds(mesh.data)
+        half = mesh.cell_count // 2
+        errors.append(abs(running_time(mesh.data.cell_length_m[:half], speed2[: half + 1]) - exact))
     orders = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     assert errors[-1] < 1e-4 * exact, errors
     assert orders == pytest.approx(order, abs=0.1)
@@ -157,10 +157,10 @@ def test_order_of_convergence(initial_speed_ms, order):
 
 def test_limits_bind_and_are_kept():
     """Acceleration and deceleration limits of HILLS are reached, and never passed, to 1e-6."""
-    course = build_course(plain_scenario({"line.sections": HILLS, **LIMITED}))
-    speed2, obstacle, _ = greatest_speeds(course.data)
+    mesh = build_meshed_line(plain_scenario({"line.sections": HILLS, **LIMITED}))
+    speed2, obstacle, _ = max_speeds(mesh.data)
     assert obstacle == MOVED
-    rise = 0.5 * np.diff(speed2) / course.data.cell_length_m
+    rise = 0.5 * np.diff(speed2) / mesh.data.cell_length_m
     assert rise.max() == pytest.approx(0.5, abs=1e-6)
     assert rise.min() == pytest.approx(-0.3, abs=1e-6)
 
@@ -178,13 +178,13 @@ def test_a_hill_that_slows_down_more_than_allowed_is_entered_slowly(deceleration
             {"length_m": 800},
         ],
     }
-    course = build_course(plain_scenario(changes))
-    speed2, obstacle, _ = greatest_speeds(course.data)
+    mesh = build_meshed_line(plain_scenario(changes))
+    speed2, obstacle, _ = max_speeds(mesh.data)
     assert obstacle == MOVED
-    rise = 0.5 * np.diff(speed2) / course.data.cell_length_m
+    rise = 0.5 * np.diff(speed2) / mesh.data.cell_length_m
     mean_speed = 0.5 * (np.sqrt(speed2[1:]) + np.sqrt(speed2[:-1]))
     assert rise.min() >= -deceleration_ms2 * (1 + 1e-6)
-    assert (course.net_force_n(speed2) - course.data.traction.effort_n(mean_speed)).max() < 1e-3
+    assert (mesh.net_force_n(speed2) - mesh.data.traction.effort_n(mean_speed)).max() < 1e-3
 
 
 def test_brakes_too_weak_to_keep_the_acceleration_downhill():

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import InfeasibleLineError
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.strategies import prepare_task
 
 KEY = "vehicle.braking.permitted_deceleration"
@@ -22,13 +22,15 @@ POINT_MASS = {
 """100 t without resistance: 1 m/s2 at full effort, 2 m/s2 with all its brakes, up to 20 m/s."""
 
 
-def course_of(steps, **changes):
-    return build_course(plain_scenario({KEY: steps, **{key.replace("__", "."): it for key, it in changes.items()}}))
+def assemble_meshed_line(steps, **changes):
+    return build_meshed_line(
+        plain_scenario({KEY: steps, **{key.replace("__", "."): it for key, it in changes.items()}})
+    )
 
 
-def speed_ms(course, place_m):
-    (node,) = np.flatnonzero(np.abs(course.position_m - place_m) < 1e-6)
-    return float(np.sqrt(course.data.largest_speed2[node]))
+def speed_ms(mesh, place_m):
+    (node,) = np.flatnonzero(np.abs(mesh.position_m - place_m) < 1e-6)
+    return float(np.sqrt(mesh.data.limit_speed2[node]))
 
 
 def distance_m(slow2, fast2, steps):
@@ -49,18 +51,18 @@ def curve_speed2(slow2, back_m, steps):
 
 def test_one_deceleration_before_a_stop():
     """20 m/s at 1 m/s2: 20^2 / 2 = 200 m."""
-    course = course_of([[0, 1.0]])
-    assert speed_ms(course, 1800) == pytest.approx(20, rel=1e-12)
-    assert speed_ms(course, 1990) == pytest.approx(np.sqrt(20), rel=1e-12)
+    mesh = assemble_meshed_line([[0, 1.0]])
+    assert speed_ms(mesh, 1800) == pytest.approx(20, rel=1e-12)
+    assert speed_ms(mesh, 1990) == pytest.approx(np.sqrt(20), rel=1e-12)
     # the limit of the vehicle, from 27.8^2 / 2 = 386 m before the stop
-    assert speed_ms(course, 1610) == pytest.approx(100 / 3.6)
-    assert course.permitted_deceleration_ms2 == 1.0
+    assert speed_ms(mesh, 1610) == pytest.approx(100 / 3.6)
+    assert mesh.permitted_deceleration_ms2 == 1.0
 
 
 def test_no_curve_leaves_the_limit():
-    course = build_course(plain_scenario({}))
-    assert (course.data.largest_speed2 == (100 / 3.6) ** 2).all()
-    assert course.permitted_deceleration_ms2 == np.inf
+    mesh = build_meshed_line(plain_scenario({}))
+    assert (mesh.data.limit_speed2 == (100 / 3.6) ** 2).all()
+    assert mesh.permitted_deceleration_ms2 == np.inf
 
 
 @pytest.mark.parametrize(
@@ -73,12 +75,14 @@ def test_no_curve_leaves_the_limit():
     ],
 )
 def test_two_steps(steps, speed2):
-    assert speed_ms(course_of(steps), 1800) == pytest.approx(np.sqrt(speed2), rel=1e-12)
+    assert speed_ms(assemble_meshed_line(steps), 1800) == pytest.approx(np.sqrt(speed2), rel=1e-12)
 
 
 def test_a_step_within_a_cell_is_passed_exactly_where_the_deceleration_falls():
     """9 m/s are 40.5 m at 1 m/s2, in the midst of a cell."""
-    assert speed_ms(course_of([[0, 1.0], [32.4, 0.4]]), 1900) ** 2 == pytest.approx(81 + 0.8 * 59.5, rel=1e-12)
+    assert speed_ms(assemble_meshed_line([[0, 1.0], [32.4, 0.4]]), 1900) ** 2 == pytest.approx(
+        81 + 0.8 * 59.5, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("mesh_m", [10.0, 5.0, 2.5, 1.25, 0.625])
@@ -90,7 +94,7 @@ def test_a_step_up_costs_less_than_a_cell(mesh_m):
     steps = [[0, 0.5], [37, 1.0]]
     corner = (37 / 3.6) ** 2
     too_long = -corner % mesh_m
-    found = speed_ms(course_of(steps, solver__mesh_m=mesh_m), 1800) ** 2
+    found = speed_ms(assemble_meshed_line(steps, solver__mesh_m=mesh_m), 1800) ** 2
     assert found == pytest.approx(curve_speed2(0.0, 200.0, steps) - 2 * 0.5 * too_long, rel=1e-12)
 
 
@@ -105,7 +109,7 @@ decelerations = st.floats(0.1, 3.0)
 def test_a_run_along_the_nodes_is_never_above_the_curve(rates, borders, mesh_m):
     """Between nodes v^2 is linear: compared at places between them, before a limit, a stop and the end."""
     steps = [[kmh, rate] for kmh, rate in zip([0, *sorted(borders)], rates, strict=False)]
-    course = course_of(
+    mesh = assemble_meshed_line(
         steps,
         solver__mesh_m=mesh_m,
         line__speed_limits=[{"from_m": 612.3, "to_m": 700.0, "limit_kmh": 33.0}],
@@ -116,11 +120,11 @@ def test_a_run_along_the_nodes_is_never_above_the_curve(rates, borders, mesh_m):
     for end, slow2 in ((612.3, (33 / 3.6) ** 2), (1234.5, 0.0), (2000.0, 0.0)):
         before = places <= end
         top2[before] = np.minimum(top2[before], [curve_speed2(slow2, end - x, steps) for x in places[before]])
-    data = course.data
+    data = mesh.data
     # arriving at the stop: what its node permits but for it holds for leaving it
-    arriving = np.where(data.fixed_speed2 >= 0, np.minimum(data.fixed_speed2, data.largest_speed2), data.largest_speed2)
-    arriving[0] = data.largest_speed2[0]
-    run2 = np.interp(places, course.position_m, arriving)
+    arriving = np.where(data.fixed_speed2 >= 0, np.minimum(data.fixed_speed2, data.limit_speed2), data.limit_speed2)
+    arriving[0] = data.limit_speed2[0]
+    run2 = np.interp(places, mesh.position_m, arriving)
     assert (run2 <= top2 * (1 + 1e-9) + 1e-9).all()
 
 
@@ -131,27 +135,27 @@ def test_the_curve_ends_where_a_limit_falls_and_not_where_one_ends():
         "line__limits_hold_for": "whole_train",
         "vehicle__length_m": 80.0,
     }
-    course = course_of([[0, 1.0]], **changes)
-    assert speed_ms(course, 950) == pytest.approx(np.sqrt(15**2 + 100))
-    assert [speed_ms(course, place) for place in (1000, 1180)] == pytest.approx([15, 15])
-    assert speed_ms(course, 1190) == pytest.approx(100 / 3.6)
+    mesh = assemble_meshed_line([[0, 1.0]], **changes)
+    assert speed_ms(mesh, 950) == pytest.approx(np.sqrt(15**2 + 100))
+    assert [speed_ms(mesh, place) for place in (1000, 1180)] == pytest.approx([15, 15])
+    assert speed_ms(mesh, 1190) == pytest.approx(100 / 3.6)
 
 
 def test_the_curve_ends_at_a_passing_point_and_with_the_speed_of_the_end():
-    course = course_of(
+    mesh = assemble_meshed_line(
         [[0, 1.0]],
         line__passing_points=[{"position_m": 800.0, "speed_kmh": 36.0}],
         timetable__exit_speed_kmh=72.0,
     )
-    assert speed_ms(course, 700) == pytest.approx(np.sqrt(10**2 + 200))
+    assert speed_ms(mesh, 700) == pytest.approx(np.sqrt(10**2 + 200))
     # the point itself keeps what is permitted but for it
-    assert speed_ms(course, 800) == pytest.approx(100 / 3.6)
-    assert speed_ms(course, 1900) == pytest.approx(np.sqrt(20**2 + 200))
+    assert speed_ms(mesh, 800) == pytest.approx(100 / 3.6)
+    assert speed_ms(mesh, 1900) == pytest.approx(np.sqrt(20**2 + 200))
 
 
 def test_the_curve_knows_what_lies_beyond_a_part_of_the_line():
-    part = course_of([[0, 1.0]]).between(10, 186)
-    assert part.data.largest_speed2[-1] == pytest.approx(2 * (2000 - part.position_m[-1]))
+    part = assemble_meshed_line([[0, 1.0]]).between(10, 186)
+    assert part.data.limit_speed2[-1] == pytest.approx(2 * (2000 - part.position_m[-1]))
 
 
 def test_a_speed_above_the_curve_is_refused():

@@ -6,8 +6,8 @@ from builders import COPPER_LOSS, plain_scenario
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.bounds import minimise
-from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import car_crossings, car_offsets_m
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.motion.line_geometry import car_crossings, car_offsets_m
 from railjoule.core.scenario import Line
 from railjoule.core.strategies import prepare_task
 
@@ -15,19 +15,19 @@ TUNNEL = [{"length_m": 800.0}, {"length_m": 400.0, "tunnel_factor": 3.0}, {"leng
 
 
 def test_only_the_cells_in_the_tunnel():
-    course = build_course(plain_scenario({"line.sections": TUNNEL}))
-    middle = 0.5 * (course.position_m[1:] + course.position_m[:-1])
+    mesh = build_meshed_line(plain_scenario({"line.sections": TUNNEL}))
+    middle = 0.5 * (mesh.position_m[1:] + mesh.position_m[:-1])
     inside = (middle > 800) & (middle < 1200)
-    open_line = build_course(plain_scenario()).data.resistance_quadratic[0]
-    assert course.data.resistance_quadratic[inside] == pytest.approx(3 * open_line)
-    assert course.data.resistance_quadratic[~inside] == pytest.approx(open_line)
+    open_line = build_meshed_line(plain_scenario()).data.resistance_quadratic[0]
+    assert mesh.data.resistance_quadratic[inside] == pytest.approx(3 * open_line)
+    assert mesh.data.resistance_quadratic[~inside] == pytest.approx(open_line)
 
 
 def test_a_long_train_is_in_it_bit_by_bit():
     """The mean over 100 m of train: half of it is inside when its front is 50 m in."""
-    course = build_course(plain_scenario({"line.sections": TUNNEL, "vehicle.length_m": 100.0}))
-    middle = 0.5 * (course.position_m[1:] + course.position_m[:-1])
-    assert np.interp(850, middle, course.tunnel_factor) == pytest.approx(2.0)
+    mesh = build_meshed_line(plain_scenario({"line.sections": TUNNEL, "vehicle.length_m": 100.0}))
+    middle = 0.5 * (mesh.position_m[1:] + mesh.position_m[:-1])
+    assert np.interp(850, middle, mesh.tunnel_factor) == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("drive", [plain_scenario().vehicle.drive.model_dump(exclude_none=True), COPPER_LOSS])
@@ -36,8 +36,8 @@ def test_optimum_and_bellman_agree_and_the_proof_holds(drive):
     optimum, other = solve(scenario, "optimal"), solve(scenario, "bellman")
     assert optimum.is_proven
     # over one mesh, as an account over 10 m may lie below what is proven, by 3e-4 here
-    least_j = minimise(prepare_task(scenario)).energy_j
-    assert least_j * (1 - 1e-6) <= other.energy.net_j <= least_j * 1.002
+    min_j = minimise(prepare_task(scenario)).energy_j
+    assert min_j * (1 - 1e-6) <= other.energy.net_j <= min_j * 1.002
     assert optimum.energy_kwh > solve(plain_scenario({"vehicle.drive": drive}), "optimal").energy_kwh * 1.001
 
 
@@ -46,7 +46,7 @@ def test_work_of_resistance_by_hand():
     changes = {"line.sections": TUNNEL, "search.limits_kmh": [54.0], "search.boundaries_m": []}
     held = solve(plain_scenario({**changes, "search.limits_kmh": [54.0] * 3}), "speed_limits")
     free = solve(plain_scenario({"search.limits_kmh": [54.0]}), "speed_limits")
-    quadratic = build_course(plain_scenario()).data.resistance_quadratic[0]
+    quadratic = build_meshed_line(plain_scenario()).data.resistance_quadratic[0]
     more = held.energy.running_resistance_j - free.energy.running_resistance_j
     assert more == pytest.approx(2 * quadratic * 15**2 * 400, rel=1e-9)
 
@@ -61,25 +61,25 @@ def test_who_cannot_tunnels_says_so(strategy):
 def test_nodes_where_a_cars_centre_changes_its_section():
     line = Line.model_validate({"sections": [{"length_m": 500.0}, {"length_m": 500.0, "gradient_permille": 10.0}]})
     assert car_crossings(line, car_offsets_m(100.0, 4)) == pytest.approx([512.5, 537.5, 562.5, 587.5])
-    course = build_course(
+    mesh = build_meshed_line(
         plain_scenario(
             {"line.sections": line.model_dump()["sections"], "vehicle.length_m": 100.0, "vehicle.car_count": 4}
         )
     )
-    assert np.isin([512.5, 537.5, 562.5, 587.5], course.position_m).all()
+    assert np.isin([512.5, 537.5, 562.5, 587.5], mesh.position_m).all()
     # a quarter of the weight after another
-    assert set(np.round(course.gradient_permille, 9)) == {0.0, 2.5, 5.0, 7.5, 10.0}
+    assert set(np.round(mesh.gradient_permille, 9)) == {0.0, 2.5, 5.0, 7.5, 10.0}
 
 
 def test_the_metro_lies_in_a_tunnel():
-    course = build_course(load_scenario("kharkiv-like-20kmh"))
-    assert course.tunnel_factor == pytest.approx(1.5)
+    mesh = build_meshed_line(load_scenario("kharkiv-like-20kmh"))
+    assert mesh.tunnel_factor == pytest.approx(1.5)
 
 
 def test_cars_on_a_line_of_one_section():
     """No place where a car's centre would meet another gradient."""
-    scenario = load_scenario("kharkiv-like-40kmh").with_(**{"line.sections": [{"length_m": 2400.0}]})
-    assert build_course(scenario).cell_count >= 240
+    scenario = load_scenario("kharkiv-like-40kmh").replace(**{"line.sections": [{"length_m": 2400.0}]})
+    assert build_meshed_line(scenario).cell_count >= 240
 
 
 def test_a_place_that_several_cars_share_is_one_node():

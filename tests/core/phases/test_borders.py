@@ -111,4 +111,4 @@ def test_a_bound_of_deceleration_makes_gentle_braking_full():
     changes = {"vehicle.braking": {"max_effort_kn": 80.0, "max_deceleration_ms2": 0.4}}
     run = solve(plain_scenario(changes), "fastest")
     assert run.phases[-1].effort_share == pytest.approx(1, abs=0.01)
-    assert np.max(-run.effort_n) < 0.8 * np.max(run.largest_braking_n)
+    assert np.max(-run.effort_n) < 0.8 * np.max(run.max_braking_n)

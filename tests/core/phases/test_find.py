@@ -36,8 +36,8 @@ def test_a_stand_parts_phases_however_short_they_are():
 
 def test_what_a_negligible_effort_takes_counts_where_power_is():
     """2 kN over 20 m change the speed of 100 t at 10 m/s by 0.04 m/s: more than negligible; over 5 m by 0.01: less."""
-    told = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (20, 12.8, 0.02), (500, 12, 0.0), cell_m=5.0))
-    assert [phase.phase for phase in told] == ["full_power", "coast", "part_power", "coast"]
+    shown = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (20, 12.8, 0.02), (500, 12, 0.0), cell_m=5.0))
+    assert [phase.phase for phase in shown] == ["full_power", "coast", "part_power", "coast"]
     negligible = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (5, 13, 0.02), (500, 12, 0.0), cell_m=5.0))
     assert in_short(negligible) == [("full_power", 0, 100), ("coast", 100, 1105)]
     assert [phase.energy_j for phase in negligible] == [pytest.approx(100 * LARGEST_N + 5 * 0.02 * LARGEST_N), 0]
@@ -69,7 +69,7 @@ def test_phases_cover_the_run(seed, strategy):
 
 @given(st.integers(0, 10**6), st.sampled_from(["optimal", "fastest"]))
 def test_coasting_hides_neither_power_nor_brakes(seed, strategy):
-    """What works beside coasting and is not told of changes the speed by less than the advice tells."""
+    """An effort beside coasting that is not shown changes the speed by less than the advice shows."""
     run = run_strategy(random_run(seed, stops=seed % 2 == 1).task, strategy)
     middle = 0.5 * (run.position_m[1:] + run.position_m[:-1])
     work = run.effort_n * np.diff(run.position_m)
@@ -80,13 +80,13 @@ def test_coasting_hides_neither_power_nor_brakes(seed, strategy):
         # a cell within which the phase begins or ends has the effort of the other one
         inside = (run.position_m[:-1] >= phase.start_m) & (run.position_m[1:] <= phase.end_m)
         assert np.all((middle[inside] > phase.start_m) & (middle[inside] < phase.end_m))
-        told = np.abs(work[inside]) / (run.run_data.inertia_kg * mean_speed[inside])
-        assert np.all(told < NEGLIGIBLE_MS)
+        change = np.abs(work[inside]) / (run.run_data.inertia_kg * mean_speed[inside])
+        assert np.all(change < NEGLIGIBLE_MS)
 
 
 @given(st.integers(0, 10**6))
 def test_no_brake_is_lost(seed):
-    """Every cell that slows the train down by what the advice tells of belongs to a brake or holds a speed."""
+    """Every cell that slows the train down by a change that the advice shows belongs to a brake or holds a speed."""
     run = run_strategy(random_run(seed, stops=False).task, "fastest")
     work = -run.effort_n * np.diff(run.position_m)
     slowed = work / (run.run_data.inertia_kg * 0.5 * (run.speed_ms[1:] + run.speed_ms[:-1]))
@@ -108,7 +108,7 @@ def test_the_optimum_without_recuperation_has_the_classical_phases(length_m, nam
     assert abs(run.phases[-2].energy_j) < 1e-3 * J_PER_KWH
 
 
-def test_auxiliaries_are_apart():
+def test_auxiliaries_are_not_in_phases():
     run = solve(plain_scenario({"vehicle.auxiliary_power_kw": 50.0}))
     assert run.energy.auxiliary_j == pytest.approx(50e3 * 150)
     net = sum(phase.energy_j for phase in run.phases) + run.energy.auxiliary_j

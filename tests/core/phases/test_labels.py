@@ -1,4 +1,4 @@
-"""What a driver does in each cell, and where he but holds his speed."""
+"""The driver's action in each cell, and holds of the speed."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ from railjoule.core.phases import find_phases
     ],
 )
 def test_name_of_a_phase(end_ms, share, name):
-    """Holding may take power uphill and brakes downhill; coasting depends on the effort alone."""
+    """Holding may take power uphill and brakes downhill; coasting depends only on the effort."""
     phases = find_phases(run_of((200, end_ms, share)))
     assert {phase.phase for phase in phases} == {name}
 

@@ -1,4 +1,4 @@
-"""What becomes of power that is used in short pulses, or is briefly less than full."""
+"""Power that is used in short pulses, or is briefly less than full."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def test_two_pulses_are_two():
 
 
 def test_pulses_that_gain_speed_are_part_power():
-    """Six pulses from 36 to 65 km/h are a steady gain of speed, each piece of it long enough to be told of."""
+    """Six pulses from 36 to 65 km/h are a steady gain of speed, each piece of it long enough for an instruction."""
     pieces = []
     for k in range(6):
         pieces += [(30.0, 9.8 + 1.6 * k, 0.0), (20.0, 11.4 + 1.6 * k, 0.9)]

@@ -13,7 +13,7 @@ from railjoule.core.physics.cell import (
     needed_force,
     reached_speed2,
 )
-from railjoule.core.physics.course_data import part_of_cell
+from railjoule.core.physics.mesh_data import part_of_cell
 
 cells = st.builds(
     Cell,

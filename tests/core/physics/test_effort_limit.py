@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
 from railjoule.core.drive import make_drive
-from railjoule.core.motion import build_course
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.effort_limit import (
     FIT_SHARE,
     effort_range,
     fitted_limit,
-    largest_effort,
     limit_over_speed,
+    max_effort,
     untabulated_limit,
 )
 from railjoule.core.physics.vehicle_limit import curve_effort_n
@@ -25,7 +25,7 @@ CURVE = [[0, 100], [40, 90], [60, 55], [100, 30]]
 
 
 def limits(changes):
-    data = build_course(plain_scenario(changes)).data
+    data = build_meshed_line(plain_scenario(changes)).data
     return data.traction, data.braking
 
 
@@ -38,7 +38,7 @@ def test_constant_and_power():
 def test_no_power_limit():
     traction, _ = limits({"vehicle.traction.max_power_kw": None})
     assert (traction.effort_n(SPEEDS) == 100e3).all()
-    assert largest_effort(traction, 20.0) == 100e3
+    assert max_effort(traction, 20.0) == 100e3
 
 
 def polygon(speeds):
@@ -101,7 +101,7 @@ def test_no_drive_is_asked_for_more_than_it_has(name, braking, power_kw):
     scenario = train(
         name, **{f"vehicle.{table}.{key}": value for table in ("traction", "braking") for key, value in own.items()}
     )
-    data, drive = build_course(scenario).data, make_drive(scenario.vehicle.drive)
+    data, drive = build_meshed_line(scenario).data, make_drive(scenario.vehicle.drive)
     speeds = np.linspace(0.02, 70 / 3.6, 5000)
     true = np.minimum(drive.effort_limit_n(speeds, braking), np.inf if power_kw is None else 1e3 * power_kw / speeds)
     limit = data.braking if braking else data.traction

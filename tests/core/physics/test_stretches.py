@@ -7,17 +7,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.physics.account import account_of_run
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import (
-    BRAKES,
-    DRIVES,
-    IS_OFF,
     NEUTRAL_SECTION,
     NOTHING,
     STOP,
     actions_of_run,
-    lasting_of_cells,
-    least_cells,
+    min_stretch_cells,
+    stretch_durations_s,
 )
 from railjoule.core.strategies import prepare_task
 
@@ -28,67 +25,67 @@ def lasting(actions, durations=None, from_rest=(), cut=()):
     n = len(actions)
     interrupted_by = np.full(n, NOTHING)
     interrupted_by[list(from_rest)], interrupted_by[list(cut)] = STOP, NEUTRAL_SECTION
-    return lasting_of_cells(np.array(actions), np.array(durations or [1.0] * n), interrupted_by).tolist()
+    return stretch_durations_s(np.array(actions), np.array(durations or [1.0] * n), interrupted_by).tolist()
 
 
 def fastest_of(drive):
     task = prepare_task(train(drive, 15.0, 0.37, **{"timetable.travel_time_s": 150.0}))
-    data = task.course.data
-    return actions_of_run(data, task.greatest_speed2), account_of_run(data, task.greatest_speed2)
+    data = task.mesh.data
+    return actions_of_run(data, task.fastest_speed2), account_of_run(data, task.fastest_speed2)
 
 
 def test_what_a_drive_does_is_told_by_its_account():
     done, account = fastest_of("synchronous")
     driven, braked = account.tractive_effort_n > 0, account.electric_braking_n > 0
-    assert np.array_equal(done.machines == DRIVING, driven)
-    assert np.array_equal(done.machines == BRAKING, braked)
-    assert np.array_equal(done.action, np.where(driven, DRIVES, np.where(braked, BRAKES, IS_OFF)))
+    assert np.array_equal(done.mode == DRIVE, driven)
+    assert np.array_equal(done.mode == BRAKE, braked)
+    assert np.array_equal(done.action, np.where(driven, DRIVE, np.where(braked, BRAKE, OFF)))
     assert np.array_equal(done.duration_s, account.duration_s)
     assert done.interrupted_by.tolist() == [STOP] + [NOTHING] * (len(done.action) - 1)
 
 
 def test_a_standstill_brake_lets_the_machines_be_off():
     """Before the stop the machines would draw: they brake with it, and do not without."""
-    for drive, last in (("induction with a standstill brake", OFF), ("induction", BRAKING)):
-        assert fastest_of(drive)[0].machines[-1] == last
+    for drive, last in (("induction with a standstill brake", OFF), ("induction", BRAKE)):
+        assert fastest_of(drive)[0].mode[-1] == last
 
 
 def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
     """Driving 1 s + 2 s and half of 2 s; what ends with the run is not switched."""
-    assert lasting([DRIVES, DRIVES, IS_OFF], [1.0, 2.0, 5.0], from_rest=[0]) == [4.0, 4.0, NEVER]
+    assert lasting([DRIVE, DRIVE, OFF], [1.0, 2.0, 5.0], from_rest=[0]) == [4.0, 4.0, NEVER]
 
 
 def test_a_stop_ends_a_stretch_that_nobody_switches():
-    actions = [DRIVES, IS_OFF, DRIVES, BRAKES, DRIVES, IS_OFF]
+    actions = [DRIVE, OFF, DRIVE, BRAKE, DRIVE, OFF]
     assert lasting(actions, from_rest=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
 
 
 def test_a_neutral_section_cuts_what_nobody_switches():
     """It lies over cells 3 and 4; what is driven before it and behind it, and off within, was not ended by choice."""
-    actions = [DRIVES, IS_OFF, DRIVES, IS_OFF, IS_OFF, DRIVES, IS_OFF, DRIVES, IS_OFF]
+    actions = [DRIVE, OFF, DRIVE, OFF, OFF, DRIVE, OFF, DRIVE, OFF]
     cut = lasting(actions, from_rest=[0], cut=[3, 5])
     assert cut == [1.5, 1.5, NEVER, NEVER, NEVER, NEVER, 1.5, 1.5, NEVER]
 
 
 def test_a_drive_passes_from_driving_to_braking_as_fast_as_it_likes():
-    assert lasting([DRIVES, IS_OFF, BRAKES, IS_OFF, BRAKES], from_rest=[0]) == [1.5, NEVER, 1.5, 1.5, NEVER]
+    assert lasting([DRIVE, OFF, BRAKE, OFF, BRAKE], from_rest=[0]) == [1.5, NEVER, 1.5, 1.5, NEVER]
 
 
 def test_a_moving_train_was_switched_before():
-    assert lasting([DRIVES, IS_OFF, DRIVES]) == [NEVER, 1.5, NEVER]
+    assert lasting([DRIVE, OFF, DRIVE]) == [NEVER, 1.5, NEVER]
 
 
 @pytest.mark.parametrize(("least", "cells"), [(0.0, 1), (1.4, 1), (1.5, 1), (1.6, 2), (2.5, 2), (2.6, 3), (99.0, 4)])
 def test_stretches_count_to_the_nearest_cell(least, cells):
     """Of cells of 1 s, n last for up to n + 0.5 s; no more than there are."""
-    assert least_cells(np.ones(4), least)[0] == cells
+    assert min_stretch_cells(np.ones(4), least)[0] == cells
 
 
-@given(st.lists(st.sampled_from([IS_OFF, DRIVES, BRAKES]), min_size=1, max_size=12), st.floats(0.1, 6.0))
+@given(st.lists(st.sampled_from([OFF, DRIVE, BRAKE]), min_size=1, max_size=12), st.floats(0.1, 6.0))
 def test_what_lasts_so_many_cells_lasts_long_enough(actions, least):
-    """Both sides count alike: a stretch of `least_cells` cells or more is never too short."""
+    """Both sides count alike: a stretch of `min_stretch_cells` cells or more is never too short."""
     durations = [0.3 + 0.1 * k for k in range(len(actions))]
-    counts, lasts = least_cells(np.array(durations), least), lasting(actions, durations, from_rest=[0])
+    counts, lasts = min_stretch_cells(np.array(durations), least), lasting(actions, durations, from_rest=[0])
     first = 0
     for i in range(1, len(actions)):
         if actions[i] != actions[i - 1]:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.line_current import line_current_a
+from railjoule.core.line_current import supply_current_a
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.document import change_document
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.whole_line import whole_line
 from railjoule.core.trajectory import Trajectory
@@ -22,7 +22,7 @@ Numbers = list[Any]
 
 def of_run(run: Trajectory) -> Numbers:
     """Return what a run documents: its course over place and time, its energies, the supply current, its notes."""
-    current = line_current_a(run.line_power_w, run.scenario.vehicle.line_voltage_v)
+    current = supply_current_a(run.supply_power_w, run.scenario.vehicle.line_voltage_v)
     supply = [] if current is None else [current]
     return [run.position_m, run.speed_ms, run.time_s, run.energy.net_j, run.energy.traction_j, *supply, *run.notes]
 
@@ -53,7 +53,7 @@ def in_closed_loop(scenario: Scenario) -> Numbers:
 def by_chance(scenario: Scenario) -> Numbers:
     """Return the draws of a Monte Carlo study and their runs."""
     table = monte_carlo(scenario)
-    return [*table.drawn.values(), table.energy_kwh, table.delay_s, table.stop_error_m]
+    return list(table.columns.values())
 
 
 def timetable(scenario: Scenario) -> Numbers:
@@ -406,7 +406,7 @@ CASES: dict[str, Case] = {
         LOOP,
         ("simulation", "vehicle.drive", "disturbance"),
         {
-            "simulation.flux": "least_loss",
+            "simulation.flux": "min_loss",
         },
         idle=(
             "vehicle.drive.model",

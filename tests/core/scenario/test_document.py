@@ -78,7 +78,7 @@ def test_round_trip_through_toml_is_exact(change):
     )
 )
 def test_round_trip_of_changed_presets_is_exact(name, change):
-    scenario = load_scenario(name).with_(**change)
+    scenario = load_scenario(name).replace(**change)
     assert parse_scenario(format_scenario(scenario)) == scenario
 
 
@@ -158,7 +158,7 @@ def test_changes_do_not_touch_their_arguments():
 
 def test_with_gives_a_changed_copy():
     scenario = plain_scenario({"line.sections": HILLS})
-    changed = scenario.with_(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})
+    changed = scenario.replace(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})
     assert (changed.vehicle.load_factor, changed.vehicle.drive.recuperation_factor) == (0.3, 1.0)
     assert (scenario.vehicle.load_factor, scenario.vehicle.drive.recuperation_factor) == (0.0, 0.5)
     assert changed.line == scenario.line

@@ -17,7 +17,7 @@ from pydantic import BaseModel
 from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario import Scenario, scenario_from_document
 from railjoule.core.scenario.document import change_document
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.dashboard.command.commands import Output, simulate
 from tests.builders import plain_scenario
 from tests.core.scenario.key_cases import CASES, EVENTS, LOOP, Numbers, plan, shortened, timetable

@@ -8,7 +8,7 @@ from builders import plain_scenario
 
 from railjoule.core import ScenarioError, load_scenario, save_scenario
 from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, read_text
+from railjoule.core.scenario.text_file import MAX_FILE_BYTES, read_text
 
 
 def test_a_file_gives_what_was_saved(tmp_path):
@@ -78,16 +78,16 @@ def test_a_hexadecimal_number_of_many_digits(tmp_path):
 
 def test_a_file_over_ten_megabytes(tmp_path):
     with (tmp_path / "huge.toml").open("wb") as file:
-        file.truncate(LARGEST_FILE_BYTES + 1)
+        file.truncate(MAX_FILE_BYTES + 1)
     with pytest.raises(ScenarioError, match=r"^huge.toml: larger than the 10 MB allowed.$"):
         load_scenario(tmp_path / "huge.toml")
     with pytest.raises(ScenarioError, match="10 MB"):
-        parse_scenario(" " * (LARGEST_FILE_BYTES + 1))
+        parse_scenario(" " * (MAX_FILE_BYTES + 1))
 
 
 def test_ten_megabytes_are_read(tmp_path):
-    (tmp_path / "large.txt").write_bytes(b" " * LARGEST_FILE_BYTES)
-    assert len(read_text(tmp_path / "large.txt")) == LARGEST_FILE_BYTES
+    (tmp_path / "large.txt").write_bytes(b" " * MAX_FILE_BYTES)
+    assert len(read_text(tmp_path / "large.txt")) == MAX_FILE_BYTES
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="this system has no such device")
@@ -133,7 +133,7 @@ def test_the_train_s_length_is_deducted_from_each_inter_station_run():
     assert "the line less the train's length of 50 m for each inter-station run" in one.time_note
     assert "take 190.0 s; the whole line, 200.0 s." in one.time_note
     # a time that is given takes the place of both keys
-    assert not one.with_(**{"timetable.travel_time_s": 210.0}).time_note
+    assert not one.replace(**{"timetable.travel_time_s": 210.0}).time_note
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.course import build_course
+from railjoule.core.motion.meshed_line import build_meshed_line
 from railjoule.core.physics.resistance import resistance_coefficients
 from railjoule.core.scenario import Line, Vehicle, load_scenario, preset_document, preset_names, preset_text
 
@@ -95,5 +95,5 @@ def test_metro_at_half_load():
     constant, _, quadratic = resistance_coefficients(vehicle)
     assert constant / weight_kn == pytest.approx(1.1)
     assert quadratic / 3.6**2 / weight_kn == pytest.approx(0.00084, rel=1e-4)
-    course = build_course(scenario)
-    assert course.data.traction.constant_n / vehicle.total_inertia_kg == pytest.approx(1.2, rel=1e-2)
+    mesh = build_meshed_line(scenario)
+    assert mesh.data.traction.constant_n / vehicle.total_inertia_kg == pytest.approx(1.2, rel=1e-2)

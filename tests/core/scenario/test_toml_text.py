@@ -9,10 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
-from railjoule.core.scenario.toml_text import MOST_KEY_PARTS, TomlError, read_toml, require_short_keys
+from railjoule.core.scenario.text_file import MAX_KEY_PARTS, TomlError, read_toml, require_short_keys
 
-LONG = ".".join("a" * (MOST_KEY_PARTS + 1))
-SHORT = ".".join("a" * MOST_KEY_PARTS)
+LONG = ".".join("a" * (MAX_KEY_PARTS + 1))
+SHORT = ".".join("a" * MAX_KEY_PARTS)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_no_text_around_a_key_hides_it(key, pairs, comment):
         refused = False
     except ScenarioError:
         refused = True
-    assert refused == (parts > MOST_KEY_PARTS)
+    assert refused == (parts > MAX_KEY_PARTS)
 
 
 @pytest.mark.parametrize("count", [50_000, 1_000_000])

@@ -11,8 +11,8 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import ScenarioError, TimetableError, load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.scenario.document import change_document, scenario_from_document
-from railjoule.core.simulate.following import simulate_following
-from railjoule.core.simulate.train_state import State, rest_scenario
+from railjoule.core.simulation.following import simulate_following
+from railjoule.core.simulation.train_state import State, rest_scenario
 from railjoule.core.strategies import compare, prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import unwindowed_optimum
@@ -153,7 +153,7 @@ def test_a_train_waits_at_the_stop_before_where_a_slower_run_saves_nothing():
     # before the start, as the leg has no stop on its way
     assert (run.phases[0].phase, run.position_m[1]) == ("stand", 0.0)
     assert run.time_s[1] == pytest.approx(900.0 - alone.travel_time_s, abs=0.1)
-    first_j = run.line_energy_j[np.searchsorted(run.position_m, 700.0 - 1e-6)]
+    first_j = run.supply_energy_j[np.searchsorted(run.position_m, 700.0 - 1e-6)]
     assert first_j == pytest.approx(alone.energy.net_j + 30e3 * 900.0, rel=1e-6)
 
 
@@ -203,7 +203,7 @@ def test_a_window_that_no_train_entering_in_motion_can_keep_is_refused():
             "dwell_s": DWELL_S,
             "earliest_arrival_s": earliest_s,
         }
-        return base.with_(
+        return base.replace(
             **{
                 "line.stations": [station],
                 "timetable.entry_speed_kmh": 36.0,
@@ -225,7 +225,7 @@ def test_the_latest_arrival_at_the_end_limits_the_time_of_every_strategy(strateg
     length, time_s = scenario.line.length_m, 0.9 * scenario.travel_time_s
     end = {"line.stations": [{"position_m": length, "latest_arrival_s": time_s}]}
     run, timed = (
-        solve(scenario.with_(**changes), strategy, prove_seconds=0)
+        solve(scenario.replace(**changes), strategy, prove_seconds=0)
         for changes in (end, {"timetable": {"travel_time_s": time_s}})
     )
     assert run.travel_time_s == timed.travel_time_s
@@ -234,7 +234,7 @@ def test_the_latest_arrival_at_the_end_limits_the_time_of_every_strategy(strateg
     with pytest.raises(
         TimetableError, match=r"line\.stations\[0\]\.latest_arrival_s = 20 s is shorter than the shortest"
     ):
-        solve(scenario.with_(**{"line.stations": [{"position_m": length, "latest_arrival_s": 20.0}]}), strategy)
+        solve(scenario.replace(**{"line.stations": [{"position_m": length, "latest_arrival_s": 20.0}]}), strategy)
 
 
 def test_an_earliest_arrival_at_the_end_that_the_timetable_rules_out():
@@ -250,7 +250,7 @@ def test_an_earliest_arrival_at_the_end_that_the_timetable_rules_out():
 
 def test_runs_that_miss_a_window_have_no_bound_and_no_distance_to_the_optimum():
     """Of the review, F2: `compare` showed runs below the bound of the run that keeps the windows."""
-    runs, _ = compare(heated(), prove_seconds=0)
+    runs = compare(heated(), prove_seconds=0).runs
     by_name = {run.strategy: run for run in runs}
     assert by_name["optimal"].is_proven
     assert len(runs) > 3
@@ -263,7 +263,7 @@ def test_runs_that_miss_a_window_have_no_bound_and_no_distance_to_the_optimum():
     alone = solve(heated(), "bellman", prove_seconds=0)
     assert alone.gap > -1e-6
     # runs of wide windows have all of them
-    runs, _ = compare(heated(earliest_s=60.0), prove_seconds=0)
+    runs = compare(heated(earliest_s=60.0), prove_seconds=0).runs
     assert all(run.bound is not None and run.reference is not None for run in runs)
 
 
@@ -274,7 +274,9 @@ def test_a_given_timetable_is_kept_where_more_time_saves_nothing():
     assert [leg.arrival_s for leg in line.legs] == pytest.approx([170.0, 390.0], abs=1e-4)
     # a second more costs what the auxiliaries take, less what a slower run saves
     assert -60e3 < line.legs[1].price_of_time_w < 0
-    later = whole_line(scenario.with_(**{"line.stations": [stations[0], {**stations[1], "arrival_s": 391.0}]}), "given")
+    later = whole_line(
+        scenario.replace(**{"line.stations": [stations[0], {**stations[1], "arrival_s": 391.0}]}), "given"
+    )
     assert line.run.energy.net_j - later.run.energy.net_j == pytest.approx(line.legs[1].price_of_time_w, rel=0.05)
 
 

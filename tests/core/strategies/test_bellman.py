@@ -22,10 +22,10 @@ CASES = [
 
 @pytest.mark.parametrize(("name", "reverse"), CASES)
 def test_liashenkos_lines(name, reverse):
-    scenario = load_scenario(name).with_(**{"line.reverse": reverse})
+    scenario = load_scenario(name).replace(**{"line.reverse": reverse})
     run, optimum = solve(scenario, "bellman"), solve(scenario, "optimal")
-    least_j = minimise(prepare_task(scenario)).energy_j
-    assert least_j * (1 - 1e-6) <= run.energy.net_j <= least_j * 1.001
+    min_j = minimise(prepare_task(scenario)).energy_j
+    assert min_j * (1 - 1e-6) <= run.energy.net_j <= min_j * 1.001
     assert optimum.lower_bound_kwh < run.energy_kwh
     assert run.travel_time_s == pytest.approx(scenario.travel_time_s, abs=1e-3)
     assert run.gap == pytest.approx(run.energy_kwh / optimum.lower_bound_kwh - 1, rel=1e-6)
@@ -42,9 +42,9 @@ def test_an_inner_limit_and_copper_loss(name, share):
 def test_random_scenarios(seed):
     """Over one mesh: what the product calls optimal is over a finer one."""
     task = random_run(seed, stops=seed % 2 == 1).task
-    run, least_j = run_strategy(task, "bellman"), minimise(task).energy_j
+    run, min_j = run_strategy(task, "bellman"), minimise(task).energy_j
     kinetic = 0.5 * task.scenario.vehicle.total_inertia_kg * (run.distance_m / run.travel_time_s) ** 2
-    above = (run.energy.net_j - least_j) / max(abs(least_j), 0.1 * kinetic)
+    above = (run.energy.net_j - min_j) / max(abs(min_j), 0.1 * kinetic)
     assert -1e-6 < above < 0.003
 
 
@@ -99,10 +99,10 @@ def test_the_best_of_all_its_runs_is_what_it_returns(seed, monkeypatch):
 
     met = search_module.meet_time
     monkeypatch.setattr(search_module, "meet_time", meet_time)
-    found = search_module.search(task.course.data, task.greatest_speed2, task.running_time_s)
+    found = search_module.search(task.mesh.data, task.fastest_speed2, task.running_time_s)
     assert len(seen) > 2
-    energies = [search_module._total_energy(task.course.data, speed2) for speed2 in seen]
-    assert search_module._total_energy(task.course.data, found.speed2) == min(energies)
+    energies = [search_module._total_energy(task.mesh.data, speed2) for speed2 in seen]
+    assert search_module._total_energy(task.mesh.data, found.speed2) == min(energies)
 
 
 def test_a_search_that_cannot_be_refined_says_so(monkeypatch):
@@ -117,5 +117,5 @@ def test_a_search_that_cannot_be_refined_says_so(monkeypatch):
 
     monkeypatch.setattr(search_module, "search_level", search_level)
     run = run_strategy(prepare_task(plain_scenario({"line.sections": HILLS})), "bellman")
-    assert len(grids) == 1 + search_module.MOST_FAILURES
+    assert len(grids) == 1 + search_module.MAX_FAILURES
     assert run.notes[0].startswith("The search ended before its speeds were as fine as usual: no run was found within ")

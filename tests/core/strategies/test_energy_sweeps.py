@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.physics.reference import reference_energy
+from railjoule.core.physics.account import reference_energy
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.optimal import unwindowed_optimum
 from tests.every_drive import train
@@ -54,9 +54,9 @@ def hills(drive, mesh_m=10.0):
 def task_at(scenario, over, value, running_time_s=0.0):
     """Return the task, over one mesh, of a scenario at a value of a quantity; with a running time unless that is it."""
     if over == "load":
-        scenario = scenario.with_(**{"vehicle.load_factor": value})
+        scenario = scenario.replace(**{"vehicle.load_factor": value})
     elif over == "gradient":
-        scenario = scenario.with_(**{"line.sections": inclined(scenario, value)})
+        scenario = scenario.replace(**{"line.sections": inclined(scenario, value)})
     task = prepare_task(scenario)
     running_time_s = value * task.shortest_time_s if over == "time" else running_time_s
     return replace(task, running_time_s=running_time_s, can_be_remeshed=False)
@@ -93,12 +93,12 @@ def swept(scenario, over):
 def references(tasks, energy_j):
     """Return what shares of energies are relative to [J]."""
     pairs = zip(tasks, energy_j, strict=True)
-    return np.array([reference_energy(task.course.data, energy, task.running_time_s) for task, energy in pairs])
+    return np.array([reference_energy(task.mesh.data, energy, task.running_time_s) for task, energy in pairs])
 
 
 def against(over, tasks, energy_j, reference_j):
     """Return the largest share by which an energy passes any earlier one against the sense, 0 without a sense."""
-    if over == "load" and any(task.course.gradient_force_n @ task.course.data.cell_length_m < 0 for task in tasks):
+    if over == "load" and any(task.mesh.gradient_force_n @ task.mesh.data.cell_length_m < 0 for task in tasks):
         return 0.0
     rising = -energy_j if over == "time" else energy_j
     return ((np.maximum.accumulate(rising) - rising) / reference_j).max()

@@ -46,7 +46,7 @@ def test_its_time_is_too_short_a_timetable_for_all_others():
     assert run.bound is None
     assert run.travel_time_s > 60
     below, above = (
-        scenario.with_(**{"timetable.travel_time_s": run.travel_time_s * factor}) for factor in (1, 1 + 1e-6)
+        scenario.replace(**{"timetable.travel_time_s": run.travel_time_s * factor}) for factor in (1, 1 + 1e-6)
     )
     for strategy in ("optimal", "eoc", "enoc"):
         with pytest.raises(TimetableError):
@@ -57,9 +57,9 @@ def test_its_time_is_too_short_a_timetable_for_all_others():
 @given(seeds)
 def test_without_slack_the_optimum_is_the_fastest_run(seed):
     run = random_run(seed, stops=seed % 2 == 1)
-    tight = Task(run.scenario, run.course, run.fastest_speed2, run.shortest_time_s, run.shortest_time_s * (1 + 1e-8))
+    tight = Task(run.scenario, run.mesh, run.fastest_speed2, run.shortest_time_s, run.shortest_time_s * (1 + 1e-8))
     speed = np.sqrt(minimise(tight).optimum.speed2)
     # a speed lower by a share e over one cell costs at least that share of its time
-    shortest_cell = run.course.data.cell_length_m.min() / speed.max() / run.shortest_time_s
+    shortest_cell = run.mesh.data.cell_length_m.min() / speed.max() / run.shortest_time_s
     assert speed == pytest.approx(run_strategy(tight, "fastest").speed_ms, abs=speed.max() * 1e-8 / shortest_cell)
     assert math.isclose(run_strategy(tight, "fastest").travel_time_s, run.shortest_time_s)

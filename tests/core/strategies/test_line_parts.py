@@ -62,7 +62,7 @@ def test_a_bound_covers_all_runs_that_keep_the_windows():
 
 
 def test_other_strategies_say_which_windows_they_miss():
-    runs, _ = compare(with_windows((100.0, None), (None, None), (None, None), **{"vehicle.drive": COPPER_LOSS}))
+    runs = compare(with_windows((100.0, None), (None, None), (None, None), **{"vehicle.drive": COPPER_LOSS})).runs
     notes = {run.strategy: " ".join(run.notes) for run in runs}
     assert "was to arrive" not in notes["optimal"]
     assert "It arrives at 800 after" in notes["bellman"]
@@ -91,7 +91,7 @@ def test_windows_whose_ends_are_crossed():
 
 
 def test_windows_are_kept_in_a_reversed_line():
-    scenario = with_windows((None, None), (None, None), (100.0, None)).with_(**{"line.reverse": True})
+    scenario = with_windows((None, None), (None, None), (100.0, None)).replace(**{"line.reverse": True})
     task = prepare_task(scenario)
     assert arrival_windows(task) == {0: (100.0, np.inf)}
     assert [station.name for station in inner_stations(task)] == ["2900", "1700", "800"]
@@ -104,7 +104,7 @@ def test_a_given_timetable_beside_the_optimum():
         {"position_m": place, "dwell_s": 20.0, "arrival_s": at}
         for place, at in zip(PLACES_M, (85.0, 190.0, 320.0), strict=True)
     ]
-    scenario = with_windows(*FREE).with_(**{"line.stations": stations})
+    scenario = with_windows(*FREE).replace(**{"line.stations": stations})
     given, best = whole_line(scenario, "given"), whole_line(scenario)
     assert arrivals_of(given) == pytest.approx([85.0, 190.0, 320.0], abs=1e-4)
     assert given.run.energy_kwh > best.run.energy_kwh

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from builders import HILLS, plain_scenario
 from hard_scenarios import COMES_TO_REST_FOR_EVER
+from set_speeds import drive_under_limits
 
 from railjoule.core import StrategyRefusedError, check_run, load_scenario, solve
 from railjoule.core.scenario import scenario_from_document
-from railjoule.core.simulate.regulator import drive_under_limits
 from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.speed_limits import speed_limits, speed_limits_with_search
 from railjoule.core.task import prepare_task
@@ -50,7 +50,7 @@ def test_it_coasts_where_it_asks_for_nothing():
     """Gradients change along the train within each of its steps: the drive shall be off all the same."""
     task = prepare_task(plain_scenario(HILLY))
     run = literal_run(task, np.array([50.0]) * MS_PER_KMH, np.empty(0))
-    force = run.course.net_force_n(run.speed2)
+    force = run.mesh.net_force_n(run.speed2)
     assert (np.abs(force) < 1e-3).sum() > 100
 
 

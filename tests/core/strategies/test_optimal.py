@@ -38,8 +38,8 @@ EVERYTHING = {
 
 def energy(task):
     """Return over a task's mesh the least energy [J], and what an equality of it may be off by."""
-    data, least = task.course.data, minimise(task).energy_j
-    return least, SAME * max(abs(least), data.half_inertia_kg * (task.course.length_m / task.running_time_s) ** 2)
+    data, least = task.mesh.data, minimise(task).energy_j
+    return least, SAME * max(abs(least), data.half_inertia_kg * (task.mesh.length_m / task.running_time_s) ** 2)
 
 
 def net(changes):

@@ -83,9 +83,10 @@ def test_more_time_never_costs_more(share, longer):
 
 def test_parts_share_their_time_best():
     own = planner(1.0)
-    times = own.divide_time([300.0, 650.0], 90.0)
+    plans = own.plan_parts([300.0, 650.0], 90.0)
+    times = [plan.running_time_s for plan in plans]
     assert sum(times) == pytest.approx(90.0, abs=1e-9)
-    least = sum(plan.energy_j for plan in own.plan_parts([300.0, 650.0], 90.0))
+    least = sum(plan.energy_j for plan in plans)
     for shift in (-0.5, -0.05, 0.05, 0.5):
         assert own.plan(300.0, times[0] + shift).energy_j + own.plan(650.0, times[1] - shift).energy_j > least * (
             1 - 1e-7
@@ -230,7 +231,7 @@ def test_a_time_that_only_the_phases_cannot_keep():
         r"needs at least ([\d.]+) s with these phases; the fastest run needs ([\d.]+) s\.", str(refusal.value)
     )
     assert float(words[2]) == pytest.approx(shortest, abs=0.06)
-    assert solve(scenario.with_(**{"timetable.travel_time_s": float(words[1])}), "phases").energy_kwh > 0
+    assert solve(scenario.replace(**{"timetable.travel_time_s": float(words[1])}), "phases").energy_kwh > 0
 
 
 @pytest.mark.parametrize("steps", [[[0, 0.4]], [[0, 0.6], [40, 0.4]]], ids=["one", "two"])
@@ -248,7 +249,7 @@ def test_braking_keeps_to_the_braking_curve(steps):
 def test_the_tables_error_does_not_pass_the_braking_curve():
     """Without a margin this run is above its curve by a millionth: 37.6921 km/h where 37.692 is permitted."""
     curve = {"vehicle.braking.permitted_deceleration": [[0, 0.26286569959590633]]}
-    scenario = any_task(142).scenario.with_(**curve, timetable={"travel_time_s": 242.35587847209638})
+    scenario = any_task(142).scenario.replace(**curve, timetable={"travel_time_s": 242.35587847209638})
     assert check_run(scenario, solve(scenario, "phases")).ok
 
 

@@ -10,7 +10,7 @@ from railjoule.core import StrategyRefusedError, check_run, load_scenario
 from railjoule.core.errors import RailjouleError
 from railjoule.core.phase_planning.line_planner import LinePlanner, cut_line, plan_line
 from railjoule.core.phase_planning.stretches import CRUISE
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.phases import _is_plain
 from tests.any_scenarios import any_task
@@ -21,11 +21,11 @@ FINE = {"solver.mesh_m": 2.0}
 
 
 def limited_tram(**changes):
-    return load_scenario("tram-950m").with_(**{"line.speed_limits": [LIMIT], **changes})
+    return load_scenario("tram-950m").replace(**{"line.speed_limits": [LIMIT], **changes})
 
 
 def compute_plan(task):
-    return plan_line(task.scenario, task.course, task.running_time_s)
+    return plan_line(task.scenario, task.mesh, task.running_time_s)
 
 
 def check_phases(task):
@@ -62,9 +62,7 @@ def test_a_second_has_one_price_in_all_stretches():
     """Time moved from the first stretch to the last or back costs energy."""
     task = prepare_task(limited_tram(**FINE))
     plan = compute_plan(task)
-    planner = LinePlanner(
-        task.course, cut_line(task.course, task.course.data, task.greatest_speed2, task.scenario.phases)
-    )
+    planner = LinePlanner(task.mesh, cut_line(task.mesh, task.mesh.data, task.fastest_speed2, task.scenario.phases))
     for factor in (0.9, 0.95, 1.05, 1.1):
 
         def moved(last, factor=factor):
@@ -136,3 +134,10 @@ def test_any_line_has_a_run_or_a_sentence(seed):
         sentence = str(refusal)
     assert run is None or check_run(task.scenario, run).ok
     assert sentence is None or (sentence.endswith(".") and "\n" not in sentence)
+
+
+def test_an_exit_speed_above_the_speed_that_is_held_is_refused():
+    """No phase accelerates before the end: such runs ended at up to 39 % below the speed asked for."""
+    slow = {"line.sections": HILLS, "timetable.travel_time_s": 300.0, "timetable.exit_speed_kmh": 50.0}
+    with pytest.raises(StrategyRefusedError, match=r"with these phases, where timetable.exit_speed_kmh asks for 50.0"):
+        run_strategy(prepare_task(plain_scenario(slow)), "phases")

@@ -84,7 +84,7 @@ def test_a_limit_above_the_vehicles_own_is_none():
 @given(st.integers(0, 10**6))
 def test_feasible_runs_pass(seed):
     task = random_run(seed, stops=seed % 2 == 1).task
-    check_feasible(task.course, random_speeds(task, seed))
+    check_feasible(task.mesh, random_speeds(task, seed))
 
 
 @pytest.mark.parametrize(
@@ -114,39 +114,39 @@ def test_feasible_runs_pass(seed):
 )
 def test_a_run_beyond_a_limit_is_refused_with_the_first_place(changes, peak_ms, sentence):
     """At constant acceleration to the middle of the line and down again; 20 m/s there take 0.2 m/s2."""
-    course = prepare_task(plain_scenario({**COPPER, **changes})).course
+    mesh = prepare_task(plain_scenario({**COPPER, **changes})).mesh
     with pytest.raises(StrategyRefusedError) as refusal:
-        check_feasible(course, triangle(course, peak_ms))
+        check_feasible(mesh, triangle(mesh, peak_ms))
     assert str(refusal.value) == sentence
 
 
 def test_friction_brakes_help_to_brake():
     weak = {**COPPER, "vehicle.braking.max_effort_kn": 15.0, "vehicle.braking.friction_effort_kn": 3.0}
-    course = prepare_task(plain_scenario(weak)).course
-    check_feasible(course, triangle(course, 19.0))
+    mesh = prepare_task(plain_scenario(weak)).mesh
+    check_feasible(mesh, triangle(mesh, 19.0))
 
 
-def triangle(course, peak_ms):
-    return peak_ms**2 * np.minimum(course.position_m, 2000 - course.position_m) / 1000
+def triangle(mesh, peak_ms):
+    return peak_ms**2 * np.minimum(mesh.position_m, 2000 - mesh.position_m) / 1000
 
 
 def test_a_missing_brake_is_none_in_words():
-    course = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_effort_kn": 0.0})).course
+    mesh = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_effort_kn": 0.0})).mesh
     with pytest.raises(StrategyRefusedError, match=r"^brakes with 17.5 kN at 1000 m, where at most 0 kN are available"):
-        check_feasible(course, triangle(course, 20.0))
+        check_feasible(mesh, triangle(mesh, 20.0))
 
 
 def test_the_first_cell_that_accelerates_too_much_is_named_with_its_acceleration():
     """By hand: v dv/dx = (16 - 9) / (2 h) in the cell after the node that is faster than all others."""
     task = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_deceleration_ms2": 0.1}))
-    course = task.course
-    speed2 = np.full(course.cell_count + 1, 9.0)
+    mesh = task.mesh
+    speed2 = np.full(mesh.cell_count + 1, 9.0)
     speed2[4] = 16.0
-    length = course.data.cell_length_m
-    (slowing,) = broken_accelerations(course, speed2)
+    length = mesh.data.cell_length_m
+    (slowing,) = broken_accelerations(mesh, speed2)
     assert (slowing.does, slowing.cell, slowing.limit) == ("slows down", 4, 0.1)
     assert slowing.reached == pytest.approx(3.5 / length[4])
-    assert broken_accelerations(course, np.full(course.cell_count + 1, 9.0)) == []
+    assert broken_accelerations(mesh, np.full(mesh.cell_count + 1, 9.0)) == []
 
 
 def test_a_run_above_the_braking_curve_is_refused_with_the_key():
@@ -156,7 +156,7 @@ def test_a_run_above_the_braking_curve_is_refused_with_the_key():
     # the curve is no limit of the line
     assert plain_line(task).distance_m == 2000.0
     with pytest.raises(StrategyRefusedError) as refusal:
-        check_feasible(task.course, triangle(task.course, 20.0))
+        check_feasible(task.mesh, triangle(task.mesh, 20.0))
     assert str(refusal.value) == (
         "needs 58.93 km/h at 670 m, but the permitted deceleration "
         "(vehicle.braking.permitted_deceleration) allows only 58.71 km/h there."

@@ -11,7 +11,7 @@ from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.rounding import round_shares
@@ -42,31 +42,31 @@ def test_a_share_is_kept_by_the_shortest_stretches_that_last(share, on, off):
     # the first ones settle
     inner = lengths(round_by_hand(shares(share)))[2:-1]
     assert set(inner) == {on, off}
-    assert np.mean(round_by_hand(shares(share)) == DRIVING) == pytest.approx(share, abs=0.03)
+    assert np.mean(round_by_hand(shares(share)) == DRIVE) == pytest.approx(share, abs=0.03)
 
 
 def test_what_is_on_or_off_throughout_stays_so():
     driving = np.repeat([1.0, 0.0, 1.0], [40, 60, 50])
-    assert np.array_equal(round_by_hand(driving) == DRIVING, driving == 1)
+    assert np.array_equal(round_by_hand(driving) == DRIVE, driving == 1)
 
 
 def test_without_a_minimum_time_the_way_driven_stays_within_half_a_cell_of_the_shares():
     """Sager, Bock, Diehl 2012: the bound of sum-up rounding."""
     driving = np.random.default_rng(3).uniform(0.03, 0.97, CELLS)
-    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVING)
+    difference = np.cumsum(driving) - np.cumsum(round_by_hand(driving, least=0.0) == DRIVE)
     assert np.abs(difference).max() <= 0.5 + 1e-9
 
 
 def test_driving_goes_over_to_braking_immediately():
     driving, braking = np.repeat([1.0, 0.0], [20, 20]), np.repeat([0.0, 1.0], [20, 20])
-    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVING, BRAKING], [20, 20]))
+    assert np.array_equal(round_by_hand(driving, braking), np.repeat([DRIVE, BRAKE], [20, 20]))
 
 
 def test_a_stop_frees_the_drive():
     """One cell before the stop the drive went off; behind it the drive is on immediately."""
     driving = np.repeat([1.0, 0.0, 1.0], [20, 1, 19])
     assert round_by_hand(driving)[21] == OFF
-    assert round_by_hand(driving, stands=[21])[21] == DRIVING
+    assert round_by_hand(driving, stands=[21])[21] == DRIVE
 
 
 @given(st.lists(st.floats(0, 1), min_size=2, max_size=60), st.floats(0.4, 5.0))
@@ -85,7 +85,7 @@ def test_runs_stay_on_or_off_long_enough(drive, strategy):
         scenario = train(drive, 0.0, **{"timetable.travel_time_s": 120.0, "drive.least_switching_s": least})
         task = prepare_task(scenario)
         run = run_strategy(task, strategy)
-        assert shortest_stretch_s(task.course.data, run.node_speed_ms**2) >= least
+        assert shortest_stretch_s(task.mesh.data, run.node_speed_ms**2) >= least
         assert check_run(scenario, run).ok, check_run(scenario, run).verdict
         energies.append(run.energy.net_j)
     assert energies[0] <= min(energies) * (1 + 1e-4)
@@ -102,8 +102,8 @@ def test_how_often_is_no_matter_of_the_mesh(mesh_m):
     )
     relaxed = minimise(task).optimum
     run, free = best_switched(task, relaxed), best_switched(at_will, relaxed)
-    assert shortest_stretch_s(task.course.data, run.speed2) >= 2.0
-    assert shortest_stretch_s(task.course.data, free.speed2) < 2.0
+    assert shortest_stretch_s(task.mesh.data, run.speed2) >= 2.0
+    assert shortest_stretch_s(task.mesh.data, free.speed2) < 2.0
     assert free.energy_j * (1 - 1e-4) <= run.energy_j < free.energy_j * (1 + 2e-3)
 
 
@@ -120,8 +120,8 @@ def test_no_fastest_run_that_keeps_the_rule_is_cheaper(auxiliary_kw):
     }
     task = prepare_task(plain_scenario(changes))
     fastest, best = run_strategy(task, "fastest"), run_strategy(task, "optimal")
-    assert shortest_stretch_s(task.course.data, fastest.node_speed_ms**2) >= 20.0
-    assert shortest_stretch_s(task.course.data, best.node_speed_ms**2) >= 20.0
+    assert shortest_stretch_s(task.mesh.data, fastest.node_speed_ms**2) >= 20.0
+    assert shortest_stretch_s(task.mesh.data, best.node_speed_ms**2) >= 20.0
     assert best.energy.net_j <= fastest.energy.net_j * (1 + 1e-9)
     assert check_run(best.scenario, best).ok
 

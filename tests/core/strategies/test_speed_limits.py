@@ -25,11 +25,11 @@ def test_its_bound_is_that_of_its_own_time_and_nodes():
     """A run that may be late could otherwise undercut the bound of the timetable."""
     scenario = plain_scenario(SHORT)
     run = solve(scenario)
-    late = solve(scenario.with_(**{"timetable.travel_time_s": 1.01 * 180}), "optimal")
+    late = solve(scenario.replace(**{"timetable.travel_time_s": 1.01 * 180}), "optimal")
     # over nodes of its own, too, which are finer
     assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-4)
     assert run.gap > 0
-    runs, _ = compare(scenario)
+    runs = compare(scenario).runs
     bounds = {one.strategy: one.lower_bound_kwh for one in runs}
     assert bounds["speed_limits"] < bounds["optimal"] == bounds["bellman"]
 
@@ -50,7 +50,7 @@ def test_one_section_needs_no_search():
 
 
 def test_given_limits_are_one_trip():
-    run, search = speed_limits_with_search(prepare_task(METRO.with_(**{"search.limits_kmh": [40.0, 35.0]})))
+    run, search = speed_limits_with_search(prepare_task(METRO.replace(**{"search.limits_kmh": [40.0, 35.0]})))
     assert [one.stage for one in search.evaluations] == ["given"]
     assert run.notes == ("Set speeds: 40.0, 35.0 km/h, changing at 1200 m.",)
 
@@ -66,7 +66,7 @@ def test_given_limits_are_one_trip():
 )
 def test_bad_sections_and_windows(changes, expected):
     with pytest.raises(ScenarioError, match=expected):
-        METRO.with_(**changes)
+        METRO.replace(**changes)
 
 
 @pytest.mark.parametrize(
@@ -78,12 +78,12 @@ def test_bad_sections_and_windows(changes, expected):
 )
 def test_limits_out_of_bounds(limits, expected):
     with pytest.raises(ScenarioError, match=expected):
-        solve(METRO.with_(**{"search.limits_kmh": limits}))
+        solve(METRO.replace(**{"search.limits_kmh": limits}))
 
 
 def test_too_tight_for_the_regulator():
     """132 s are possible with full brakes, not at 0.3 m/s2."""
-    tight = METRO.with_(**{"timetable.travel_time_s": 140.0, "search.stop_deceleration_ms2": 0.3})
+    tight = METRO.replace(**{"timetable.travel_time_s": 140.0, "search.stop_deceleration_ms2": 0.3})
     with pytest.raises(StrategyRefusedError, match=r"needs at least \d+\.\d s with its regulator, which brakes at 0.3"):
         solve(tight)
 
@@ -101,7 +101,7 @@ LINE = {"line.sections": HILLS, "line.stations": STATIONS, "timetable.travel_tim
 def test_inter_station_runs_by_themselves_and_together():
     """(15) for each: one average speed, so that times are as lengths; together, time moves to where it saves most."""
     scenario = plain_scenario(LINE)
-    separate = scenario.with_(**{"search.inter_station_runs": "separate"})
+    separate = scenario.replace(**{"search.inter_station_runs": "separate"})
     together, (run, search) = solve(scenario), speed_limits_with_search(prepare_task(separate))
     arrives = np.array([run.arrival_s(place) for place in (600.0, 1300.0, 2000.0)])
     # each is as late as its window allows

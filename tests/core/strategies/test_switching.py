@@ -9,9 +9,8 @@ from every_drive import train
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.decisions import is_measured
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.strategies.switching import best_switched
+from railjoule.core.strategies.switching import best_switched, is_measured
 from railjoule.core.units import J_PER_KWH
 
 TRAM = {
@@ -117,8 +116,8 @@ def test_driving_by_turns_comes_near_free_switching():
 
 
 def test_only_drives_that_idle_are_switched():
-    assert prepare_task(tram()).course.drive.jumps_at_no_effort
-    assert not prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})).course.drive.jumps_at_no_effort
+    assert prepare_task(tram()).mesh.drive.has_idle_losses
+    assert not prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})).mesh.drive.has_idle_losses
 
 
 def test_the_shipped_tram_is_near_the_findings():

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies.braking_sensors import MEASUREMENTS, study_braking_sensors
 
 
 def metro(**changes):
-    return load_scenario("liashenko-ii").with_(**{"montecarlo.runs": 200, **changes})
+    return load_scenario("liashenko-ii").replace(**{"montecarlo.runs": 200, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -21,19 +21,19 @@ def test_the_stopping_errors_follow_from_figure_2(study):
     D3 sets the position: its own error passes on in full, and of the calibration between D1 and D2, off by
     (e2 - e1) / L_c, the train drives the last L_st. The error of the speed sensor and that of the position cancel.
     """
-    drawn = study.drawn
+    drawn = study.table
     expected = drawn["d3_error_m"] + 15.0 * (drawn["d2_error_m"] - drawn["d1_error_m"]) / 120.0
-    assert study.with_m == pytest.approx(expected, abs=0.05)
-    assert np.mean(np.abs(study.with_m - expected) < 1e-6) > 0.95
+    assert study.table["stop_error_m"] == pytest.approx(expected, abs=0.05)
+    assert np.mean(np.abs(study.table["stop_error_m"] - expected) < 1e-6) > 0.95
 
 
 def test_without_sensors_the_train_stops_at_its_estimate_of_the_stop(study):
     """(10), and an odometer that measures 1 + e of the distance S: it stops at (S - ds) / (1 + e)."""
-    drawn, length = study.drawn, study.scenario.line.length_m
+    drawn, length = study.table, study.table.scenario.line.length_m
     expected = (length - drawn["coordinate_error_m"]) / (1 + drawn["speed_error"]) - length
     # its plan uses all of the brake, so that some trains overrun their estimate by less than half a metre
-    assert np.max(np.abs(study.without_m - expected)) < 0.5
-    assert np.mean(np.abs(study.without_m - expected) < 1e-6) > 0.3
+    assert np.max(np.abs(study.table["stop_error_without_sensors_m"] - expected)) < 0.5
+    assert np.mean(np.abs(study.table["stop_error_without_sensors_m"] - expected) < 1e-6) > 0.3
 
 
 def test_precision_braking_withstands_each_error_but_that_of_the_last_sensor(study):
@@ -55,7 +55,7 @@ def test_precision_braking_narrows_the_spread(study):
     assert study.spread_without.deviation_m == pytest.approx(np.hypot(5.0, 0.005 * 1300), rel=0.1)
     assert study.reduction == study.spread_without.deviation_m / study.spread_with.deviation_m > 10
     spread = study.spread_with
-    assert spread.deviation_m < spread.half_width_m < spread.largest_m == np.max(np.abs(study.with_m))
+    assert spread.deviation_m < spread.half_width_m < spread.max_m == np.max(np.abs(study.table["stop_error_m"]))
 
 
 def test_a_train_does_not_stand_centimetres_before_its_stop():
@@ -66,6 +66,6 @@ def test_a_train_does_not_stand_centimetres_before_its_stop():
 
 
 def test_the_study_is_a_labelled_table(study):
-    table = study.to_dataset()
+    table = study.table.to_xarray()
     assert table.sizes == {"run": 200}
     assert table.stop_error_m.attrs["units"] == "m"

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.studies.detuning import detuning, detuning_steps
 
 SCENARIO = load_scenario(

@@ -17,8 +17,8 @@ def test_the_cruise_of_the_audit():
     sweep = sweep_flux(TRAM, CRUISE_MS)
     assert sweep.rated.input_power_w == pytest.approx(10166, abs=1)
     assert sweep.rated.phase_voltage_v == pytest.approx(422, abs=0.5)
-    assert sweep.least_loss.input_power_w == pytest.approx(9549, abs=1)
-    assert sweep.least_loss.flux_current_a == pytest.approx(12.0, abs=0.05)
+    assert sweep.min_loss.input_power_w == pytest.approx(9549, abs=1)
+    assert sweep.min_loss.flux_current_a == pytest.approx(12.0, abs=0.05)
     assert sweep.within_voltage.phase_voltage_v == pytest.approx(310.27, abs=0.01)
     # 1439.2 N + 0.55026 N/(km/h)2, of the vehicle's file
     assert sweep.effort_n == pytest.approx(1439.2 + 0.55026 * (3.6 * CRUISE_MS) ** 2, rel=1e-12)
@@ -31,7 +31,7 @@ def test_the_power_factor_is_that_of_the_equivalent_circuit():
     mutual, stator, rotor = (
         1e-3 * h for h in (drive.mutual_inductance_mh, drive.stator_inductance_mh, drive.rotor_inductance_mh)
     )
-    for point in (sweep.least_loss, sweep.rated):
+    for point in (sweep.min_loss, sweep.rated):
         slip = drive.rotor_resistance_ohm / rotor * point.torque_current_a / point.flux_current_a
         electrical = drive.pole_pairs * CRUISE_MS * drive.gear_ratio / (0.5 * drive.wheel_diameter_m)
         w = electrical + slip
@@ -53,11 +53,11 @@ def test_the_power_factor_is_that_of_the_equivalent_circuit():
 def test_the_flux_of_minimum_loss_is_the_lowest_of_the_sweep(name):
     sweep = sweep_flux(load_scenario(name).vehicle, CRUISE_MS)
     loss = sweep.values("loss_w")
-    assert sweep.least_loss.loss_w <= loss.min() * (1 + 1e-12)
-    assert np.argmin(np.abs(sweep.values("flux_current_a") - sweep.least_loss.flux_current_a)) == np.argmin(loss)
+    assert sweep.min_loss.loss_w <= loss.min() * (1 + 1e-12)
+    assert np.argmin(np.abs(sweep.values("flux_current_a") - sweep.min_loss.flux_current_a)) == np.argmin(loss)
     # one power at the shaft, so the losses decide the efficiency
     assert np.argmax(sweep.values("efficiency")) == np.argmin(loss)
-    assert sweep.least_loss.power_factor > sweep.rated.power_factor
+    assert sweep.min_loss.power_factor > sweep.rated.power_factor
 
 
 @pytest.mark.parametrize("speed_kmh", [0.0, 72.5, math.inf])

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
-from railjoule.core.studies.induction_map import induction_map, machine_points
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
+from railjoule.core.studies.motor_map import induction_map, machine_points
 
 SCENARIO = load_scenario("ftorek-300s", {"strategy": "enoc", "enoc.acceleration_time_s": 62.713})
 
@@ -23,7 +23,7 @@ def test_a_run_works_within_the_map(found):
 
 
 def test_less_flux_is_nowhere_worse(found):
-    least = induction_map(SCENARIO.with_(**{"simulation.flux": "least_loss"}))
+    least = induction_map(SCENARIO.replace(**{"simulation.flux": "min_loss"}))
     both = np.isfinite(found.drive) & np.isfinite(least.drive)
     assert np.all(least.drive[both] >= found.drive[both] - 1e-9)
     light = np.argmin(np.abs(found.torque_nm - 200.0))
@@ -31,7 +31,7 @@ def test_less_flux_is_nowhere_worse(found):
 
 
 def test_a_lower_line_voltage_takes_a_part_of_it(found):
-    less = induction_map(SCENARIO.with_(**{"disturbance.line_voltage_factor": 0.4}))
+    less = induction_map(SCENARIO.replace(**{"disturbance.line_voltage_factor": 0.4}))
     top = less.speed_rads > 0.9 * less.speed_rads[-1]
     assert np.count_nonzero(np.isfinite(less.drive[:, top])) < np.count_nonzero(np.isfinite(found.drive[:, top]))
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies import monte_carlo, monte_carlo_steps
 from railjoule.core.studies.montecarlo import CONDITIONS, QUANTITIES, SENSOR_ERRORS, draw
 
@@ -13,7 +13,7 @@ FIXED = {
 
 
 def few(runs=120, **changes):
-    return load_scenario("liashenko-ii").with_(**{"montecarlo.runs": runs, **changes})
+    return load_scenario("liashenko-ii").replace(**{"montecarlo.runs": runs, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -39,7 +39,7 @@ def test_another_distribution_leaves_the_other_quantities():
 
 def test_a_run_is_a_single_simulation(table):
     run = 7
-    drawn = {name: float(values[run]) for name, values in table.drawn.items()}
+    drawn = {name: float(values[run]) for name, values in [(name, table[name]) for name in QUANTITIES]}
     names = {name: f"disturbance.{name}" for name in CONDITIONS} | {"load_factor": "disturbance.actual_load_factor"}
     changes = {names[name]: drawn[name] for name in CONDITIONS}
     sensors = {"simulation.sensor_errors_m": [drawn[name] for name in SENSOR_ERRORS]}
@@ -51,7 +51,9 @@ def test_a_run_is_a_single_simulation(table):
 
 def test_without_chance_nothing_goes_wrong():
     certain = few(3, **FIXED, **{"vehicle.load_factor": 1.0})
-    certain = certain.with_(**{f"montecarlo.{name}.value": 0.0 for name in ("coordinate_error_m", "departure_delay_s")})
+    certain = certain.replace(
+        **{f"montecarlo.{name}.value": 0.0 for name in ("coordinate_error_m", "departure_delay_s")}
+    )
     table = monte_carlo(certain)
     assert table.overconsumption == pytest.approx(np.zeros(3), abs=1e-9)
     assert table.over_replanned == pytest.approx(np.zeros(3), abs=1e-9)
@@ -61,7 +63,7 @@ def test_without_chance_nothing_goes_wrong():
 def test_a_late_start_is_a_late_arrival():
     late = {"montecarlo.departure_delay_s": {"distribution": "exponential", "mean": 10.0}}
     with_delay, without = monte_carlo(few(40, **late)), monte_carlo(few(40))
-    assert with_delay.delay_s - without.delay_s == pytest.approx(with_delay.drawn["departure_delay_s"], abs=1e-9)
+    assert with_delay.delay_s - without.delay_s == pytest.approx(with_delay["departure_delay_s"], abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +135,7 @@ def test_results_stand_as_they_come():
 
 
 def test_the_dataset_is_labelled(table):
-    data = table.to_dataset()
+    data = table.to_xarray()
     assert data.sizes == {"run": 120}
     assert data.attrs["seed"] == 1
     assert data.delay_s.attrs["units"] == "s"

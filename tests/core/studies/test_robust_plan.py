@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.core.studies import monte_carlo
 from railjoule.core.studies.robust_plan import (
     CHECK_RATIO,
@@ -26,7 +26,7 @@ CERTAIN = {
 
 
 def drawn(**changes):
-    return load_scenario("liashenko-ii").with_(**{"montecarlo.runs": RUNS, **changes})
+    return load_scenario("liashenko-ii").replace(**{"montecarlo.runs": RUNS, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ def test_a_certain_delay_needs_that_reserve():
     assert all(share == (1.0 if reserve >= 2.95 else 0.0) for reserve, share in reserves.items())
     assert found.chosen.reserve_s == min(reserve for reserve, share in reserves.items() if share == 1.0) < 4
     # and what it costs is a plan for the shorter time, followed without any deviation
-    sooner = late.with_(
+    sooner = late.replace(
         **{
             "timetable.average_speed_kmh": None,
             "timetable.travel_time_s": late.travel_time_s - found.chosen.reserve_s,
@@ -136,7 +136,7 @@ def test_settings_out_of_bounds_are_refused(probability, candidates, sentence):
 
 
 def test_the_candidates_are_a_labelled_table(found):
-    table = found.to_dataset()
+    table = found.to_table().to_xarray()
     assert table.sizes == {"candidate": 13}
     assert table.is_chosen.values.sum() == 1
     assert table.reserve_s.attrs["units"] == "s"

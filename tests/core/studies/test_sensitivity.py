@@ -3,13 +3,13 @@ import pytest
 from builders import plain_scenario
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.simulate.following import plan_for, simulate_following
+from railjoule.core.simulation.following import plan_for, simulate_following
 from railjoule.core.studies import sensitivity, sensitivity_steps
 
 
 @pytest.fixture(scope="module")
 def table():
-    return sensitivity(load_scenario("liashenko-i")).to_dataset()
+    return sensitivity(load_scenario("liashenko-i")).to_xarray()
 
 
 def test_cells_are_single_simulations(table):
@@ -17,7 +17,7 @@ def test_cells_are_single_simulations(table):
     for reverse in (False, True):
         changes = {"disturbance.actual_load_factor": 0.75, "disturbance.coordinate_error_m": -20.0}
         energy += simulate_following(
-            load_scenario("liashenko-i").with_(**{**changes, "line.reverse": reverse})
+            load_scenario("liashenko-i").replace(**{**changes, "line.reverse": reverse})
         ).actual.energy_kwh
     cell = table.sel(load_factor=0.75, coordinate_error_m=-20.0)
     assert cell.energy_kwh.item() == pytest.approx(energy, rel=1e-12)
@@ -48,7 +48,7 @@ def test_a_train_that_knows_its_load_loses_nothing_by_it():
     scenario = load_scenario("liashenko-ii")
     table = sensitivity(scenario, [0.0, 1.0], [0.0], both_directions=False, knows="load")
     assert table.over_replanned == pytest.approx(np.zeros((2, 1)), abs=1e-9)
-    own = plan_for(scenario.with_(**{"vehicle.load_factor": 1.0})).energy_kwh
+    own = plan_for(scenario.replace(**{"vehicle.load_factor": 1.0})).energy_kwh
     assert table.energy_kwh[1, 0] == pytest.approx(own, rel=1e-9)
 
 

@@ -7,7 +7,7 @@ from builders import INDUCTION, plain_scenario
 from railjoule.core import StrategyRefusedError, TimetableError, load_scenario, solve
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
-from railjoule.core.simulate.advised import drive_advice
+from railjoule.core.simulation.advised import drive_advice
 from railjoule.core.studies.simple_advice import FREE_SHARE, simple_advice
 from railjoule.core.task import prepare_task
 
@@ -71,7 +71,7 @@ def test_power_coast_brake_is_the_optimum_where_that_has_nothing_else():
 def test_four_phases_on_a_plain_line_are_those_of_their_own_planner():
     """Start, hold, coast, brake: `phases` finds them by searches over two speeds, without any grid."""
     scenario = plain_scenario({"timetable.travel_time_s": 130.0})
-    advice = simple_advice(prepare_task(scenario), most_changes=3)
+    advice = simple_advice(prepare_task(scenario), max_changes=3)
     planned = solve(scenario, "phases")
     assert advice.runs[-1].run.energy_kwh <= planned.energy_kwh * (1 + 1e-3)
 

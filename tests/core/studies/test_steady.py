@@ -8,7 +8,7 @@ from railjoule.core.studies.steady import phase_plane, steady_speeds
 
 def level(length_m: float, time_s: float, recuperation: float) -> Scenario:
     changes = {"timetable.travel_time_s": time_s, "drive.recuperation_factor": recuperation}
-    return load_scenario("liashenko-0").with_(line={"sections": [{"length_m": length_m}]}, **changes)
+    return load_scenario("liashenko-0").replace(line={"sections": [{"length_m": length_m}]}, **changes)
 
 
 @pytest.mark.parametrize("recuperation", [0.0, 0.5, 1.0])

@@ -64,8 +64,8 @@ def test_the_account_closes(size, power, into, out):
 
 def test_without_loss_the_largest_drop_is_enough():
     need = storage_need(RUN)
-    enough = with_storage(RUN, Storage(need.largest_drop_kwh, 1e6, 1.0, 1.0))
-    less = with_storage(RUN, Storage(0.9 * need.largest_drop_kwh, 1e6, 1.0, 1.0))
+    enough = with_storage(RUN, Storage(need.max_drop_kwh, 1e6, 1.0, 1.0))
+    less = with_storage(RUN, Storage(0.9 * need.max_drop_kwh, 1e6, 1.0, 1.0))
     assert share_of_receptive_line(enough) == pytest.approx(1.0)
     assert share_of_receptive_line(less) < 1 - 1e-3
 
@@ -98,7 +98,7 @@ def test_a_line_with_stations():
         "timetable.travel_time_s": 200.0,
     }
     two = storage_need(solve(plain_scenario(whole), "fastest"))
-    assert two.largest_drop_kwh == pytest.approx(one.largest_drop_kwh, rel=1e-6)
+    assert two.max_drop_kwh == pytest.approx(one.max_drop_kwh, rel=1e-6)
     assert two.cycles == pytest.approx(2 * one.cycles, rel=1e-6)
 
 

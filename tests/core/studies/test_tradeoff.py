@@ -8,7 +8,8 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, enoc_frontier, frontier_times
-from railjoule.core.studies.tradeoff import MOST_CELLS, TOLERANCE, coarsened, strategy_frontier
+from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened, strategy_frontier
+from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 ALL_CELLS = 1_000_000
 WITH_DWELL = {
@@ -29,25 +30,25 @@ def suburban():
 
 def test_each_point_is_the_optimum_for_its_time(metro):
     times = np.array([80.0, 100.0, 133.7])
-    frontier = energy_time_frontier(metro, times, most_cells=ALL_CELLS)
-    for time, energy, price in zip(times, frontier.energy_j, frontier.price_of_time_w, strict=True):
-        run = solve(metro.scenario.with_(**{"timetable.travel_time_s": float(time)}), "optimal")
+    frontier = energy_time_frontier(metro, times, max_cells=ALL_CELLS)
+    for time, energy, price in zip(times, frontier.energy_kwh, frontier.price_of_time_wh_per_s, strict=True):
+        run = solve(metro.scenario.replace(**{"timetable.travel_time_s": float(time)}), "optimal")
         # both stop within a relative gap of their tolerance
-        assert energy == pytest.approx(run.energy.net_j, rel=2 * TOLERANCE)
-        assert price == pytest.approx(run.price_of_time_w, rel=1e-3)
+        assert energy == pytest.approx(run.energy_kwh, rel=2 * TOLERANCE)
+        assert price == pytest.approx(run.price_of_time_w / J_PER_WH, rel=1e-3)
 
 
 def test_dwells_and_auxiliaries_count_as_in_a_run():
     scenario = load_scenario("liashenko-ii", WITH_DWELL)
     task = prepare_task(scenario)
     frontier = energy_time_frontier(task, np.array([scenario.travel_time_s]))
-    assert frontier.energy_j[0] == pytest.approx(solve(scenario).energy.net_j, rel=2 * TOLERANCE)
+    assert frontier.energy_kwh[0] == pytest.approx(solve(scenario).energy_kwh, rel=2 * TOLERANCE)
     assert frontier.shortest_travel_time_s == task.shortest_time_s + 20
 
 
 def test_the_frontier_falls_and_bends_upwards(metro):
     frontier = energy_time_frontier(metro, frontier_times(metro, 20))
-    slopes = np.diff(frontier.energy_j) / np.diff(frontier.travel_time_s)
+    slopes = np.diff(frontier.energy_kwh) / np.diff(frontier.travel_time_s)
     assert np.all(slopes < 0)
     assert np.all(np.diff(slopes) > 0)
 
@@ -62,9 +63,8 @@ def test_the_frontier_falls_and_bends_upwards(metro):
 def test_the_price_of_time_is_the_slope(name, time, tolerance):
     task = prepare_task(load_scenario(name))
     frontier = energy_time_frontier(task, np.array([time - 0.5, time, time + 0.5]))
-    slope = frontier.energy_j[2] - frontier.energy_j[0]
-    assert frontier.price_of_time_w[1] == pytest.approx(-slope, rel=tolerance)
-    assert frontier.price_of_time_wh_per_s[1] == frontier.price_of_time_w[1] / 3600
+    slope = frontier.energy_kwh[2] - frontier.energy_kwh[0]
+    assert frontier.price_of_time_wh_per_s[1] == pytest.approx(-1000 * slope, rel=tolerance)
 
 
 def test_between_its_points_the_frontier_bends(metro):
@@ -84,8 +84,8 @@ def test_times_that_no_train_can_keep_are_named(metro):
     shortest = metro.shortest_travel_time_s
     times = np.array([0.5 * shortest, shortest, 1.2 * shortest, np.nan])
     frontier = energy_time_frontier(metro, times)
-    assert np.isnan(frontier.energy_j).tolist() == [True, True, False, True]
-    assert np.isnan(frontier.price_of_time_w).tolist() == [True, True, False, True]
+    assert np.isnan(frontier.energy_kwh).tolist() == [True, True, False, True]
+    assert np.isnan(frontier.price_of_time_wh_per_s).tolist() == [True, True, False, True]
     assert [time for time, _ in frontier.refused][:2] == times[:2].tolist()
     assert f"{0.5 * shortest:.6g} s is shorter than the shortest possible" in frontier.refused[0][1]
     assert len(frontier.refused) == 3
@@ -93,28 +93,28 @@ def test_times_that_no_train_can_keep_are_named(metro):
 
 def test_bounds_prove_the_points(metro):
     frontier = energy_time_frontier(metro, frontier_times(metro, 5, longest_share=1.5))
-    gap = frontier.energy_j / frontier.bound_j - 1
+    gap = frontier.energy_kwh / frontier.lower_bound_kwh - 1
     assert np.all(gap >= 0)
     assert np.all(gap <= metro.scenario.solver.tolerance)
 
 
 def test_a_fine_course_is_coarsened(suburban):
     times = np.array([220.0, 300.0, 390.0])
-    coarse, fine = (energy_time_frontier(suburban, times, most_cells=cells) for cells in (MOST_CELLS, ALL_CELLS))
-    assert fine.cell_count == suburban.course.cell_count == 1006
-    assert coarse.cell_count < 1.05 * MOST_CELLS
+    coarse, fine = (energy_time_frontier(suburban, times, max_cells=cells) for cells in (MAX_CELLS, ALL_CELLS))
+    assert fine.cell_count == suburban.mesh.cell_count == 1006
+    assert coarse.cell_count < 1.05 * MAX_CELLS
     (note,) = coarse.notes
     assert note.startswith(f"Computed over {coarse.cell_count} cells of at most ")
     assert note.endswith(" instead of the 1,006 of the mesh of 5 m.")
     assert fine.notes == ()
     # measured: 1.8e-5; a screen shows no difference below 1e-3
-    np.testing.assert_allclose(coarse.energy_j, fine.energy_j, rtol=1e-4)
+    np.testing.assert_allclose(coarse.energy_kwh, fine.energy_kwh, rtol=1e-4)
 
 
 def test_coarsening_keeps_the_speeds_at_the_ends():
     task = prepare_task(load_scenario("ftorek-300s"), 1.0, 2.0)
     coarse = coarsened(task, 100)
-    assert coarse.course.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
+    assert coarse.mesh.data.fixed_speed2[[0, -1]].tolist() == [1.0, 4.0]
     assert coarsened(task, 2000) is task
 
 
@@ -123,23 +123,23 @@ def test_enoc_follows_its_closed_form(suburban):
     coefficients = enoc_coefficients(plain_line(suburban))
     closed = [float(enoc_energy(coefficients, time, best_acceleration_time(coefficients, time))) for time in times]
     # (12) integrates over time, the account over the cells of a mesh
-    np.testing.assert_allclose(enoc_frontier(suburban, times).energy_j, closed, rtol=1e-4)
+    np.testing.assert_allclose(enoc_frontier(suburban, times).energy_kwh, np.array(closed) / J_PER_KWH, rtol=1e-4)
 
 
 def test_enoc_takes_its_best_ramps_whatever_the_scenario_says(suburban):
     times = np.array([300.0])
-    fixed = suburban.scenario.with_(**{"enoc.acceleration_time_s": 62.713})
+    fixed = suburban.scenario.replace(**{"enoc.acceleration_time_s": 62.713})
     with_ramps = replace(suburban, scenario=fixed)
-    assert enoc_frontier(with_ramps, times).energy_j == enoc_frontier(suburban, times).energy_j
+    assert enoc_frontier(with_ramps, times).energy_kwh == enoc_frontier(suburban, times).energy_kwh
     # 3.4 % is what the printed ramps cost more, findings on Ftorek's Table 2
-    given = strategy_frontier(with_ramps, times, "enoc").energy_j
-    assert given / enoc_frontier(suburban, times).energy_j == pytest.approx([1.034], abs=0.002)
+    given = strategy_frontier(with_ramps, times, "enoc").energy_kwh
+    assert given / enoc_frontier(suburban, times).energy_kwh == pytest.approx([1.034], abs=0.002)
 
 
 def test_enoc_refuses_with_a_reason(metro, suburban):
-    assert np.isnan(enoc_frontier(metro, np.array([100.0, 120.0])).energy_j).all()
+    assert np.isnan(enoc_frontier(metro, np.array([100.0, 120.0])).energy_kwh).all()
     too_fast = enoc_frontier(suburban, np.array([200.0, 300.0]))
-    assert np.isnan(too_fast.energy_j).tolist() == [True, False]
+    assert np.isnan(too_fast.energy_kwh).tolist() == [True, False]
     assert too_fast.refused == ((200.0, too_fast.refused[0][1]),)
     assert "km/h" in too_fast.refused[0][1]
 
@@ -155,7 +155,8 @@ def test_times_are_dense_where_the_frontier_is_steep(metro):
 def test_the_result_is_frozen_and_becomes_a_table(metro):
     frontier = energy_time_frontier(metro, np.array([100.0, 120.0]))
     with pytest.raises(ValueError, match="read-only"):
-        frontier.energy_j[0] = 0
+        frontier.energy_kwh[0] = 0
     table = frontier.to_dataframe()
-    assert list(table) == ["travel_time_s", "energy_kwh", "price_of_time_wh_per_s", "lower_bound_kwh"]
-    assert table["energy_kwh"].tolist() == (frontier.energy_j / 3.6e6).tolist()
+    assert table.index.name == "travel_time_s"
+    assert list(table) == ["energy_kwh", "price_of_time_wh_per_s", "lower_bound_kwh"]
+    assert table["energy_kwh"].tolist() == frontier.energy_kwh.tolist()

@@ -19,7 +19,7 @@ SHARINGS = ("optimum", "proportional", "equal")
 def scenario() -> Scenario:
     """The shipped line over a coarser mesh, with auxiliaries."""
     changes = {"solver.mesh_m": 10.0, "vehicle.auxiliary_power_kw": 50.0}
-    return load_scenario("metro-10-stations").with_(**changes)
+    return load_scenario("metro-10-stations").replace(**changes)
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_the_optimum_needs_least_and_has_one_price(scenario, lines):
     assert energies["optimum"] < min(energies["proportional"], energies["equal"])
     assert len({leg.price_of_time_w for leg in lines["optimum"].legs}) == 1
     # the multiplier is the slope of the energy: a second more, solved anew
-    later = whole_line(scenario.with_(**{"timetable.travel_time_s": 1081.0})).run
+    later = whole_line(scenario.replace(**{"timetable.travel_time_s": 1081.0})).run
     price = lines["optimum"].legs[0].price_of_time_w
     assert lines["optimum"].run.energy.net_j - later.energy.net_j == pytest.approx(price, rel=0.02)
 
@@ -92,7 +92,7 @@ def test_what_cannot_be_kept_is_told(scenario):
     with pytest.raises(ScenarioError, match="no station 8 between the ends of a line with 8 stations"):
         whole_line(scenario, "equal", {8: 300.0})
     with pytest.raises(TimetableError):
-        whole_line(scenario.with_(**{"timetable.travel_time_s": 800.0}))
+        whole_line(scenario.replace(**{"timetable.travel_time_s": 800.0}))
 
 
 def test_a_line_without_stations_is_one_leg():
@@ -104,6 +104,6 @@ def test_a_line_without_stations_is_one_leg():
 
 
 def test_a_reversed_line_names_its_stations_as_it_meets_them(scenario):
-    line = whole_line(scenario.with_(**{"line.reverse": True}))
+    line = whole_line(scenario.replace(**{"line.reverse": True}))
     assert [line.legs[0].departs_from, line.legs[0].arrives_at] == ["Hill", "Mills"]
     assert len(line.to_dataframe()) == 9

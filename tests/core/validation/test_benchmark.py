@@ -13,7 +13,7 @@ def test_the_first_call_does_not_count():
 def test_calls_end_at_a_largest_number():
     calls = []
     warm_median_s(lambda: calls.append(1), budget_s=60.0)
-    assert len(calls) == 1 + module.MOST_CALLS
+    assert len(calls) == 1 + module.MAX_CALLS
 
 
 @pytest.fixture

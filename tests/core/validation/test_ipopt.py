@@ -55,8 +55,8 @@ CASES = {
 
 def reference_energy_j(task, energy_j):
     """What differences are relative to: the energy, but at least a tenth of the kinetic one at the mean speed."""
-    mean = task.course.length_m / task.running_time_s
-    return max(abs(energy_j), SMALL_ENERGY_SHARE * task.course.data.half_inertia_kg * mean**2)
+    mean = task.mesh.length_m / task.running_time_s
+    return max(abs(energy_j), SMALL_ENERGY_SHARE * task.mesh.data.half_inertia_kg * mean**2)
 
 
 def ours(task):
@@ -77,7 +77,7 @@ def assert_agreement(task):
 @pytest.mark.parametrize("seed", SAMPLE)
 def test_energies_agree_and_no_bound_lies_above(seed):
     run = random_run(seed, stops=seed % 2 == 1)
-    assert_agreement(Task(run.scenario, run.course, run.fastest_speed2, run.shortest_time_s, run.running_time_s))
+    assert_agreement(Task(run.scenario, run.mesh, run.fastest_speed2, run.shortest_time_s, run.running_time_s))
 
 
 @needs_casadi

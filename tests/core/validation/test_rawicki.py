@@ -7,7 +7,7 @@ import pytest
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
-from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs, validate_rawicki
+from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs
 from railjoule.core.validation.figures.rawicki import FIGURES
 from railjoule.core.validation.papers import printed_numbers
 
@@ -27,7 +27,7 @@ class Tables(NamedTuple):
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    return validate_rawicki()
+    return PAPERS["rawicki"]()
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +64,7 @@ def test_all_24_numbers_of_phases_are_there(tables):
 
 @pytest.mark.parametrize(
     ("case", "energy_kwh"),
-    # findings on Rawicki, 'ours', of a tram identified with other weights
+    # findings on Rawicki, column 'own', of a tram identified with other weights
     [
         ("Fig. 1, kr = 0", 1.0516),
         ("Fig. 2, kr = 1", 0.9051),
@@ -73,18 +73,18 @@ def test_all_24_numbers_of_phases_are_there(tables):
     ],
 )
 def test_figures_are_those_of_the_findings(tables, case, energy_kwh):
-    ours = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En")
-    assert ours == pytest.approx(energy_kwh, rel=3e-3)
+    value = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En")
+    assert value == pytest.approx(energy_kwh, rel=3e-3)
 
 
 @pytest.mark.parametrize(("case", "energy_kwh"), [("Fig. 3, kr = 0", 1.3766), ("Fig. 4, kr = 1", 0.9268)])
 def test_part_two_is_that_of_the_findings(tables, case, energy_kwh):
-    ours = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En of part II")
-    assert ours == pytest.approx(energy_kwh, rel=3e-3)
+    value = next(row.value for row in tables.figures.rows if row.case == case and row.quantity == "En of part II")
+    assert value == pytest.approx(energy_kwh, rel=3e-3)
 
 
 def test_free_starting_current_within_three_per_mille(tables):
-    """Findings' runs without switching are no optima: ours may need less."""
+    """Findings' runs without switching are no optima: railjoule may need less."""
     for row in printed_rows(tables.others):
         least = -0.5 if "without switching" in row.quantity else -0.3
         assert least < row.difference_percent < 0.3, row
@@ -140,15 +140,14 @@ def test_differences_that_stay_are_explained(tables):
 
 
 def test_it_is_registered(validation):
-    assert PAPERS["rawicki"] is validate_rawicki
     assert validation.citation.startswith("Rawicki")
     assert len(validation.errata) == 4
 
 
 def test_bounds_lie_below_the_best_force_laws(tables):
     """Rows of `optimal`, each followed by free switching and by its bound."""
-    ours = [row.value for row in tables.others.rows if "force laws" in row.quantity or "bound" in row.quantity]
-    for without, switched, bound in (ours[:3], ours[3:]):
+    values = [row.value for row in tables.others.rows if "force laws" in row.quantity or "bound" in row.quantity]
+    for without, switched, bound in (values[:3], values[3:]):
         assert bound < switched < without * (1 + 1e-4)
 
 
@@ -159,7 +158,7 @@ def heavier_tram(monkeypatch, forget_runs):
 
     def load_heavier(name):
         scenario = load(name)
-        return scenario.with_(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
+        return scenario.replace(**{"vehicle.tare_kg": 1.01 * scenario.vehicle.tare_kg})
 
     monkeypatch.setattr(rawicki_runs, "load_scenario", load_heavier)
 

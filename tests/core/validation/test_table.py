@@ -10,7 +10,7 @@ def test_difference_is_relative_to_the_printed_number():
     assert Row("", "W", "Wh", 200.0, 201.0).difference_percent == pytest.approx(0.5)
 
 
-def test_difference_of_negative_numbers_is_positive_where_ours_is_larger_in_size():
+def test_difference_of_negative_numbers_is_positive_where_the_computed_one_is_larger_in_size():
     assert Row("", "I_min", "A", -200.0, -201.0).difference_percent == pytest.approx(0.5)
 
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulation.following import simulate_following
 from railjoule.dashboard.charts.driven import BrakingChart, PositionErrorChart, reality_words
 from railjoule.dashboard.look.paint import Palette
 
@@ -10,7 +10,7 @@ from railjoule.dashboard.look.paint import Palette
 @pytest.fixture(scope="module")
 def following():
     changes = {"disturbance.coordinate_error_m": 10.0, "simulation.speed_error": 0.01}
-    return simulate_following(load_scenario("liashenko-ii").with_(**changes))
+    return simulate_following(load_scenario("liashenko-ii").replace(**changes))
 
 
 def test_the_error_of_the_place_grows_and_falls_at_the_sensors(following):

@@ -15,7 +15,7 @@ def test_the_effort_is_drawn_below_the_adhesion_of_wet_rails() -> None:
     chart = EffortChart(120, Axis(palette), palette)
     chart.build()
     dry = load_scenario("liashenko-ii", {"vehicle.load_factor": 0.0})
-    wet = dry.with_(**{"line.rail_condition": "wet"})
+    wet = dry.replace(**{"line.rail_condition": "wet"})
     for scenario in (wet, dry):
         run = solve(scenario, "fastest")
         chart.draw(RunScene("fastest", {"fastest": run}, None, False, False, 800))

@@ -186,7 +186,7 @@ def test_shares_of_the_fields_are_told(capsys, tmp_path):
 
 
 def test_a_cluster_that_is_none_is_told_and_nothing_is_left(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr("railjoule.core.studies.sweep.cluster.CONNECTING_S", 0.5)
+    monkeypatch.setattr("railjoule.dashboard.command.cluster.CONNECTING_S", 0.5)
     told = complaint(capsys, tmp_path / "out.csv", "--scheduler", "tcp://127.0.0.1:9")
     assert "the cluster tcp://127.0.0.1:9 does not answer within 0.5 s" in told
     assert list(tmp_path.iterdir()) == []

@@ -3,7 +3,7 @@ import tomllib
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.core.scenario.toml_text import TomlError
+from railjoule.core.scenario.text_file import TomlError
 from railjoule.dashboard.keep.dropped import LARGEST_SCENARIO_BYTES, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.keep.embedded import embedded
 

@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.keep.history import MOST_STEPS, ONE_MOVE_S, History
+from railjoule.dashboard.keep.history import MAX_STEPS, ONE_MOVE_S, History
 
 
 class Clock:
@@ -73,10 +73,10 @@ def test_a_new_step_forgets_those_ahead(clock: Clock) -> None:
 
 def test_the_oldest_steps_are_forgotten(clock: Clock) -> None:
     history = History(snapshot(), clock)
-    for step in range(MOST_STEPS + 20):
+    for step in range(MAX_STEPS + 20):
         clock.now += 2 * ONE_MOVE_S
         history.note(snapshot(load=step))
     count = 0
     while history.undo() is not None:
         count += 1
-    assert count == MOST_STEPS
+    assert count == MAX_STEPS

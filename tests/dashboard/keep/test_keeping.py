@@ -93,7 +93,7 @@ def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
 
 
 def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
-    text = format_scenario(load_scenario("ftorek-300s").with_(title="Mine"))
+    text = format_scenario(load_scenario("ftorek-300s").replace(title="Mine"))
     keeping.open_file("mine.toml", text)
     assert keeping.state.scenario.base.title == "Mine"
     keeping.note()

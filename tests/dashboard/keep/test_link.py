@@ -57,7 +57,7 @@ def test_a_long_state_stands_behind_the_hash() -> None:
 def test_the_scenario_of_a_file_goes_with_the_link() -> None:
     state = Workbench()
     state.scenario.open(
-        format_scenario(load_scenario("ftorek-300s").with_(title="<b>M\u00fcller & S\u00f6hne</b>")), "x"
+        format_scenario(load_scenario("ftorek-300s").replace(title="<b>M\u00fcller & S\u00f6hne</b>")), "x"
     )
     lay(state, snapshot_of(state))
     other = Workbench()

@@ -18,7 +18,7 @@ def test_fields_of_the_page_are_told_in_words() -> None:
         "line.reverse": True,
         "solver.mesh_m": 2.5,
     }
-    assert difference_words(base.with_(**changes), base) == (
+    assert difference_words(base.replace(**changes), base) == (
         "travel time 181.5 s instead of 170.0 s",
         "load 70 % instead of 50 %",
         "recuperation 0 % instead of 40 %",
@@ -29,7 +29,7 @@ def test_fields_of_the_page_are_told_in_words() -> None:
 
 def test_lists_are_told_as_a_whole() -> None:
     base = load_scenario("metro-with-limit")
-    other = base.with_(**{"line.speed_limits": []})
+    other = base.replace(**{"line.speed_limits": []})
     assert difference_words(other, base) == ("different line.speed_limits",)
 
 

@@ -13,7 +13,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import MOST_WORDS, TERMS, Term, info, term_of, texts
 
 DASHBOARD = Path(railjoule.dashboard.__file__).parent
-EXPLAINING = ("glossary.py", "help.py", "look/strategies.py")
+EXPLAINING = ("glossary.py", "help.py")
 
 
 def sources() -> Iterator[ast.Module]:

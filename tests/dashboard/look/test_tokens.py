@@ -5,7 +5,7 @@ import pytest
 from bokeh.models import Span
 
 from railjoule.core.phases import NAMES
-from railjoule.core.scenario import StrategyName
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded, parts_css, strategies_css
 from railjoule.dashboard.look.tokens import (
@@ -51,7 +51,7 @@ def test_text_can_be_read(theme: ThemeName) -> None:
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_lines_of_strategies_stand_out(theme: ThemeName) -> None:
-    for name in (*StrategyName.__args__, "pinned"):  # type: ignore[attr-defined]
+    for name in (*STRATEGIES, "pinned"):
         assert contrast(THEMES[theme][name], THEMES[theme]["surface"]) >= VISIBLE, name
 
 

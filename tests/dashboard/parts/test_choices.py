@@ -13,10 +13,10 @@ from railjoule.dashboard.state.workbench import Workbench
         (lambda state: buttons(state, "compare_all", {"All": True, "Some": False}), "", "compare_all", False),
         (lambda state: box(state.motor, "precompensator", "On"), "motor", "precompensator", False),
         (
-            lambda state: menu(state.motor, "flux", "Flux", {"a": "constant", "b": "least_loss"}),
+            lambda state: menu(state.motor, "flux", "Flux", {"a": "constant", "b": "min_loss"}),
             "motor",
             "flux",
-            "least_loss",
+            "min_loss",
         ),
     ],
 )

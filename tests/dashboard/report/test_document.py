@@ -20,7 +20,7 @@ from railjoule.dashboard.report.sections import bound_sentences
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
-LARGEST_BYTES = 5_000_000
+MAX_BYTES = 5_000_000
 """The issue's bar."""
 FIGURES_BYTES = 1_000_000
 """Bokeh's script alone has more."""
@@ -88,7 +88,7 @@ def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
     styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
     assert set(re.findall(r"url\((.{5})", styles)) == {"data:"}
     assert "@import" not in styles
-    assert len(page.encode()) < LARGEST_BYTES
+    assert len(page.encode()) < MAX_BYTES
     assert not re.search(r"<script[^>]*\ssrc=", shown)
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario, solve
-from railjoule.core.simulate.disturbances import DisturbedRun
-from railjoule.core.simulate.following import Following
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.following import Following
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.findings import OPTIMA_COUNT, Findings, ReportRequest, compute_findings

@@ -6,7 +6,7 @@ import pytest
 from railjoule.core import load_scenario, solve
 from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.dashboard.pages.trade_off.compute import compute_enoc_map
-from railjoule.dashboard.report.surfaces import MOST_NODES, cost_surface, enoc_surface
+from railjoule.dashboard.report.surfaces import MAX_NODES, cost_surface, enoc_surface
 
 
 @pytest.fixture(scope="module")
@@ -18,7 +18,7 @@ def enoc():
 
 def test_the_surface_of_enoc_has_the_map_s_own_numbers(enoc):
     data = enoc_surface(enoc).data
-    assert len(data["x"]) == len(data["z"][0]) == MOST_NODES
+    assert len(data["x"]) == len(data["z"][0]) == MAX_NODES
     row = int(np.flatnonzero(enoc.acceleration_time_s == data["y"][3])[0])
     column = int(np.flatnonzero(enoc.travel_time_s == data["x"][5])[0])
     assert data["z"][3][5] == pytest.approx(enoc.energy_kwh[row, column], rel=1e-4)

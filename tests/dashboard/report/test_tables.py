@@ -2,7 +2,7 @@ import re
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.editor.fields_of import Field, parts_of
-from railjoule.dashboard.report.tables import MOST_ROWS, scenario_tables
+from railjoule.dashboard.report.tables import MAX_ROWS, scenario_tables
 
 
 def rows(markup: str) -> list[list[str]]:
@@ -71,7 +71,7 @@ def test_the_rail_condition_and_the_driven_mass_are_shown() -> None:
 
 
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
-    sections = [{"length_m": 20.0}] * (MOST_ROWS + 7)
+    sections = [{"length_m": 20.0}] * (MAX_ROWS + 7)
     markup = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))
     assert "7 more rows in the scenario that this file carries." in markup
 

@@ -5,19 +5,21 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, TypeAdapter
 
-from railjoule.core.scenario.distribution import Exponential, LogNormal, Normal
 from railjoule.core.scenario.disturbance import (
     Disturbance,
     Event,
+    Exponential,
+    LogNormal,
+    Normal,
     RecuperationChange,
     UnplannedLimit,
     UnplannedStop,
     VoltageChange,
 )
+from railjoule.core.scenario.drive import InductionMachine
 from railjoule.core.scenario.line import Station
-from railjoule.core.scenario.machine import InductionMachine
 from railjoule.core.scenario.options import EnocOptions, MonteCarloOptions, SearchOptions, SimulationOptions
-from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel

@@ -22,7 +22,7 @@ def test_what_follows_is_derived_once():
     draft = draft_of({"vehicle.auxiliary_power_kw": 30.0}, load_percent=40.0)
     assert draft.scenario is draft.scenario
     assert draft.changes is draft.changes
-    assert draft.scenario == draft.base.with_(**{"vehicle.auxiliary_power_kw": 30.0, "vehicle.load_factor": 0.4})
+    assert draft.scenario == draft.base.replace(**{"vehicle.auxiliary_power_kw": 30.0, "vehicle.load_factor": 0.4})
 
 
 def test_the_changes_cannot_be_changed_from_outside():

@@ -67,7 +67,7 @@ def test_a_file_that_is_not_there_changes_nothing(files: FilesModel, name: str) 
 
 def test_a_scenario_that_no_train_can_run_is_refused_and_not_saved(files: FilesModel, folder: ScenarioFolder) -> None:
     refusals: list[RailjouleError] = []
-    steep = load_scenario("tram-950m").with_(**{"line.sections": [{"length_m": 950, "gradient_permille": 200}]})
+    steep = load_scenario("tram-950m").replace(**{"line.sections": [{"length_m": 950, "gradient_permille": 200}]})
     files.save("steep", steep, False, lambda *_: pytest.fail("saved"), refusals.append)
     assert str(refusals[0]).startswith("steep: ")
     assert [file.name for file in folder.listing().files] == ["tram"]

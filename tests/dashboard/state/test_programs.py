@@ -12,7 +12,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario, parse_scenario
-from railjoule.core.studies.sweep import study_of, sweep
+from railjoule.core.studies.sweep import make_study, sweep
 from railjoule.dashboard.actual.model import as_planned
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
@@ -261,7 +261,7 @@ def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state = Workbench()
     state.scenario.choose("liashenko-i")
-    state.study.study = study_of(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
+    state.study.study = make_study(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
     state.page = "Study"
     recipe = recipe_of(state)
     found: dict[str, Any] = {}
@@ -303,7 +303,7 @@ def test_an_edited_preset(slid: Workbench, tmp_path: Path, capsys: pytest.Captur
 
 def test_the_scenario_of_a_file(slid: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     title = 'It\'s "mine" \\ $HOME """ `x`'
-    slid.scenario.open(format_scenario(load_scenario("liashenko-i").with_(title=title)), "x")
+    slid.scenario.open(format_scenario(load_scenario("liashenko-i").replace(title=title)), "x")
     slid.scenario.load_percent = 40.0
     recipe = recipe_of(slid)
     energy = solve(slid.scenario.scenario()).energy_kwh

@@ -24,7 +24,7 @@ def test_sliders_change_the_keys_of_the_file(model: ScenarioModel) -> None:
 
 
 def test_a_file_is_opened_and_left_again(model: ScenarioModel) -> None:
-    text = format_scenario(load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 320.0}))
+    text = format_scenario(load_scenario("ftorek-300s").replace(**{"timetable.travel_time_s": 320.0}))
     model.open(text, "mine.toml")
     assert model.travel_time_s == 320.0
     assert model.scenario().travel_time_s == 320.0

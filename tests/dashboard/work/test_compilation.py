@@ -13,9 +13,8 @@ from railjoule.core import compare, load_scenario
 from railjoule.core.advice import advise
 from railjoule.core.compilation import require_compiled
 from railjoule.core.scenario import preset_names
-from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
-from railjoule.core.studies.induction_map import induction_map
-from railjoule.core.studies.motor_map import motor_map
+from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
+from railjoule.core.studies.motor_map import induction_map, motor_map
 from railjoule.dashboard.pages.speed_limits.compute import (
     LimitsRequest,
     StorageRequest,
@@ -39,7 +38,7 @@ class Note(event.Listener):
 require_compiled()
 with event.install_listener("numba:compile", Note()):
     for name in preset_names("scenarios"):
-        for run in compare(load_scenario(name))[0]:
+        for run in compare(load_scenario(name)).runs:
             advise(run)
         compute_trade_off(TradeOffRequest(load_scenario(name), 400.0, False, 1.0))
     machine = load_scenario("ftorek-300s")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario
-from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.work.runs import FirstRuns, RunsRequest, compute_runs, tightened_runs
 
 
@@ -60,7 +59,7 @@ def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
 
 
 def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
-    scenario = load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 100.0})
+    scenario = load_scenario("ftorek-300s").replace(**{"timetable.travel_time_s": 100.0})
     with pytest.raises(TimetableError, match="shortest"):
         compute_runs(RunsRequest(scenario, ()))
 
@@ -87,7 +86,7 @@ def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
     ],
 )
 def test_long_work_is_known_before_it_begins(
-    changes: dict[str, float], strategies: tuple[StrategyName, ...], short: bool, slow: bool
+    changes: dict[str, float], strategies: tuple[str, ...], short: bool, slow: bool
 ) -> None:
     request = RunsRequest(load_scenario("metro-with-limit", changes), strategies)
     assert (request.is_short, request.is_slow) == (short, slow)

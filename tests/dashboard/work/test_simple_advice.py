@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from railjoule.core.studies.simple_advice import FREE_SHARE, MOST_CHANGES, SimpleAdvice
+from railjoule.core.studies.simple_advice import FREE_SHARE, MAX_CHANGES, SimpleAdvice
 from railjoule.dashboard.work.simple_advice import (
     LITTLE_ENERGY_SHARE,
     by_changes,
@@ -54,7 +54,7 @@ def test_of_two_runs_with_as_many_changes_the_cheaper_one_is_told() -> None:
     [
         (advice(12.0, 10 * (1 + 0.5 * FREE_SHARE)), "More than 3 changes would gain less than 0.1 %."),
         (advice(12.0, 11.0), "More than 3 changes gain nothing."),
-        (advice(*range(30, 30 - (MOST_CHANGES - 1), -1)), f"More than {MOST_CHANGES} changes are not tried."),
+        (advice(*range(30, 30 - (MAX_CHANGES - 1), -1)), f"More than {MAX_CHANGES} changes are not tried."),
     ],
 )
 def test_what_more_orders_gain(found: SimpleAdvice, sentence: str) -> None:

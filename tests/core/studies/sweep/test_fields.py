@@ -3,7 +3,7 @@ import math
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.studies.sweep.fields import Patch, corners_hold, fields_of
+from railjoule.core.studies.sweep.fields import Patch, corners_hold, parse_fields
 from tests.builders import COPPER_LOSS, plain_scenario
 
 
@@ -19,19 +19,19 @@ from tests.builders import COPPER_LOSS, plain_scenario
 )
 @pytest.mark.parametrize("base", [plain_scenario({"vehicle.drive": COPPER_LOSS}), load_scenario("ftorek-300s")])
 def test_a_patched_scenario_is_that_of_with(base, changes):
-    fields = fields_of(base, {name: (value, value) for name, value in changes.items()})
+    fields = parse_fields(base, {name: (value, value) for name, value in changes.items()})
     patched = Patch(base, fields)(list(map(float, changes.values())))
-    assert patched == base.with_(**changes)
+    assert patched == base.replace(**changes)
     # what no field touches is shared, so that whoever keeps it may compare by identity
     assert patched.line is base.line
 
 
 def test_corners_tell_whether_all_within_is_a_scenario():
     base = plain_scenario()
-    assert corners_hold(base, fields_of(base, {"vehicle.load_factor": (0.0, 1.0), "vehicle.tare_kg": (9e4, 1e5)}))
-    crowded = base.with_(**{"vehicle.crush_load_factor": 1.2})
+    assert corners_hold(base, parse_fields(base, {"vehicle.load_factor": (0.0, 1.0), "vehicle.tare_kg": (9e4, 1e5)}))
+    crowded = base.replace(**{"vehicle.crush_load_factor": 1.2})
     over = {"vehicle.load_factor": (0.0, 1.2), "vehicle.crush_load_factor": (1.0, 1.2)}
-    assert not corners_hold(crowded, fields_of(crowded, over))
+    assert not corners_hold(crowded, parse_fields(crowded, over))
 
 
 @pytest.mark.parametrize(
@@ -65,4 +65,4 @@ def test_corners_tell_whether_all_within_is_a_scenario():
 )
 def test_a_bad_range_is_refused_in_a_sentence(over, words):
     with pytest.raises(ScenarioError, match=words):
-        fields_of(plain_scenario({"vehicle.drive": COPPER_LOSS}), over)
+        parse_fields(plain_scenario({"vehicle.drive": COPPER_LOSS}), over)

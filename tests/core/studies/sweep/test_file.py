@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.studies.sweep import StudyFileError, SweepFile, run_study, study_of, table_of
+from railjoule.core.studies.sweep import StudyFileError, SweepFile, make_study, run_study
 from tests.builders import plain_scenario
 
 OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (50.0, 200.0)}
 
 
 def study(**changes):
-    return study_of(changes.pop("scenario", plain_scenario()), **{"over": OVER, "sample": 300, **changes})
+    return make_study(changes.pop("scenario", plain_scenario()), **{"over": OVER, "sample": 300, **changes})
 
 
 def same(one, other):
@@ -35,13 +35,13 @@ def made(path, asked):
 
 def test_a_file_gives_back_what_was_put_in(tmp_path):
     kept = made(tmp_path / "a.runs", study())
-    table = table_of(kept)
+    table = kept.to_table()
     assert table.reasons
     kept.close()
     # all in one file, once it is closed
     assert [path.name for path in tmp_path.iterdir()] == ["a.runs"]
     with SweepFile.open(tmp_path / "a.runs") as again:
-        same(table_of(again), table)
+        same(again.to_table(), table)
         assert again.gaps() == []
         assert again.study.fingerprint == study().fingerprint
         assert again.seconds == pytest.approx(table.seconds)
@@ -75,7 +75,7 @@ def test_a_killed_process_loses_nothing_that_it_told_of(tmp_path):
     with SweepFile.open(path, asked) as kept, made(tmp_path / "b.runs", asked) as whole:
         assert told[-1] <= kept.done < rows
         run_study(kept)
-        same(table_of(kept), table_of(whole))
+        same(kept.to_table(), whole.to_table())
 
 
 @pytest.mark.parametrize(
@@ -138,4 +138,4 @@ def test_a_full_disk_is_told_and_costs_nothing_that_is_kept(tmp_path):
     assert 0 < done < 3000
     kept._connection.execute("PRAGMA max_page_count = 100000")
     run_study(kept)
-    same(table_of(kept), table_of(made(tmp_path / "b.runs", study(sample=3000))))
+    same(kept.to_table(), made(tmp_path / "b.runs", study(sample=3000)).to_table())

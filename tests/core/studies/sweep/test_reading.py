@@ -11,8 +11,8 @@ import pytest
 import xarray
 
 from railjoule.core import load_scenario
-from railjoule.core.studies.sweep import SweepTable, sweep, write_rows
-from railjoule.core.studies.sweep.reading import StudyReadError, read_study
+from railjoule.core.studies.sweep import StudyFileError, SweepTable, sweep, write_rows
+from railjoule.core.studies.sweep.table_files import read_study
 
 TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
 NO_STUDY = "x.nc does not contain a study of railjoule; a study is saved as a .nc file."
@@ -45,7 +45,7 @@ def test_a_study_is_read_as_it_was_written(table: SweepTable, content: bytes) ->
 
 
 def test_a_larger_study_than_allowed_is_one_sentence(content: bytes) -> None:
-    with pytest.raises(StudyReadError, match=r"^x\.nc: a study of 24 runs; at most 23 can be opened\.$"):
+    with pytest.raises(StudyFileError, match=r"^x\.nc: a study of 24 runs; at most 23 can be opened\.$"):
         read_study(content, "x.nc", 23)
 
 
@@ -85,14 +85,14 @@ def with_identity(**values: Any) -> Callable[[xarray.Dataset], None]:
 def test_a_file_that_is_not_the_rows_of_a_study_is_one_sentence(
     content: bytes, change: Callable[[xarray.Dataset], Any]
 ) -> None:
-    with pytest.raises(StudyReadError) as refusal:
+    with pytest.raises(StudyFileError) as refusal:
         read_study(changed(content, change), "x.nc", 100)
     assert str(refusal.value) == NO_STUDY
 
 
 @pytest.mark.parametrize("end", [0, 3, 40, 600, -1])
 def test_a_damaged_file_is_one_sentence(content: bytes, end: int) -> None:
-    with pytest.raises(StudyReadError) as refusal:
+    with pytest.raises(StudyFileError) as refusal:
         read_study(content[:end], "x.nc", 100)
     assert str(refusal.value) == NO_STUDY
 
@@ -105,14 +105,14 @@ def test_a_damaged_file_is_one_sentence(content: bytes, end: int) -> None:
     ],
 )
 def test_a_wrong_value_in_the_study_is_named(content: bytes, values: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(StudyReadError) as refusal:
+    with pytest.raises(StudyFileError) as refusal:
         read_study(changed(content, with_identity(**values)), "x.nc", 100)
     assert str(refusal.value).startswith(sentence)
 
 
 def test_a_scenario_of_a_stranger_names_no_file(content: bytes) -> None:
     scenario = '[vehicle]\npreset = "tram-105n"\n[line]\nfile = "/etc/passwd"\n[timetable]\ntravel_time_s = 100\n'
-    with pytest.raises(StudyReadError, match="can only be read from a scenario file on disk"):
+    with pytest.raises(StudyFileError, match="can only be read from a scenario file on disk"):
         read_study(changed(content, with_identity(scenario=scenario)), "x.nc", 100)
 
 

@@ -1,12 +1,12 @@
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.core.studies.sweep import MemoryResults, study_of
+from railjoule.core.studies.sweep import MemoryResults, make_study
 from tests.builders import plain_scenario
 
 
 def study(rows=10):
-    return study_of(plain_scenario(), {"vehicle.load_factor": (0.0, 1.0)}, rows, columns=("energy_kwh",))
+    return make_study(plain_scenario(), {"vehicle.load_factor": (0.0, 1.0)}, rows, columns=("energy_kwh",))
 
 
 def test_a_table_too_large_for_the_memory_is_refused():

@@ -14,10 +14,10 @@ from railjoule.core.errors import SolverError
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import energy_time_frontier, monte_carlo, sensitivity
 from railjoule.core.studies.detuning import detuning
-from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, run_study, running, study_of, table_of
+from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, make_study, run_study, running
 from railjoule.core.studies.sweep.engine import VersionError, solve_rows
 from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import InTurn, all_rows, rows_in_order
+from railjoule.core.studies.sweep.running import all_rows, rows_in_order
 from tests.builders import HILLS, plain_scenario
 
 LOADS = {"vehicle.load_factor": (0.0, 1.0)}
@@ -67,8 +67,7 @@ def test_another_process_can_take_a_chunk():
     """What an executor of processes or of a cluster does with it: it is sent there and back."""
     base, over = hills(), {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (100.0, 200.0)}
     table = sweep(base, over, 16)
-    plan = table.study.plan
-    rows = pickle.loads(pickle.dumps(solve_rows))(*pickle.loads(pickle.dumps((plan, samples_of(table)))))
+    rows = pickle.loads(pickle.dumps(solve_rows))(*pickle.loads(pickle.dumps((table.study, samples_of(table)))))
     sent = pickle.loads(pickle.dumps(rows))
     assert np.array_equal(sent.values, np.column_stack(list(table.columns.values())), equal_nan=True)
     assert sent.reasons == table.reasons != {}
@@ -96,10 +95,11 @@ def test_progress_ends_with_all_rows():
     assert told[-1] == 150
 
 
-class TwoChunks:
+class TwoChunks(threading.Event):
     """Stops a study after the first progress that is told."""
 
     def __init__(self):
+        super().__init__()
         self.told = []
 
     def is_set(self):
@@ -108,13 +108,13 @@ class TwoChunks:
 
 def test_a_stopped_study_goes_on_to_the_same_table():
     over = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (120.0, 200.0)}
-    study, stop = study_of(hills(), over, 700, "halton", seed=3), TwoChunks()
+    study, stop = make_study(hills(), over, 700, "halton", seed=3), TwoChunks()
     results = MemoryResults(study)
     run_study(results, progress=stop.told.append, stop=stop)
     assert 0 < results.done < study.sample
-    part = table_of(results)
+    part = results.to_table()
     run_study(results)
-    whole, other = table_of(results), sweep(hills(), over, 700, "halton", seed=3)
+    whole, other = results.to_table(), sweep(hills(), over, 700, "halton", seed=3)
     for name, values in whole.columns.items():
         assert np.array_equal(values, other.columns[name], equal_nan=True)
         assert np.array_equal(part.columns[name], values[part.index], equal_nan=True)
@@ -122,7 +122,7 @@ def test_a_stopped_study_goes_on_to_the_same_table():
 
 
 def test_a_lost_worker_ends_a_study_in_a_sentence_and_what_is_done_stays():
-    study = study_of(hills(), LOADS, 20_000)
+    study = make_study(hills(), LOADS, 20_000)
     results, killed = MemoryResults(study), threading.Event()
 
     def kill(_done):
@@ -134,15 +134,15 @@ def test_a_lost_worker_ends_a_study_in_a_sentence_and_what_is_done_stays():
     words = r"the workers of the study are gone; [0-9,]+ of 20,000 rows"
     with ProcessPoolExecutor(1, get_context("spawn")) as pool, pytest.raises(InterruptedStudyError, match=words):
         run_study(results, executor=pool, workers=lambda: 1, progress=kill)
-    done = table_of(results)
+    done = results.to_table()
     assert 0 < done.rows < study.sample
     assert np.array_equal(done.columns["energy_kwh"], sweep(hills(), LOADS, done.rows).columns["energy_kwh"])
 
 
 def test_a_worker_of_another_version_is_refused():
-    plan = replace(study_of(hills(), LOADS, 4).plan, key="other", solver="of last week")
+    asked = replace(make_study(hills(), LOADS, 4), solver="of last week")
     with pytest.raises(VersionError, match="install the same railjoule"):
-        solve_rows(plan, np.zeros((1, 1)))
+        solve_rows(asked, np.zeros((1, 1)))
 
 
 def test_rows_come_in_order_whoever_makes_them():
@@ -170,12 +170,14 @@ def test_an_error_that_is_no_result_ends_a_study():
     assert np.isnan(kept.values).all()
     assert kept.reasons == {0: "no run"}
     with pytest.raises(SolverError):
-        all_rows(RowByRow(fail, 2, ()), np.zeros((3, 1)), InTurn())
+        all_rows(RowByRow(fail, 2, ()), np.zeros((3, 1)))
+    with ThreadPoolExecutor(1) as executor, pytest.raises(SolverError):
+        all_rows(RowByRow(fail, 2, ()), np.zeros((3, 1)), executor)
 
 
 @pytest.mark.parametrize("study", [monte_carlo, sensitivity, detuning, energy_time_frontier])
 def test_studies_do_not_depend_on_who_does_their_runs(study):
-    base = load_scenario("ftorek-300s" if study is detuning else "liashenko-0").with_(**{"montecarlo.runs": 90})
+    base = load_scenario("ftorek-300s" if study is detuning else "liashenko-0").replace(**{"montecarlo.runs": 90})
     asked = {
         detuning: {"factors": (0.8, 1.0, 1.2)},
         sensitivity: {"load_factors": (0.0, 1.0), "coordinate_errors_m": (-5.0, 5.0)},

@@ -5,10 +5,9 @@ import pytest
 import scipy
 
 from railjoule.core import load_scenario
-from railjoule.core.studies.sweep import MemoryResults, SensitivityError, run_study, sensitivities, study_of
+from railjoule.core.studies.sweep import MemoryResults, SensitivityError, make_study, run_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.results import Chunk
-from railjoule.core.studies.sweep.rows import Rows
+from railjoule.core.studies.sweep.rows import Chunk, Rows
 from tests.builders import plain_scenario
 
 # any three numbers: what comes out is put in by hand
@@ -21,7 +20,7 @@ THREE = {
 
 def results_of(function, rows=4096, method="sobol", over=THREE):
     """Return a study whose energy is a function of the fields' places, 0 to 1 each."""
-    study = study_of(plain_scenario(), over, rows, method, columns=("energy_kwh",))
+    study = make_study(plain_scenario(), over, rows, method, columns=("energy_kwh",))
     samples = study.sampler().take(rows)
     low, high = (np.array([getattr(field, end) for field in study.fields]) for end in ("low", "high"))
     values = function(*((samples - low) / (high - low)).T)
@@ -68,20 +67,20 @@ def test_few_whole_numbers_are_no_range():
 
 
 def test_shares_of_a_metro_s_energy_agree_with_scipy_s():
-    base = load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 25.0})
+    base = load_scenario("liashenko-ii").replace(**{"solver.mesh_m": 25.0})
     over = {
         "timetable.travel_time_s": (105.0, 130.0),
         "vehicle.load_factor": (0.0, 1.0),
         "drive.recuperation_factor": (0.2, 0.6),
     }
-    results = MemoryResults(study_of(base, over, 2048))
+    results = MemoryResults(make_study(base, over, 2048))
     run_study(results)
     told = sensitivities(results)
 
     def energy(places):
         (low, high) = np.array(list(over.values())).T
-        study = study_of(base, over, places.shape[1], columns=("energy_kwh",))
-        return solve_rows(study.plan, low + (high - low) * places.T).values[:, 0]
+        study = make_study(base, over, places.shape[1], columns=("energy_kwh",))
+        return solve_rows(study, low + (high - low) * places.T).values[:, 0]
 
     theirs = scipy.stats.sobol_indices(func=energy, n=1024, dists=[scipy.stats.uniform()] * 3, rng=1)
     # SciPy's own error with 1024 rows is about a hundredth
@@ -117,6 +116,6 @@ def test_what_tells_nothing_is_refused_in_a_sentence(results, column, words):
 
 def test_a_table_s_columns_serve_as_well_as_energy():
     base = plain_scenario({"timetable.travel_time_s": 170.0})
-    results = MemoryResults(study_of(base, {"timetable.travel_time_s": (150.0, 200.0)}, 64))
+    results = MemoryResults(make_study(base, {"timetable.travel_time_s": (150.0, 200.0)}, 64))
     run_study(results)
     assert sensitivities(results, "price_of_time_w").first == pytest.approx([1.0])

@@ -62,7 +62,7 @@ def hills():
 def solved(scenario, strategy):
     """Return the run of `solve`, or the optimum over the scenario's own mesh for a drive without idle losses."""
     task = prepare_task(scenario)
-    if strategy != "optimal" or task.course.drive.jumps_at_no_effort:
+    if strategy != "optimal" or task.mesh.drive.has_idle_losses:
         return solve(scenario, strategy)
     return run_strategy(replace(task, can_be_remeshed=False), strategy)
 
@@ -73,7 +73,7 @@ def one_by_one(base, table):
     for row in range(table.rows):
         changes = {name: float(of[row]) for name, of in table.samples.items()}
         try:
-            run = solved(base.with_(**changes), table.study.strategy)
+            run = solved(base.replace(**changes), table.study.strategy)
         except RailjouleError as error:
             reasons[row] = str(error)
             continue
@@ -93,7 +93,7 @@ def assert_same(base, table):
 
 @pytest.mark.parametrize("method", ["grid", "random", "sobol", "halton"])
 def test_a_row_is_the_run_over_its_mesh_bit_for_bit(method):
-    base = load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 10.0})
+    base = load_scenario("liashenko-ii").replace(**{"solver.mesh_m": 10.0})
     table = sweep(base, OVER, 81, method, seed=3, columns=tuple(COLUMNS))
     assert not table.reasons
     assert_same(base, table)
@@ -101,7 +101,7 @@ def test_a_row_is_the_run_over_its_mesh_bit_for_bit(method):
 
 @pytest.mark.parametrize("field", NUMBERS)
 def test_each_number_reaches_what_depends_on_it(field):
-    """A part of a course that was kept by mistake would give the numbers of another row."""
+    """A part of a meshed line that was kept by mistake would give the numbers of another row."""
     base = hills()
     # each alone, and beside two that touch little, so that as much as possible is kept
     assert_same(base, sweep(base, {field: NUMBERS[field]}, 3, "grid"))
@@ -110,7 +110,7 @@ def test_each_number_reaches_what_depends_on_it(field):
 
 
 def test_a_line_with_stations_has_its_dwells():
-    base = load_scenario("metro-10-stations").with_(**{"solver.mesh_m": 100.0})
+    base = load_scenario("metro-10-stations").replace(**{"solver.mesh_m": 100.0})
     over = {"vehicle.load_factor": (0.0, 1.0), "vehicle.auxiliary_power_kw": (0.0, 50.0)}
     table = sweep(base, over, 9, "grid", columns=tuple(COLUMNS))
     # its stations make it stand for some minutes: a time without dwells would be another
@@ -134,7 +134,7 @@ def test_what_cannot_be_driven_keeps_its_row_with_the_reason():
 def test_ranges_that_do_not_fit_together_everywhere_are_checked_row_by_row():
     base = hills()
     over = {"vehicle.load_factor": (0.5, 1.2), "vehicle.crush_load_factor": (1.0, 1.3)}
-    base = base.with_(**{"vehicle.crush_load_factor": 1.2})
+    base = base.replace(**{"vehicle.crush_load_factor": 1.2})
     table = sweep(base, over, 16, "grid")
     assert any("must be at most" in reason for reason in table.reasons.values())
     assert 0 < len(table.reasons) < 16
@@ -143,14 +143,14 @@ def test_ranges_that_do_not_fit_together_everywhere_are_checked_row_by_row():
 
 @pytest.mark.parametrize("strategy", ["fastest", "phases"])
 def test_other_strategies_go_by_solve(strategy):
-    base = load_scenario("tram-950m").with_(**{"solver.mesh_m": 25.0})
+    base = load_scenario("tram-950m").replace(**{"solver.mesh_m": 25.0})
     table = sweep(base, {"vehicle.load_factor": (0.0, 1.0)}, 2, "grid", strategy=strategy)
     assert table.study.strategy == strategy
     assert_same(base, table)
 
 
 def test_a_drive_that_takes_power_without_effort_goes_by_solve():
-    base = load_scenario("tram-950m").with_(**{"solver.mesh_m": 50.0})
+    base = load_scenario("tram-950m").replace(**{"solver.mesh_m": 50.0})
     assert_same(base, sweep(base, {"timetable.travel_time_s": (100.0, 120.0)}, 2, "grid"))
 
 

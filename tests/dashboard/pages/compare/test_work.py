@@ -30,7 +30,7 @@ def text(markup: str) -> str:
 
 def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session) -> None:
     state = session.state
-    assert list(state.compared.runs) == ["optimal", "phases", "fastest", "bellman", "speed_limits"]
+    assert list(state.compared.runs) == ["optimal", "fastest", "phases", "bellman", "speed_limits"]
     assert set(state.compared.refused) == {"eoc", "enoc"}
     before = state.compared
     state.page = "Drive"
@@ -54,7 +54,7 @@ def test_the_table_and_the_words_follow_the_scenario(session: Session, view: Com
 
 def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, view: CompareView) -> None:
     chart = next(chart for chart in view.compared if chart.name == "compared_energy")
-    most = max(run.line_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
+    most = max(run.supply_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
     session.state.reference = "fastest"

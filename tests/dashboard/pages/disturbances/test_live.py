@@ -2,7 +2,7 @@
 
 import pytest
 
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.live_work import Live

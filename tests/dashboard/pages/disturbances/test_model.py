@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.dashboard.actual.event import KINDS
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 
@@ -17,7 +17,7 @@ def test_the_events_of_a_file_are_taken_over() -> None:
     model = DisturbancesModel()
     scenario = load_scenario("tram-950m-stop")
     model.take(scenario)
-    (stop,) = scenario.with_(**model.changes).disturbance.stops
+    (stop,) = scenario.replace(**model.changes).disturbance.stops
     assert (stop.position_m, stop.duration_s, stop.noticed_at_m) == (300.0, 5.0, 70.11)
 
 
@@ -27,6 +27,6 @@ def test_what_is_dropped_can_be_driven(kind: str) -> None:
     model.drop(kind, 500.4)
     (event,) = model.events
     assert event.position_m == 500.0
-    scenario = load_scenario("liashenko-ii").with_(**model.changes)
+    scenario = load_scenario("liashenko-ii").replace(**model.changes)
     assert len(scenario.disturbance.events) == 1
     assert simulate_disturbances(scenario, "computer").actual.distance_m == pytest.approx(1300)

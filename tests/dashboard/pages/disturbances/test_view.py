@@ -9,7 +9,7 @@ import pytest
 from needing import needing
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.simulate.disturbances import DisturbedRun
+from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.dashboard.pages.disturbances.view import driver_figure, replanning_figure
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.energy_flow import EnergyFlow, energy_flow
-from railjoule.core.simulate.actual_run import ActualRun, actual_run
+from railjoule.core.energy_along import EnergyFlow, energy_flow
+from railjoule.core.simulation.actual_run import ActualRun, actual_run
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.bellman import bellman_with_law
 from railjoule.dashboard.look.tokens import LIGHT

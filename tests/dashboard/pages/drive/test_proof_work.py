@@ -58,7 +58,7 @@ def first_j(request: ProofRequest) -> float:
 @cache
 def runs_of(name: str, travel_time_s: float) -> Runs:
     """Return the optimum and the fastest run of a scenario, computed once for all tests."""
-    scenario = load_scenario(name).with_(**{"timetable.travel_time_s": travel_time_s})
+    scenario = load_scenario(name).replace(**{"timetable.travel_time_s": travel_time_s})
     return compute_runs(RunsRequest(scenario, ("optimal", "fastest")))
 
 

@@ -6,7 +6,7 @@ import pytest
 from commands import answer
 
 from railjoule.core.budget import LIBRARY, PAGE
-from railjoule.core.scenario import STRATEGY_NAMES
+from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.limits import limits, markdown
 from railjoule.dashboard.pages.help.view import documentation_html, help_html
 
@@ -30,6 +30,6 @@ def test_the_page_the_terminal_and_the_docs_tell_each_limit(capsys):
 
 
 def test_a_page_is_bounded_no_higher_than_the_library():
-    assert set(LIBRARY.strategy_cells) == set(PAGE.strategy_cells) <= set(STRATEGY_NAMES)
+    assert set(LIBRARY.strategy_cells) == set(PAGE.strategy_cells) <= set(STRATEGIES)
     for field in ("row_count", "cell_count", "idling_cells", "chain_boxes", "loop_time_s", "loop_steps"):
         assert getattr(PAGE, field) <= getattr(LIBRARY, field)

@@ -6,7 +6,7 @@ from railjoule.core import load_scenario
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.pages.imports.forms import FilesForm, TakeForm
-from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, MOST_FILES, Wanted
+from railjoule.dashboard.pages.imports.model import MAX_FILE_BYTES, MAX_FILES, Wanted
 from railjoule.dashboard.pages.imports.work import Imports
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -103,12 +103,12 @@ def test_messages_that_nobody_sends_change_nothing(state: Workbench) -> None:
 
 def test_files_are_capped_in_size_and_number(state: Workbench) -> None:
     model = state.imports
-    model.add("large.csv", "A" * (LARGEST_FILE_BYTES * 4 // 3 + 8))
+    model.add("large.csv", "A" * (MAX_FILE_BYTES * 4 // 3 + 8))
     assert model.refusal == "large.csv: larger than the 4 MB allowed for one file."
-    for _ in range(MOST_FILES + 1):
+    for _ in range(MAX_FILES + 1):
         model.add("a\n.csv", "")
-    assert len(model.files) == MOST_FILES
-    assert model.refusal == f"a .csv: at most {MOST_FILES} files at a time; remove one first."
+    assert len(model.files) == MAX_FILES
+    assert model.refusal == f"a .csv: at most {MAX_FILES} files at a time; remove one first."
 
 
 def test_another_scenario_beside_the_page_is_the_one_that_is_offered_with_the_line(state):

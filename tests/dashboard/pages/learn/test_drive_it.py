@@ -3,8 +3,8 @@
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.motion import build_course
-from railjoule.core.simulate.by_hand import require_drivable
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.simulation.manual import require_drivable
 from railjoule.dashboard.pages.learn.by_hand import PRESET, TryRequest, best_run, driven_run, judge
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.state.pins import KeptPin
@@ -47,4 +47,4 @@ def test_without_a_try_only_the_scenario_is_opened() -> None:
 
 def test_stations_cannot_be_driven_by_hand() -> None:
     with pytest.raises(ScenarioError, match="without stops on the way"):
-        require_drivable(build_course(load_scenario("metro-10-stations")))
+        require_drivable(build_meshed_line(load_scenario("metro-10-stations")))

@@ -27,7 +27,7 @@ def test_a_text_that_is_no_sharing_is_refused(text: str) -> None:
 def test_nothing_of_the_best_is_told_before_it_is_asked_for() -> None:
     found = judge_slack(SlackRequest())
     assert found.verdict is None
-    assert set(found.lines["uneven"]) == {"legs", "standing_kwh", "least_s", "slack_s"}
+    assert set(found.lines["uneven"]) == {"legs", "standing_kwh", "min_s", "slack_s"}
     assert found.begun == {"line": "uneven", "seconds": (20, 20, 20), "linked": False}
 
 

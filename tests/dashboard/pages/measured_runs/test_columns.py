@@ -7,7 +7,7 @@ from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.measured import recording_of
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.pages.measured_runs.columns import (
-    MOST_ROWS,
+    MAX_ROWS,
     Meaning,
     RunFile,
     meanings_of,
@@ -163,7 +163,7 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
         (b"PK\x03\x04junk", "not a workbook that can be read"),
         (b"time_s,time_s\n1,2\n", "appears twice"),
         (b"a" * (LARGEST_RUN_BYTES + 1), "larger than the 8 MB"),
-        (b"t,v\n" + b"1,1\n" * (MOST_ROWS + 1), "at most 20\u202f000 can be read"),
+        (b"t,v\n" + b"1,1\n" * (MAX_ROWS + 1), "at most 20\u202f000 can be read"),
     ],
 )
 def test_what_is_no_run_is_told_in_one_sentence(content: bytes, told: str) -> None:

@@ -17,7 +17,7 @@ from railjoule.dashboard.pages.motor.compute import (
 )
 
 # with the ramps of the paper
-SUBURBAN = load_scenario("ftorek-300s").with_(**{"enoc.acceleration_time_s": 62.713})
+SUBURBAN = load_scenario("ftorek-300s").replace(**{"enoc.acceleration_time_s": 62.713})
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +57,8 @@ def test_a_lower_limit_holds_the_drive_but_not_its_plan() -> None:
 
 
 def test_strategies_that_refuse_a_line_are_told() -> None:
-    hilly = SUBURBAN.with_(line={"sections": [{"length_m": 5000.0, "gradient_permille": 2.0}]})
-    hilly = hilly.with_(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
+    hilly = SUBURBAN.replace(line={"sections": [{"length_m": 5000.0, "gradient_permille": 2.0}]})
+    hilly = hilly.replace(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
     rivals = compute_rivals(compute_loop_run(LoopRequest(hilly, "optimal", {})))
     assert set(rivals.refused) == {"eoc", "enoc"}
     with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):

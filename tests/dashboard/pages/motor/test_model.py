@@ -16,12 +16,12 @@ def model() -> MotorModel:
 def test_what_a_file_says_comes_back_as_it_was(model: MotorModel) -> None:
     # both limits of the vehicle's file
     assert (model.max_phase_voltage_v, model.max_current_a) == (1732.0, 810.0)
-    again = SUBURBAN.with_(**model.changes)
+    again = SUBURBAN.replace(**model.changes)
     assert again.vehicle == SUBURBAN.vehicle
     assert again.simulation.kind == "field_oriented"
-    detuned = SUBURBAN.with_(**{"simulation.rotor_resistance_factor": 1.5, "simulation.precompensator": False})
+    detuned = SUBURBAN.replace(**{"simulation.rotor_resistance_factor": 1.5, "simulation.precompensator": False})
     model.take(detuned)
-    assert SUBURBAN.with_(**model.changes).simulation.rotor_resistance_factor == 1.5
+    assert SUBURBAN.replace(**model.changes).simulation.rotor_resistance_factor == 1.5
     assert not model.precompensator
 
 
@@ -29,10 +29,10 @@ def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
     model, tram = MotorModel(), load_scenario("tram-950m")
     model.take(tram)
     assert model.max_phase_voltage_v == tram.vehicle.drive.max_phase_voltage_v
-    assert tram.with_(**model.changes).vehicle == tram.vehicle
+    assert tram.replace(**model.changes).vehicle == tram.vehicle
     model.max_phase_voltage_v = 250.0
     model.max_current_a = 140.0
-    drive = tram.with_(**model.changes).vehicle.drive
+    drive = tram.replace(**model.changes).vehicle.drive
     assert drive.max_phase_voltage_v == 250.0
     # braking has less of its own, and bends to a limit below that
     assert (drive.starting_current_a, drive.braking_current_a) == (140.0, 140.0)
@@ -42,10 +42,10 @@ def test_a_drive_without_machine_has_no_limits() -> None:
     model, metro = MotorModel(), load_scenario("liashenko-ii")
     model.take(metro)
     assert model.max_phase_voltage_v is None
-    assert metro.with_(**model.changes).vehicle == metro.vehicle
+    assert metro.replace(**model.changes).vehicle == metro.vehicle
 
 
 def test_a_limit_that_the_train_cannot_start_with_is_refused_by_the_scenario(model: MotorModel) -> None:
     model.max_current_a = 100.0
     with pytest.raises(ScenarioError, match="max_current_a = 100"):
-        SUBURBAN.with_(**model.changes)
+        SUBURBAN.replace(**model.changes)

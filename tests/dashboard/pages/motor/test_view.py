@@ -7,7 +7,7 @@ import pytest
 from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
+from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.motor.charts import length
@@ -58,7 +58,7 @@ def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: 
 
 def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     """The tram returns no braking energy: its motors' net 1.042 kWh is no number beside the plan's 1.053 kWh."""
-    run = simulate_field_oriented(load_scenario("tram-950m").with_(**{"simulation.kind": "field_oriented"}))
+    run = simulate_field_oriented(load_scenario("tram-950m").replace(**{"simulation.kind": "field_oriented"}))
     main, at_motors, *_ = run_figures(run)
     # railjoule simulate tram-950m --set 'simulation.kind="field_oriented"': 1.192 kWh driven, +13.2 % energy
     assert "<div class=value>1.192<" in main
@@ -76,14 +76,14 @@ def test_the_cruise_is_drawn_over_the_flux(view: MotorView) -> None:
     assert current[-1] == pytest.approx(sweep.rated.flux_current_a)
     assert factor[-1] == pytest.approx(100 * sweep.rated.power_factor)
     assert drawn["loss"]["y"][-1] == pytest.approx(100.0)
-    assert f"{sweep.least_loss.power_factor:.3f}" in view.fluxes.object
+    assert f"{sweep.min_loss.power_factor:.3f}" in view.fluxes.object
     view.cruise.type("1000")
     assert view.cruise.refusal.startswith("At most ")
     assert view.model.cruise_speed_kmh == 60.0
 
 
 def test_a_constant_flux_is_named_beside_a_plan_of_minimum_loss() -> None:
-    run = simulate_field_oriented(load_scenario("tram-950m").with_(**{"simulation.kind": "field_oriented"}))
+    run = simulate_field_oriented(load_scenario("tram-950m").replace(**{"simulation.kind": "field_oriented"}))
     sentence = "The control keeps the maximum flux that the voltage allows; the plan assumes the flux of minimum loss."
     assert sentence in run.notes
 

@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core import InfeasibleLineError, ScenarioError, load_scenario
-from railjoule.core.simulate.following import plan_for
+from railjoule.core.simulation.following import plan_for
 from railjoule.dashboard.pages.robustness.compute import (
     RealityRequest,
     compute_reality,
@@ -13,7 +13,7 @@ HEAVY = {"disturbance.actual_load_factor": 1.0, "disturbance.coordinate_error_m"
 def test_reality_is_measured_against_a_plan_that_knows_the_load() -> None:
     scenario = load_scenario("liashenko-ii")
     reality = compute_reality(RealityRequest(scenario, HEAVY))
-    known = plan_for(scenario.with_(**{"vehicle.load_factor": 1.0}))
+    known = plan_for(scenario.replace(**{"vehicle.load_factor": 1.0}))
     assert reality.replanned_kwh == pytest.approx(known.energy_kwh, rel=1e-9)
     assert reality.following.actual.energy_kwh > known.energy_kwh
 
@@ -33,4 +33,4 @@ def test_an_error_beyond_the_line_is_refused() -> None:
 def test_a_train_that_cannot_climb_is_told() -> None:
     changes = {"vehicle.capacity_passengers": 20_000, "disturbance.actual_load_factor": 1.0}
     with pytest.raises(InfeasibleLineError, match="comes to a stand"):
-        compute_reality(RealityRequest(load_scenario("liashenko-iii").with_(**{"vehicle.load_factor": 0.0}), changes))
+        compute_reality(RealityRequest(load_scenario("liashenko-iii").replace(**{"vehicle.load_factor": 0.0}), changes))

@@ -9,7 +9,8 @@ from builders import plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo
+from railjoule.core.studies.montecarlo import monte_carlo
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.pages.robustness.draw_columns import COLUMNS, Request, brushes_of, common, varied
 from railjoule.dashboard.pages.robustness.draws import BINS, HINT, brush_words, dataset, draw
@@ -18,32 +19,32 @@ RUNS = 120
 
 
 @pytest.fixture(scope="module")
-def table() -> MonteCarloTable:
-    return monte_carlo(plain_scenario().with_(**{"montecarlo.runs": RUNS, "montecarlo.seed": 1}))
+def table() -> StudyTable:
+    return monte_carlo(plain_scenario().replace(**{"montecarlo.runs": RUNS, "montecarlo.seed": 1}))
 
 
-def test_what_was_drawn_are_keys_and_what_came_out_values(table: MonteCarloTable) -> None:
+def test_what_was_drawn_are_keys_and_what_came_out_values(table: StudyTable) -> None:
     rows = dataset(table)
     drawn = {"load", "error", "resistance", "voltage", "speed", "d1", "d2", "d3"}
     assert {str(key.name) for key in rows.kdims} <= drawn
     assert {str(value.name) for value in rows.vdims} >= {"energy", "extra"}
     np.testing.assert_allclose(rows.dimension_values("energy"), table.energy_kwh)
-    np.testing.assert_allclose(rows.dimension_values("load"), 100 * table.drawn["load_factor"])
+    np.testing.assert_allclose(rows.dimension_values("load"), 100 * table["load_factor"])
     # nobody departs late here: such a column has nothing to explore
     assert "departure" not in varied(table)
 
 
-def test_runs_that_came_to_a_stand_are_left_out_and_told(table: MonteCarloTable) -> None:
-    energies = table.energy_kwh.copy()
+def test_runs_that_came_to_a_stand_are_left_out_and_told(table: StudyTable) -> None:
+    energies = table["energy_kwh"].copy()
     energies[:3] = np.nan
-    stuck = replace(table, energy_kwh=energies)
+    stuck = replace(table, columns={**table.columns, "energy_kwh": energies})
     rows = dataset(stuck)
     assert len(rows) == RUNS - 3
     assert "In 3 more the train comes to a stand." in brush_words(stuck, rows, {})[0]
 
 
 @pytest.mark.parametrize("dark", [False, True])
-def test_points_and_a_histogram_of_each_other_column(table: MonteCarloTable, dark: bool) -> None:
+def test_points_and_a_histogram_of_each_other_column(table: StudyTable, dark: bool) -> None:
     figures = draw(Request(table, "load", "extra", dark)).figures
     assert figures.keys() == {"draws", *(f"draws_{name}" for name in varied(table).keys() - {"load", "extra"})}
     tokens = THEMES["dark" if dark else "light"]
@@ -61,9 +62,9 @@ def test_points_and_a_histogram_of_each_other_column(table: MonteCarloTable, dar
     assert RUNS - 2 <= counts.sum() <= RUNS
 
 
-def test_a_brush_tells_how_many_and_what_became_of_them(table: MonteCarloTable) -> None:
+def test_a_brush_tells_how_many_and_what_became_of_them(table: StudyTable) -> None:
     rows = dataset(table)
-    loads = 100 * table.drawn["load_factor"]
+    loads = 100 * table["load_factor"]
     held = (loads >= 40) & (loads < 60)
     counted, medians = brush_words(table, rows, {"load": (40.0, 60.0)})
     assert counted.startswith(f"{held.sum()} of {RUNS} draws (")
@@ -74,7 +75,7 @@ def test_a_brush_tells_how_many_and_what_became_of_them(table: MonteCarloTable) 
 
 
 @pytest.mark.parametrize("bounds", [{"load": (1e6, 2e6)}, {"load": (60.0, 40.0)}])
-def test_a_brush_may_hold_nothing(table: MonteCarloTable, bounds: dict[str, tuple[float, float]]) -> None:
+def test_a_brush_may_hold_nothing(table: StudyTable, bounds: dict[str, tuple[float, float]]) -> None:
     (counted,) = brush_words(table, dataset(table), bounds)
     assert counted.startswith(f"0 of {RUNS} draws (0.00 %): load ")
 

@@ -9,22 +9,23 @@ import holoviews as hv
 import pytest
 from builders import plain_scenario
 
-from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo
+from railjoule.core.studies.montecarlo import monte_carlo
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.look.tokens import DARK
 from railjoule.dashboard.pages.robustness.explorer import CLOSE, OPEN, Explorer
 from railjoule.dashboard.state.workbench import Workbench
 
 
-def drawn(seed: int) -> MonteCarloTable:
-    return monte_carlo(plain_scenario().with_(**{"montecarlo.runs": 60, "montecarlo.seed": seed}))
+def drawn(seed: int) -> StudyTable:
+    return monte_carlo(plain_scenario().replace(**{"montecarlo.runs": 60, "montecarlo.seed": seed}))
 
 
 @pytest.fixture(scope="module")
-def tables() -> tuple[MonteCarloTable, MonteCarloTable]:
+def tables() -> tuple[StudyTable, StudyTable]:
     return drawn(1), drawn(2)
 
 
-def explorer_of(table: MonteCarloTable | None) -> Explorer:
+def explorer_of(table: StudyTable | None) -> Explorer:
     state = Workbench()
     state.robustness.chance = table
     made = Explorer(state, lambda: None)

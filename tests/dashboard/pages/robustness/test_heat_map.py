@@ -41,7 +41,7 @@ def test_the_printed_table_stands_only_beside_its_own_case() -> None:
     # the printed 5.4 at +25 m and half load (Liashenko 2025, Table 5)
     assert ">5.4<" in shown
     assert printed_table(sensitivity(scenario, [0.5], [0.0], both_directions=False), measure) == ""
-    other = scenario.with_(**{"vehicle.load_factor": 0.6})
+    other = scenario.replace(**{"vehicle.load_factor": 0.6})
     assert printed_table(sensitivity(other, [0.5], [0.0]), measure) == ""
 
 
@@ -64,11 +64,12 @@ def test_beside_a_plan_that_gives_energy_back_cells_tell_kilowatt_hours() -> Non
     """Over so long a time the train rolls to its end and gives back what it brakes: no share of that means anything."""
     scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
     table = sensitivity(scenario, [0.5, 1.0], [0.0, 10.0], both_directions=False)
-    assert table.planned_kwh < 0
+    assert table.planned_energy_kwh < 0
     for measure in (MEASURES["over_replanned"], MEASURES["overconsumption"]):
         assert all(text.endswith(" kWh") for text in measure.texts(table))
     assert (
-        MEASURES["overconsumption"].texts(table)[0] == comparisons.above(table.energy_kwh[0, 0], table.planned_kwh).cell
+        MEASURES["overconsumption"].texts(table)[0]
+        == comparisons.above(table.energy_kwh[0, 0], table.planned_energy_kwh).cell
     )
 
 
@@ -123,7 +124,7 @@ def test_a_histogram_marks_its_quantiles() -> None:
 
 
 def test_the_table_tells_the_earliest_and_the_latest_arrival() -> None:
-    _, full = monte_carlo_steps(load_scenario("liashenko-0").with_(**{"montecarlo.runs": 30}))
+    _, full = monte_carlo_steps(load_scenario("liashenko-0").replace(**{"montecarlo.runs": 30}))
     assert full.delay_s.min() < -0.05
     shown = chance_table(full)
     assert f">earliest {words.delay(full.delay_s.min())}<" in shown

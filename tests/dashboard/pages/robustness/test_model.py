@@ -22,7 +22,7 @@ def test_a_file_that_names_its_reality_is_believed() -> None:
 
 def test_its_changes_are_keys_of_the_file() -> None:
     model = RobustnessModel(actual_load_percent=70.0, stop_sensor_m=20.0, speed_error_percent=1.0, target_braking=True)
-    scenario = load_scenario("liashenko-ii").with_(**model.changes)
+    scenario = load_scenario("liashenko-ii").replace(**model.changes)
     assert scenario.disturbance.actual_load_factor == 0.7
     assert scenario.simulation.stop_sensor_m == 20.0
     assert scenario.simulation.speed_error == 0.01
@@ -31,7 +31,7 @@ def test_its_changes_are_keys_of_the_file() -> None:
 @pytest.mark.parametrize("late", [0.0, 12.0])
 def test_what_chance_draws_are_keys_of_the_file(late: float) -> None:
     model = RobustnessModel(mean_departure_delay_s=late, seed=9)
-    drawn = load_scenario("liashenko-ii").with_(**model.chance_changes(77)).montecarlo
+    drawn = load_scenario("liashenko-ii").replace(**model.chance_changes(77)).montecarlo
     assert (drawn.runs, drawn.seed) == (77, 9)
     assert drawn.departure_delay_s.distribution == ("exponential" if late else "fixed")
     assert drawn.resistance_factor.distribution == "log_normal"
@@ -39,9 +39,9 @@ def test_what_chance_draws_are_keys_of_the_file(late: float) -> None:
 
 def test_sensors_are_keys_of_target_braking_only() -> None:
     """Those of a file are taken away with it, as the scenario would refuse them."""
-    of_a_file = load_scenario("liashenko-ii").with_(**{"simulation.stop_sensor_m": 20.0})
+    of_a_file = load_scenario("liashenko-ii").replace(**{"simulation.stop_sensor_m": 20.0})
     model = RobustnessModel(stop_sensor_m=20.0, target_braking=False)
-    assert of_a_file.with_(**model.changes).simulation.stop_sensor_m == 15.0
+    assert of_a_file.replace(**model.changes).simulation.stop_sensor_m == 15.0
 
 
 # a metro with automatic train operation, and a tram without

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
@@ -50,17 +50,19 @@ def test_less_than_the_plan_by_a_miss_has_no_percentage() -> None:
     assert re.fullmatch(rf"Against the plan {MINUS}[\d.]+ kWh planned 7\.81", plan)
 
 
-def drawn(energy_kwh: list[float], delay_s: float) -> MonteCarloTable:
+def drawn(energy_kwh: list[float], delay_s: float) -> StudyTable:
     count = len(energy_kwh)
-    return MonteCarloTable(
-        scenario=NO_TARGET_CURVE,
-        planned_kwh=10.0,
-        drawn={"load_factor": np.full(count, 0.5)},
-        replanned_kwh=np.full(count, 10.0),
-        energy_kwh=np.array(energy_kwh),
-        delay_s=np.full(count, delay_s),
-        stop_error_m=np.zeros(count),
-    )
+    energy, extra = np.array(energy_kwh), np.array(energy_kwh) / 10.0 - 1
+    columns = {
+        "load_factor": np.full(count, 0.5),
+        "energy_kwh": energy,
+        "overconsumption": extra,
+        "over_replanned": extra,
+        "delay_s": np.full(count, delay_s),
+        "stop_error_m": np.zeros(count),
+        "replanned_kwh": np.full(count, 10.0),
+    }
+    return StudyTable(NO_TARGET_CURVE, {"run": range(count)}, columns, {"planned_energy_kwh": 10.0}, count)
 
 
 @pytest.mark.parametrize(

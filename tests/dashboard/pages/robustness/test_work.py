@@ -24,7 +24,7 @@ def state() -> Workbench:
 def test_the_run_is_the_framed_cell(state: Workbench) -> None:
     model = state.robustness
     model.param.update(actual_load_percent=100.0, coordinate_error_m=10.0)
-    cell = model.table.energy_kwh[-1, list(model.table.coordinate_errors_m).index(10.0)]
+    cell = model.table.energy_kwh[-1, list(model.table.coordinate_error_m).index(10.0)]
     assert model.reality.following.actual.energy_kwh == pytest.approx(cell, rel=1e-12)
 
 

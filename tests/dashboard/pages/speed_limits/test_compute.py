@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
+from set_speeds import drive_under_limits
 
 from railjoule.core import Scenario, ScenarioError, StrategyRefusedError, load_scenario
-from railjoule.core.simulate.regulator import drive_under_limits
 from railjoule.dashboard.pages.speed_limits.compute import (
     LimitRun,
     LimitsRequest,
@@ -44,7 +44,7 @@ def test_a_time_without_optimum_says_why() -> None:
 
 def level() -> Scenario:
     """A line so short that no limit is met."""
-    return SCENARIO.with_(
+    return SCENARIO.replace(
         **{
             "line": {"sections": [{"length_m": 50.0}, {"length_m": 50.0}]},
             "search.boundaries_m": [50.0],
@@ -54,7 +54,7 @@ def level() -> Scenario:
 
 
 def test_refusals_name_the_strategy() -> None:
-    tight = SCENARIO.with_(**{"timetable.travel_time_s": 131.0})
+    tight = SCENARIO.replace(**{"timetable.travel_time_s": 131.0})
     with pytest.raises(StrategyRefusedError, match="Set speeds: needs at least"):
         compute_limit_run(LimitsRequest(tight, {"strategy": "speed_limits"}))
     with pytest.raises(ScenarioError, match="at most the vehicle's 80"):
@@ -63,7 +63,7 @@ def test_refusals_name_the_strategy() -> None:
 
 def test_storages_save_up_to_what_they_need(run: LimitRun) -> None:
     curve = compute_storage(StorageRequest(run, None, None, 0.95, 0.95))
-    assert curve.chosen.storage.size_kwh == run.need.largest_drop_kwh
+    assert curve.chosen.storage.size_kwh == run.need.max_drop_kwh
     assert np.all(np.diff(curve.saved_kwh) > -1e-9)
     assert curve.saved_kwh[0] == pytest.approx(0, abs=1e-9)
     # nothing is burnt, so only both losses are missing

@@ -14,7 +14,7 @@ def model() -> SpeedLimitsModel:
 def test_the_sections_of_a_file_are_taken_over(model: SpeedLimitsModel) -> None:
     assert model.borders_m == (1200.0,)
     assert model.found
-    assert load_scenario("kharkiv-like-40kmh").with_(**model.changes) == load_scenario("kharkiv-like-40kmh")
+    assert load_scenario("kharkiv-like-40kmh").replace(**model.changes) == load_scenario("kharkiv-like-40kmh")
 
 
 def test_a_scenario_without_borders_has_two_halves() -> None:
@@ -26,14 +26,14 @@ def test_a_scenario_without_borders_has_two_halves() -> None:
 
 def test_given_limits_of_a_file_are_given() -> None:
     model = SpeedLimitsModel()
-    model.take(load_scenario("kharkiv-like-40kmh").with_(**{"search.limits_kmh": [50.0, 30.0]}))
+    model.take(load_scenario("kharkiv-like-40kmh").replace(**{"search.limits_kmh": [50.0, 30.0]}))
     assert not model.found
     assert model.changes["search.limits_kmh"] == [50.0, 30.0]
 
 
 def test_given_limits_without_borders_are_those_of_the_line() -> None:
     model = SpeedLimitsModel()
-    scenario = load_scenario("liashenko-i").with_(**{"search.limits_kmh": [50.0] * 6})
+    scenario = load_scenario("liashenko-i").replace(**{"search.limits_kmh": [50.0] * 6})
     model.take(scenario)
     assert model.limits_kmh == (50.0,) * 6
     assert model.borders_m[0] == scenario.line.sections[0].length_m

@@ -30,7 +30,7 @@ def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
     assert sent(view.energy, UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
     assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
-    assert view.storage.sources["chosen"].data["x"] == [run.need.largest_drop_kwh]
+    assert view.storage.sources["chosen"].data["x"] == [run.need.max_drop_kwh]
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
 )
 def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str) -> None:
     """The published relay asks for the brake above V + dV, (5) and the words above it."""
-    text = rule_html(load_scenario("kharkiv-like-40kmh").with_(**{"search.regulator": regulator}))
+    text = rule_html(load_scenario("kharkiv-like-40kmh").replace(**{"search.regulator": regulator}))
     assert does in text
     assert other not in text
 

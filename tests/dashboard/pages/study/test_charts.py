@@ -59,7 +59,7 @@ def test_more_runs_are_put_into_the_figures_that_are_there(table: SweepTable) ->
 
 def test_a_raster_has_other_figures_and_tells_its_pixels(table: SweepTable, monkeypatch: pytest.MonkeyPatch) -> None:
     points = compute_look(asked(table))
-    monkeypatch.setattr(compute, "MOST_POINTS", 100)
+    monkeypatch.setattr(compute, "MAX_POINTS", 100)
     look = compute_look(asked(table))
     assert shape_of(look) != shape_of(points)
     made = draw(table.study, look, dark=True).figures[RUNS]

@@ -6,7 +6,7 @@ import pandas
 import pytest
 from builders import plain_scenario
 
-from railjoule.core.studies.sweep import MemoryResults, SweepTable, run_study, sensitivities, study_of, table_of
+from railjoule.core.studies.sweep import MemoryResults, SweepTable, make_study, run_study, sensitivities
 from railjoule.dashboard.pages.study import compute
 from railjoule.dashboard.pages.study.columns import columns_of
 from railjoule.dashboard.pages.study.compute import (
@@ -82,17 +82,17 @@ def test_shares_are_those_of_the_core_the_greatest_first(table: SweepTable) -> N
 
 
 def test_too_few_runs_tell_no_shares_and_say_why(table: SweepTable) -> None:
-    results = MemoryResults(study_of(plain_scenario(), {LOAD: (0.0, 1.0), X: (120.0, 170.0)}, 12))
+    results = MemoryResults(make_study(plain_scenario(), {LOAD: (0.0, 1.0), X: (120.0, 170.0)}, 12))
     run_study(results)
-    look = compute_look(asked(table_of(results), map_y=X))
+    look = compute_look(asked(results.to_table(), map_y=X))
     assert look.shares is None
     assert "too few" in look.shares_refusal
 
 
 def test_runs_that_cannot_be_driven_are_counted_and_the_first_reason_told() -> None:
-    results = MemoryResults(study_of(plain_scenario(), {X: (60.0, 170.0)}, 32))
+    results = MemoryResults(make_study(plain_scenario(), {X: (60.0, 170.0)}, 32))
     run_study(results)
-    look = compute_look(asked(table_of(results), colour=X, map_x=X, map_y=X))
+    look = compute_look(asked(results.to_table(), colour=X, map_x=X, map_y=X))
     # the shortest time is 110.4 s, see core's own tests of the plain scenario
     assert 0 < look.driven < look.done == 32
     assert look.reason
@@ -101,14 +101,14 @@ def test_runs_that_cannot_be_driven_are_counted_and_the_first_reason_told() -> N
 
 
 def test_without_any_run_there_is_nothing_to_draw() -> None:
-    results = MemoryResults(study_of(plain_scenario(), {X: (60.0, 70.0)}, 4))
+    results = MemoryResults(make_study(plain_scenario(), {X: (60.0, 70.0)}, 4))
     run_study(results)
-    look = compute_look(asked(table_of(results), colour=X, map_x=X, map_y=X))
+    look = compute_look(asked(results.to_table(), colour=X, map_x=X, map_y=X))
     assert (look.done, look.driven, look.runs, look.listed) == (4, 0, None, ())
 
 
 def test_many_points_become_a_raster(table: SweepTable, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compute, "MOST_POINTS", 100)
+    monkeypatch.setattr(compute, "MAX_POINTS", 100)
     runs = compute_look(asked(table)).runs
     assert isinstance(runs, Raster)
     assert runs.count.shape == runs.mean.shape == (30, 40)

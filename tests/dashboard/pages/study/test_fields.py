@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import preset_names
-from railjoule.core.studies.sweep import study_of
+from railjoule.core.studies.sweep import make_study
 from railjoule.dashboard.pages.study.fields import FIRST_VARIED, fields_that_vary, first_ranges
 
 METRO = load_scenario("metro-with-limit")
@@ -16,7 +16,7 @@ def test_the_first_study_of_every_scenario_can_be_begun(preset: str) -> None:
     over = {path: (low, high) for path, (low, high) in first_ranges(scenario).items()}
     assert set(over) <= set(FIRST_VARIED)
     assert len(over) == 5
-    assert study_of(scenario, over, 8).sample == 8
+    assert make_study(scenario, over, 8).sample == 8
 
 
 def test_fields_are_called_as_in_the_editor_and_have_its_units() -> None:

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from builders import plain_scenario
 
-from railjoule.core.studies.sweep import MemoryResults, study_of
+from railjoule.core.studies.sweep import MemoryResults, make_study
 from railjoule.dashboard.pages.study import running
 from railjoule.dashboard.pages.study.model import Progress
 from railjoule.dashboard.pages.study.running import LOST, WAITS, Running
@@ -33,7 +33,7 @@ class Page:
 
 
 def run_of(page: Page, runs: int = 40) -> tuple[Running, MemoryResults]:
-    results = MemoryResults(study_of(plain_scenario(), LOAD, runs))
+    results = MemoryResults(make_study(plain_scenario(), LOAD, runs))
     return Running(results, page.hear, lambda turn: turn()), results
 
 

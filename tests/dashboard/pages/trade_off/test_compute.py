@@ -13,7 +13,7 @@ def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
     trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
     time = trade_off.frontier.travel_time_s[30]
-    single = scenario.with_(**{"timetable.travel_time_s": float(time)})
+    single = scenario.replace(**{"timetable.travel_time_s": float(time)})
     assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)
     assert trade_off.enoc.energy_kwh[30] == pytest.approx(solve(single, strategy="enoc").energy_kwh, rel=1e-3)
     taken = np.isfinite(trade_off.enoc.energy_kwh)
@@ -21,7 +21,7 @@ def test_the_trade_off_agrees_with_single_solutions() -> None:
     assert trade_off.enoc.refused
     for refused, _ in trade_off.enoc.refused:
         with pytest.raises(StrategyRefusedError):
-            solve(scenario.with_(**{"timetable.travel_time_s": refused}), strategy="enoc")
+            solve(scenario.replace(**{"timetable.travel_time_s": refused}), strategy="enoc")
     lowest = np.nanmin(trade_off.enoc_map.energy_kwh, axis=0)
     assert np.all(trade_off.enoc_map.best_energy_kwh <= lowest * (1 + 1e-9))
 

@@ -1,1 +1,0 @@
-"""Drives whose losses are given as a map over torque and speed."""

@@ -1,7 +1,0 @@
-"""Induction machines under field-oriented control that follow a plan in closed loop."""
-
-from railjoule.core.simulate.field_oriented.pwm import Ripple, current_ripple
-from railjoule.core.simulate.field_oriented.run import FieldOrientedRun, Saturation
-from railjoule.core.simulate.field_oriented.simulation import simulate_field_oriented
-
-__all__ = ["FieldOrientedRun", "Ripple", "Saturation", "current_ripple", "simulate_field_oriented"]

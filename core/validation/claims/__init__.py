@@ -1,1 +1,0 @@
-"""Claims of the four papers, each examined by runs."""

@@ -1,0 +1,155 @@
+"""Calibration errors of the gauges, by recordings of random trains whose parameters are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from measured_trains import CASES, SCENARIO, Errors, measured_trains
+
+from railjoule.core import load_scenario
+from railjoule.core.errors import RecordingError
+from railjoule.core.identification import GaugeErrors, fit_runs
+from railjoule.core.identification.noise import noise_inflation
+from railjoule.core.identification.parameters import AUXILIARY, DEFAULT, Model
+from railjoule.core.identification.problem import Problem
+from railjoule.core.identification.steps import usable_steps
+from railjoule.core.measured import measured_run
+
+EXACT = GaugeErrors(0, 0, 0, 0, 0)
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return load_scenario(SCENARIO)
+
+
+def shares_inside(case, trains, scenario):
+    """Return the share of intervals that hold the truth, by parameter."""
+    inside = []
+    for train in measured_trains(CASES[case], trains, seed=list(CASES).index(case)):
+        fit = fit_runs(train.runs(scenario), scenario)
+        inside.append([one.low <= train.truth[one.name] <= one.high for one in fit.parameters])
+    return dict(zip(DEFAULT, np.mean(inside, axis=0), strict=True))
+
+
+@pytest.mark.parametrize("case", ["effort gauge 2 % off", "effort offset 2 kN"])
+def test_intervals_hold_the_truth_with_gauges_that_are_off(scenario, case):
+    # Of 8 intervals of 95 %, fewer than 6 hold it once in 170. Without gauge errors in the fit, the third review found
+    # 23 % for the efficiency and the gauge, 0 % for A and the offset.
+    shares = shares_inside(case, 8, scenario)
+    assert min(shares.values()) >= 6 / 8, shares
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("case", CASES)
+def test_intervals_hold_the_truth_in_all_cases_of_the_review(scenario, case):
+    # of 31 intervals of 95 %, fewer than 27 hold it once in 50
+    shares = shares_inside(case, 31, scenario)
+    # gusts last longer than the noise model takes them to: C is held in some 87 % of trains
+    assert min(shares.values()) >= (24 if CASES[case].gust_ms > 0 else 27) / 31, shares
+
+
+def test_a_speed_that_is_too_high_fades_by_the_resistance_that_it_meets(scenario):
+    # of two trains under the same efforts, one a little faster: dv' = -R'(v) dv / m
+    [train] = measured_trains(Errors(), 1, seed=3)
+    steps = usable_steps(train.runs(scenario), scenario)
+    faster_ms = 0.2
+    problem, faster = (
+        Problem(Model(scenario.vehicle, DEFAULT, 30.0), with_speeds, 0.0, EXACT)
+        for with_speeds in (steps, replace(steps, start_speed_ms=steps.start_speed_ms + faster_ms))
+    )
+    start = np.zeros(problem.count)
+    ahead = faster.speed_residual(start) - problem.speed_residual(start)
+    kept = problem.driven(start).kept
+    first = np.flatnonzero(steps.begins)
+    last = np.append(first[1:], steps.count) - 1
+    for begin, end in zip(first, last, strict=True):
+        assert ahead[end] == pytest.approx(faster_ms * np.prod(kept[begin : end + 1]), rel=0.02)
+        assert ahead[end] < 0.9 * faster_ms
+
+
+def test_an_offset_of_the_effort_never_leaves_a_value_outside_its_interval(scenario):
+    # fault F4 of the third review: A 3462 in "3541 to 6745", B 2.5e-17 in "0 to 0"
+    for train in measured_trains(Errors(effort_offset_n=3e3), 2, seed=5):
+        runs = train.runs(scenario)
+        for stated in (GaugeErrors(), EXACT):
+            for one in fit_runs(runs, scenario, stated=stated).parameters:
+                assert 0 <= one.low <= one.value <= one.high
+                assert one.low < one.high
+
+
+def test_runs_that_contradict_the_model_are_reported(scenario):
+    clean, off = (measured_trains(errors, 1, seed=5)[0] for errors in (Errors(), Errors(effort_offset_n=8e3)))
+    assert fit_runs(clean.runs(scenario), scenario).contradiction == ""
+    sentence = fit_runs(off.runs(scenario), scenario).contradiction
+    assert sentence.startswith(
+        "These runs contradict the model, so the intervals are not valid: the offset of the effort would"
+    )
+    by_exact = fit_runs(off.runs(scenario), scenario, stated=EXACT).contradiction
+    assert "would be -" in by_exact
+    assert "standard deviations away" in by_exact
+
+
+def test_a_line_that_is_not_that_of_the_runs_is_reported(scenario):
+    sections = [
+        {"length_m": one.length_m, "gradient_permille": one.gradient_permille} for one in scenario.line.sections[::-1]
+    ]
+    other = scenario.replace(line={"sections": sections})
+    runs = measured_trains(Errors(), 1, seed=5)[0].runs(other)
+    sentence = fit_runs(runs, other).contradiction
+    assert "the simulated speed misses the measured one by" in sentence
+    assert "times the noise of usual gauges" in sentence
+
+
+def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples(scenario):
+    # some 50 samples of coasting a run with 1 % of noise on 20 to 80 kW: 0.06 kW
+    train = measured_trains(Errors(), 1, seed=3)[0]
+    runs = train.runs(scenario)
+    found = {stated: fit_runs(runs, scenario, stated=stated).parameters[-1] for stated in (EXACT, GaugeErrors())}
+    assert {one.name for one in found.values()} == {AUXILIARY}
+    exact, default = found[EXACT], found[GaugeErrors()]
+    assert exact.low <= train.truth[AUXILIARY] <= exact.high
+    assert exact.high - exact.low < 1.0
+    # 0.2 % of some 3,300 kW, times 2.1 to both sides
+    assert default.high - default.low == pytest.approx(2 * 2.1 * 0.002 * 3300, rel=0.15)
+
+
+def test_only_gauge_errors_that_count_in_the_runs_are_listed(scenario):
+    (train,) = measured_trains(Errors(), 1, seed=3)
+    runs = train.runs(scenario)
+    fit = fit_runs(runs, scenario)
+    names = [gauge.name for gauge in fit.gauge_errors]
+    assert names == ["effort_gain", "effort_offset", "power_gain", "power_offset"]
+    assert "gain of the effort 2 %" in fit.assumed
+    # the scale of the speeds is not known where a run does not end in a station
+    flat = scenario.replace(**{"line.preset": "flat-5km"})
+    cut = [measured_run(run.recording, flat, 100.0) for run in runs]
+    assert "speed_gain" in [gauge.name for gauge in fit_runs(cut, flat).gauge_errors]
+
+
+@pytest.mark.parametrize(
+    ("percent", "words"),
+    [
+        ({"colour": 1.0}, "--gauge colour: must be among effort_gain"),
+        ({"effort_gain": -1.0}, "--gauge effort_gain = -1 %: must lie within 0 to 50 %"),
+        ({"effort_gain": float("nan")}, "--gauge effort_gain = nan %: must lie within 0 to 50 %"),
+    ],
+)
+def test_refuses_deviations_that_no_gauge_has(percent, words):
+    with pytest.raises(RecordingError, match=words):
+        GaugeErrors.from_percent(percent)
+
+
+def test_the_inflation_of_correlated_residuals_is_that_of_their_sums():
+    # of x_i = k x_(i-1) + sqrt(1 - k^2) e_i a long sum has (1 + k) / (1 - k) times the variance of independent ones;
+    # windows of 30 s see (1 - d / 30) of what is correlated over d
+    random, keep, count = np.random.default_rng(0), 0.6, 20_000
+    values = np.empty(count)
+    values[0] = random.standard_normal()
+    for i in range(1, count):
+        values[i] = keep * values[i - 1] + np.sqrt(1 - keep**2) * random.standard_normal()
+    lags = np.arange(1, 30)
+    expected = 1 + 2 * np.sum((1 - lags / 30) * keep**lags)
+    none = np.zeros((count, 1)), np.eye(1)
+    assert noise_inflation(values, *none, np.ones(count)) == pytest.approx(expected**0.5, rel=0.05)
+    assert noise_inflation(random.standard_normal(count), *none, np.ones(count)) == pytest.approx(1.0, abs=0.05)
