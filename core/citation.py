@@ -7,8 +7,8 @@ from importlib.resources import files
 from typing import Any
 
 
-def paper(name: str) -> dict[str, Any]:
-    """Return a fresh copy of a paper's printed numbers and title, from `assets/papers/<name>.toml`."""
+def printed_numbers(name: str) -> dict[str, Any]:
+    """Return a fresh copy of the content of `assets/papers/<name>.toml`."""
     # printed numbers are data of the assets, with their place in the paper, and never constants of the code
     return tomllib.loads((files("railjoule.assets") / "papers" / f"{name}.toml").read_text(encoding="utf-8"))
 
@@ -35,7 +35,7 @@ def bibtex(papers: Iterable[str]) -> str:
         )
     ]
     for name in papers:
-        about = paper(name)
+        about = printed_numbers(name)
         authors = " and ".join(author.strip() for author in about["authors"].split(","))
         fields = {"author": authors} | {key: about[key] for key in ("title", "journal", "year", "doi") if key in about}
         entries.append(_entry("article", name.replace("-", ""), fields))

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.citation import printed_numbers
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import prepare_task, solve
@@ -16,7 +17,6 @@ from railjoule.core.strategies.plain_line import PlainLine, SampledRun, plain_li
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._trapezoid import sample_trapezoid
-from railjoule.core.validation.papers import printed_numbers
 
 # EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
 FINE_MESH_M = 0.5

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.citation import printed_numbers
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.core.trajectory import Trajectory
-from railjoule.core.validation.papers import printed_numbers
 
 PAPER = "liashenko-2025"
 BOTH_DIRECTIONS = (False, True)

@@ -18,28 +18,23 @@ name.
 All texts can contain quantities as in `str.format`.
 """
 
-import tomllib
 from collections.abc import Iterator, Mapping
 from functools import partial
-from importlib.resources import files
 from string import Formatter
 from types import ModuleType
 from typing import Any
 
+from railjoule.core.citation import printed_numbers
 from railjoule.core.validation.figure import PaperFigure
 from railjoule.core.validation.table import Claim, Comparison, Erratum, Row, Table, Verdict
 
 Quantities = Mapping[str, Any]
 
 
-def printed_numbers(name: str) -> dict[str, Any]:
-    """Return a fresh copy of the content of `assets/papers/<name>.toml`."""
-    return tomllib.loads((files("railjoule.assets") / "papers" / f"{name}.toml").read_text(encoding="utf-8"))
-
-
 def citation(paper: dict[str, Any]) -> str:
     """Return authors, title, journal and year of a paper in one line."""
-    return f"{paper['authors']}: {paper['title']}, {paper['journal']}, {paper['year']}"
+    place = paper.get("journal") or f"doi {paper['doi']}"
+    return f"{paper['authors']}: {paper['title']}, {place}, {paper['year']}"
 
 
 def compare(name: str, quantities: ModuleType, figures: tuple[PaperFigure, ...]) -> Comparison:

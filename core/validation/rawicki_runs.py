@@ -4,6 +4,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
+from railjoule.core.citation import printed_numbers
 from railjoule.core.phase_planning.plan import PhasePlan, PlannedPhase
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Scenario, load_scenario
@@ -12,7 +13,6 @@ from railjoule.core.simulation.disturbances import DisturbedRun, simulate_distur
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
-from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.rawicki_identification import printed_planner
 
 RECUPERATION_FACTORS = (0.0, 1.0)

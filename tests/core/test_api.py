@@ -194,6 +194,7 @@ def test_a_run_cites_railjoule_and_its_paper(strategy, keys):
     cited = replace(run, strategy=strategy).cite()
     assert cited.count("@") == keys
     assert cited.count("{") == cited.count("}")
+    assert ("doi = {10.32703/2617-9040-2025-46-1}" in cited) == (keys == 2)
     assert ("Liashenko" in cited) == (keys == 2)
 
 

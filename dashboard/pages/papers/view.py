@@ -11,8 +11,9 @@ from bokeh.plotting import figure as Figure  # noqa: N812  (parts have figures t
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
+from railjoule.core.citation import printed_numbers
 from railjoule.core.validation import COMPARISONS
-from railjoule.core.validation.papers import citation, printed_numbers
+from railjoule.core.validation.papers import citation
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.look.markup import markup

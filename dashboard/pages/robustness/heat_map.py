@@ -11,11 +11,11 @@ from bokeh.events import Tap
 from bokeh.models import FixedTicker, Range1d
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.citation import printed_numbers
 from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.validation.liashenko_runs import PAPER, rms
-from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart, text_style
 from railjoule.dashboard.charts.figures import empty_figure, ink_on

@@ -11,10 +11,10 @@ from bokeh.plotting.contour import contour_data
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
+from railjoule.core.citation import printed_numbers
 from railjoule.core.energy import share_above
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH
-from railjoule.core.validation.papers import printed_numbers
 from railjoule.dashboard.charts.chart import columns, nice_range, points, style_of, xy
 from railjoule.dashboard.charts.figures import LoneChart, ink_on
 from railjoule.dashboard.charts.label_places import Box

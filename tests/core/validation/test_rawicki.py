@@ -7,9 +7,9 @@ import pytest
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
+from railjoule.core.citation import printed_numbers
 from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs
 from railjoule.core.validation.figures.rawicki import FIGURES
-from railjoule.core.validation.papers import printed_numbers
 
 
 class Tables(NamedTuple):

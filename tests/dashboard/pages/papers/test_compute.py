@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from railjoule.core.citation import printed_numbers
 from railjoule.core.validation import COMPARISONS, first_comparisons
-from railjoule.core.validation.papers import printed_numbers
 from railjoule.dashboard.pages.papers import compute
 from railjoule.dashboard.pages.papers.compute import ASSETS, input_hash, shipped_tables
 
