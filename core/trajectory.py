@@ -282,6 +282,23 @@ class Trajectory:
         return self.gap is not None and abs(self.gap) <= self.scenario.solver.tolerance
 
     @property
+    def is_below_bound(self) -> bool:
+        """Whether the run needs less than its bound by more than `solver.tolerance`: its mesh is too coarse."""
+        return self.gap is not None and self.gap < -self.scenario.solver.tolerance
+
+    @property
+    def all_notes(self) -> tuple[str, ...]:
+        """`notes`, and a sentence about a mesh that is too coarse."""
+        if self.gap is None or not self.is_below_bound:
+            return self.notes
+        longest_m = float(np.diff(self.position_m).max())
+        return (
+            *self.notes,
+            f"The mesh, with cells of up to {longest_m:.3g} m, is too coarse for this run: by its account it needs "
+            f"{-100 * self.gap:.2g} % less than any driving of this train does. Make solver.mesh_m smaller.",
+        )
+
+    @property
     def above_kwh(self) -> float | None:
         """Energy less that of the best known run [kWh], if one is known."""
         return None if self.reference is None else self.energy_kwh - self.reference.energy_kwh

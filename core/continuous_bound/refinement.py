@@ -1,9 +1,10 @@
 """The optimum of a task over a mesh that is refined until its run is close to what no driving undercuts.
 
 Solve, bound, compare the cost of the run with the share of the bound cell by cell, cut the cells in which they differ,
-and repeat. The gap of a cell of the length h falls with h^2 or faster, so that a cell whose gap is k^2 times
-its share of the tolerance is cut into k. Cells are also cut where the run would exceed its limits between the nodes,
-and none stays more than four times as long as its neighbour.
+and repeat. That cost is the energy of the run between the nodes, or that of its account, which takes the mean speed of
+each cell: what differs more from the bound. The gap of a cell of the length h falls with h^2 or faster, so that a cell
+whose gap is k^2 times its share of the tolerance is cut into k. Cells are also cut where the run would exceed its
+limits between the nodes, and none stays more than four times as long as its neighbour.
 """
 
 from dataclasses import dataclass, replace
@@ -32,6 +33,8 @@ STEEPEST, ROUNDING = 4.0, 1e-6
 """How many times as long as its neighbour a cell may be."""
 MAX_EXCESS = 5e-4
 """Cells in which a run exceeds a limit by more than this share are cut."""
+MAX_SHORTENED, IN_TIME = 3, 1e-9
+"""How often the time of a run that is slowed down is shortened, until it is later by less than this share."""
 MAX_GROWTH, FEWEST_CELLS = 4, 2000
 """A mesh grows at most to so many times its cells, or to so many."""
 
@@ -62,10 +65,16 @@ class RefinedOptimum:
 
     @property
     def gap(self) -> float:
-        """Energy of the run, followed between its nodes, less the bound, over the reference energy."""
-        data = self.task.mesh.data
-        energy_j = self.followed.total_j + data.auxiliary_power_w * self.followed.total_s
-        return (energy_j - self.bound.energy_j) / reference_energy(data, energy_j, self.task.running_time_s)
+        """Energy of the run less the bound, over the reference energy: followed between the nodes or as its account."""
+        data, followed = self.task.mesh.data, self.followed
+        followed_j = followed.total_j + data.auxiliary_power_w * followed.total_s
+        scale_j = reference_energy(data, followed_j, self.task.running_time_s)
+        return max(((energy_j - self.bound.energy_j) / scale_j for energy_j in (followed_j, self.energy_j)), key=abs)
+
+    @property
+    def energy_j(self) -> float:
+        """Energy of the run by the account of its cells, without dwells [J]."""
+        return self.solution.energy_j - self.task.dwell_energy_j
 
 
 def refined_optimum(task: Task) -> RefinedOptimum:
@@ -106,24 +115,36 @@ def _bounded_optimum(task: Task, rounds: int) -> RefinedOptimum:
 
 
 def _better(before: RefinedOptimum, found: RefinedOptimum, tolerance: float) -> RefinedOptimum:
-    """Return the later of two optima with the greater of both bounds, unless its gap is larger and not tolerated."""
+    """Return the later of two optima with the greater of both bounds, unless its gap is larger and not tolerated.
+
+    A run that lies below the bound, or exceeds its limits between the nodes, is one of too coarse a mesh, whatever the
+    gap of the finer one.
+    """
     bound = max(before.bound, found.bound, key=lambda bound: bound.energy_j)
     before, found = (replace(one, bound=bound, rounds=found.rounds) for one in (before, found))
-    return found if abs(found.gap) <= max(abs(before.gap), tolerance) else before
+    stands = before.gap >= -tolerance and before.followed.is_possible
+    if not stands or abs(found.gap) <= max(abs(before.gap), tolerance):
+        return found
+    return before
 
 
 def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
     data, optimum, pieces = found.task.mesh.data, found.solution.optimum, found.bound.pieces
-    price_of_time_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
+    price_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
+    account = account_of_run(data, optimum.speed2)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
     last = np.searchsorted(pieces.cell, numbers, side="right") - 1
     start, end = pieces.motion[0, first] * optimum.speed2[:-1], pieces.motion[1, last] * optimum.speed2[1:]
-    gaps: FloatArray = found.followed.supply_energy_j + price_of_time_w * found.followed.duration_s
-    gaps -= data.half_inertia_kg * (end - start)
-    return gaps - np.bincount(pieces.cell, found.bound.shares_j, count)
+    costs = (
+        (account.supply_power_w + price_w) * account.duration_s,
+        found.followed.supply_energy_j + price_w * found.followed.duration_s,
+    )
+    shares_j = np.bincount(pieces.cell, found.bound.shares_j, count) + data.half_inertia_kg * (end - start)
+    by_account, followed = (cost_j - shares_j for cost_j in costs)
+    return np.where(np.abs(by_account) > np.abs(followed), by_account, followed)
 
 
 def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
@@ -135,11 +156,13 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
     task, optimum = found.task, found.solution.optimum
     if found.followed.is_possible:
         return found
-    data = task.mesh.data
+    data, shorter = task.mesh.data, task
     speed2 = slow_to_possible(data, optimum.speed2)
-    late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
-    if late_s > 0.0:
-        shorter = replace(task, running_time_s=task.running_time_s - late_s)
+    for _ in range(MAX_SHORTENED):
+        late_s = running_time(data.cell_length_m, speed2) - task.running_time_s
+        if late_s <= IN_TIME * task.running_time_s:
+            break
+        shorter = replace(shorter, running_time_s=shorter.running_time_s - late_s)
         if not shorter.has_slack:
             return found
         try:
@@ -147,8 +170,8 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
         except SolverError:
             return found
         speed2 = slow_to_possible(data, optimum.speed2)
-        if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
-            return found
+    if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
+        return found
     net_j = net_energy(*supply_energies_j(task.mesh, account_of_run(data, speed2)))
     moved = optimum._replace(speed2=speed2, energy_j=net_j - task.dwell_energy_j)
     solution = Solution(moved, found.solution.iterations + optimum.iterations, net_j)
@@ -186,6 +209,11 @@ def _graded(length_m: FloatArray, cuts: IntArray) -> IntArray:
         if not steep.any():
             return cuts
         cuts = np.where(steep, 2 * cuts, cuts)
+
+
+def halved(task: Task) -> Task:
+    """Return a task over a mesh whose cells are cut into halves."""
+    return _finer_task(task, np.full(task.mesh.cell_count, 2))
 
 
 def _finer_task(task: Task, cuts: IntArray) -> Task:

@@ -282,6 +282,9 @@ def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
                 break
             # the force is too much by about this, and falls by k with the square of the speed
             beyond = abs(effort) * excess / (1.0 + excess)
+            if cell.supply_share < 1.0 and not (effort < 0.0 < train.friction_effort_n):
+                # nothing is left there, so that all of the effort is too much
+                beyond = abs(effort)
             lowered[node] = max(lowered[node] - beyond / cell.inertia, 0.0)
     return lowered
 

@@ -7,7 +7,7 @@ import math
 from dataclasses import replace
 
 from railjoule.core.bounds import Solution, certify, minimise
-from railjoule.core.continuous_bound.refinement import refined_optimum
+from railjoule.core.continuous_bound.refinement import halved, refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
@@ -25,6 +25,8 @@ from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
 
+MAX_HALVINGS = 2
+"""How often the cells of a drive with idle losses are halved whose run needs less than any driving does."""
 SAID_SHARE = 1e-4
 """To which the saving of free switching is rounded up, as a share of the energy."""
 
@@ -89,6 +91,22 @@ def _by_interior_point(task: Task) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
     if not task.mesh.drive.has_idle_losses:
         return _smooth_optimum(task)
+    best = _switched_optimum(task)
+    for _ in range(MAX_HALVINGS if task.can_be_remeshed else 0):
+        if not best.is_below_bound:
+            break
+        task = halved(task)
+        try:
+            task.require_timetable()
+            best = _switched_optimum(task)
+        except RailjouleError:
+            # what the coarse mesh allows is the best known; its notes say that it is too coarse
+            break
+    return best
+
+
+def _switched_optimum(task: Task) -> Trajectory:
+    """Return the best run found of a drive with idle losses over the task's mesh, with its bound."""
     # the bound belongs to this optimum, which is relaxed: the run below may be another, and lie above it
     solution = minimise(task)
     run = best_switched(task, solution.optimum)

@@ -78,7 +78,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
         "advice": [asdict(told) for told in trajectory.advice],
-        "notes": list(trajectory.notes),
+        "notes": list(trajectory.all_notes),
     }
 
 

@@ -446,7 +446,7 @@ def inset(*pieces: str) -> Markup:
 
 def notes(run: Trajectory) -> Markup:
     """Return what a run simplified, and what its bound covers."""
-    return note_paragraphs([*run.notes, *([run.bound.statement] if run.bound is not None else [])])
+    return note_paragraphs([*run.all_notes, *([run.bound.statement] if run.bound is not None else [])])
 
 
 def note_paragraphs(sentences: Iterable[str], style: str = "") -> Markup:

@@ -240,7 +240,7 @@ def proof(findings: Findings, figures: Figures) -> Markup:
     """Return the bound in words, the notes of all strategies and the refusals."""
     names, runs = words.STRATEGY_WORDS, findings.runs
     proven = joined(markup("<p>{}</p>", sentence) for sentence in bound_sentences(findings))
-    notes = listed(words.about(names[name], note) for name, run in runs.runs.items() for note in run.notes)
+    notes = listed(words.about(names[name], note) for name, run in runs.runs.items() for note in run.all_notes)
     refusals = listed(words.about(names[name], reason) for name, reason in runs.refused.items())
     told = markup("<h3>Notes of the strategies</h3>{}", notes) if notes else ""
     refused = markup("<h3>Strategies that refused</h3>{}", refusals) if refusals else ""

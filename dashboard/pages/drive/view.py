@@ -223,7 +223,7 @@ class DriveView(PageView):
         elif not is_same_plan(actual, run):
             run = actual.planned
         # the bound of a plan stands below its numbers, where the actual run has none
-        notes = parts.notes(run) if actual is not None else parts.note_paragraphs(run.notes)
+        notes = parts.notes(run) if actual is not None else parts.note_paragraphs(run.all_notes)
         self.notes.object = parts.markup('<div class="block"><h2>Notes</h2>{}</div>', notes) if notes else ""
         self.scenes["price"].host.visible = self.state.proof.has_prices_open and PriceChart.is_known(run)
         self.proof.show(run, hidden=actual is not None)
