@@ -144,7 +144,8 @@ def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     )
     shares_j = np.bincount(pieces.cell, found.bound.shares_j, count) + data.half_inertia_kg * (end - start)
     by_account, followed = (cost_j - shares_j for cost_j in costs)
-    return np.where(np.abs(by_account) > np.abs(followed), by_account, followed)
+    gaps: FloatArray = np.where(np.abs(by_account) > np.abs(followed), by_account, followed)
+    return gaps
 
 
 def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
