@@ -32,7 +32,8 @@ from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.page import PageView, view_of
+from railjoule.dashboard.pages.host import view_of
+from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.scenario_folder import ScenarioFolder

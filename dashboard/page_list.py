@@ -1,7 +1,10 @@
 """All pages by name. Each stands in a room of its own, and is known here before anything of it is loaded."""
 
+from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 from keyword import iskeyword
+from typing import Any
 
 from railjoule.dashboard.page_entry import PageEntry
 
@@ -36,6 +39,17 @@ def entry_of(name: str) -> PageEntry:
     """Return what is known of a page before it is opened."""
     entry: PageEntry = import_module(room_of(name)).PAGE
     return entry
+
+
+@cache
+def page_classes() -> dict[str, Any]:
+    """Return the pages that are one class, by name: those whose room has a module `page`."""
+    found = {}
+    for name in NAMES:
+        if find_spec(f"{room_of(name)}.page") is not None:
+            module = import_module(f"{room_of(name)}.page")
+            found[name] = next(kind for kind in vars(module).values() if getattr(kind, "page", None) == name)
+    return found
 
 
 PAGES = {name: entry_of(name) for name in NAMES}

@@ -1,7 +1,6 @@
 """What all pages share: they draw what is there when they are made, follow their sources, and outlive their errors."""
 
 from collections.abc import Callable, Mapping
-from importlib import import_module
 from typing import Any
 
 import panel as pn
@@ -20,7 +19,6 @@ from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
-from railjoule.dashboard.page_list import room_of
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.page_work import PageWork
@@ -236,11 +234,3 @@ class _Part:
 
     def __init__(self, draw: Any, sources: tuple[tuple[Any, list[str]], ...]) -> None:
         self.draw, self.sources, self.due, self.failed = draw, sources, True, False
-
-
-def view_of(name: str) -> type[PageView]:
-    """Return what draws a page: the view in its room."""
-    module = import_module(f"{room_of(name)}.view")
-    # each such module has PageView too, whose name of a page is empty
-    made = (found for found in vars(module).values() if isinstance(found, type) and issubclass(found, PageView))
-    return next(view for view in made if view.page == name)

@@ -16,7 +16,7 @@ from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.pages.motor.view import held_words, parts_table, run_figures
+from railjoule.dashboard.pages.motor.texts import held_words, parts_table, run_figures
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report.figures import Figures, Plot
 from railjoule.dashboard.report.findings import Findings

@@ -20,7 +20,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.fields import EventFields
-from railjoule.dashboard.pages.motor.fields import MotorFields
+from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.speed_limits.fields import SectionFields
 from railjoule.dashboard.pages.study.settings import StudyFields
@@ -74,7 +74,8 @@ class Sidebar:
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.shortest = html_pane()
         self.vehicle = html_pane()
-        own = [PageFields(state, page, make).view for page, make in OWN_FIELDS.items()]
+        of_pages = {name: lambda _, page=page: OwnFields(page) for name, page in state.pages.items() if page.fields}
+        own = [PageFields(state, name, make).view for name, make in {**OWN_FIELDS, **of_pages}.items()]
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.strategy_part = stack(
@@ -256,7 +257,6 @@ OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Robustness": RealityFields,
     "Disturbances": EventFields,
     "Speed limits": SectionFields,
-    "Motor": MotorFields,
     "Study": StudyFields,
 }
 """Fields that one page alone has, by its name."""

@@ -4,69 +4,20 @@ Share, the report and the copied command line read it here, so that none of them
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.dashboard.actual.event import TABLES
 from railjoule.dashboard.actual.model import actual_changes, event_changes
 from railjoule.dashboard.pages.learn.model import LESSONS
-from railjoule.dashboard.pages.motor.compute import Limits, limits_of
+from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
 
-
-@dataclass(frozen=True)
-class Program:
-    """What turns a scenario into the number of a page.
-
-    Parameters
-    ----------
-    imports : mapping of str to str
-        What it needs, by the name of what is imported; the module is the value.
-    body : str
-        Python, which finds the scenario as `scenario` and prints an energy [kWh].
-    command : str
-        The command of `railjoule` that does the same with a scenario; empty where none does.
-    of_scenario : bool
-        Whether it runs the page's scenario at all.
-    """
-
-    imports: Mapping[str, str]
-    body: str
-    command: str
-    of_scenario: bool = True
-
-
-@dataclass(frozen=True)
-class PageRun:
-    """What a page computes.
-
-    Parameters
-    ----------
-    program : Program
-    changes : mapping
-        What it lays over the scenario, by the keys of the file.
-    untold : str
-        A sentence on what of it no scenario file can say; empty where one says all.
-    """
-
-    program: Program
-    changes: Mapping[str, Any] = field(default_factory=dict)
-    untold: str = ""
-
-
-def _simulation(name: str, module: str) -> Program:
-    body = "ride = simulate(scenario)\nprint(ride.actual.energy_kwh)\n"
-    return Program({f"{name} as simulate": f"railjoule.core.simulation.{module}"}, body, "simulate")
-
-
-SOLVE = Program({"solve": "railjoule.core"}, "run = solve(scenario)\nprint(run.energy_kwh)\n", "solve")
 WHOLE_LINE = Program(
     {"whole_line": "railjoule.core.studies.whole_line"}, "line = whole_line(scenario)\nprint(line.run.energy_kwh)\n", ""
 )
-ACTUAL_RUN = _simulation("actual_run", "actual_run")
-FOLLOWING = _simulation("simulate_following", "following")
-IN_CLOSED_LOOP = _simulation("simulate_field_oriented", "field_oriented")
+ACTUAL_RUN = simulation("actual_run", "actual_run")
+FOLLOWING = simulation("simulate_following", "following")
 VALIDATION = Program(
     {"PAPERS": "railjoule.core.validation"},
     "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
@@ -78,7 +29,8 @@ NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.v
 
 def page_run(state: Workbench) -> PageRun:
     """Return what the page in sight computes."""
-    return PAGE_RUNS.get(state.page, _plan)(state)
+    page = state.pages.get(state.page)
+    return PAGE_RUNS.get(state.page, _plan)(state) if page is None else page.page_run()
 
 
 def _plan(state: Workbench) -> PageRun:
@@ -138,28 +90,6 @@ def _speed_limits(state: Workbench) -> PageRun:
     return PageRun(SOLVE, state.speed_limits.changes)
 
 
-def _motor(state: Workbench) -> PageRun:
-    model, scenario = state.motor, state.scenario
-    own = limits_of(scenario.edited)
-    if own is None or model.max_phase_voltage_v is None or model.max_current_a is None:
-        return _plan(state)
-    changes = {"strategy": state.chosen, **model.changes}
-    tried = Limits(model.max_phase_voltage_v, model.max_current_a)
-    # of these drives alone the plan depends on what the inverter gives
-    if tried == own or "drive.max_phase_voltage_v" not in changes:
-        return PageRun(IN_CLOSED_LOOP, changes)
-    body = (
-        f"loop = scenario.replace(**{dict(model.changes)!r})\n"
-        "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
-    )
-    program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")
-    untold = (
-        f"The page tries {tried.max_phase_voltage_v:g} V and {tried.max_current_a:g} A on a plan that does not know of "
-        "them. A scenario file has one set of limits, for the plan and for the motors."
-    )
-    return PageRun(program, {"strategy": state.chosen}, untold)
-
-
 def _line(state: Workbench) -> PageRun:
     # the page divides the time by optima, whatever strategy is chosen
     untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
@@ -212,7 +142,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Robustness": _robustness,
     "Disturbances": _disturbances,
     "Speed limits": _speed_limits,
-    "Motor": _motor,
     "Line": _line,
     "Study": _study,
     "Learn": _learn,

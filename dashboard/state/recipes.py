@@ -12,7 +12,8 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.scenario import document_of, format_scenario
-from railjoule.dashboard.state.programs import Program, page_run
+from railjoule.dashboard.state.program import Program
+from railjoule.dashboard.state.programs import page_run
 from railjoule.dashboard.state.workbench import Workbench
 
 FILE = "scenario.toml"

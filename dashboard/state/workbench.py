@@ -13,7 +13,7 @@ from railjoule.core.trajectory import Bound
 from railjoule.dashboard.actual.model import ActualModel
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
-from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.page_list import PAGES, page_classes, room_of
 from railjoule.dashboard.pages.disturbances.live_model import LiveModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
@@ -23,7 +23,6 @@ from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.motor.model import MotorModel
 from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
@@ -108,7 +107,6 @@ class Workbench(Kept, PageModel):
         self.live = LiveModel()
         self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
-        self.motor = MotorModel()
         self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
@@ -118,6 +116,8 @@ class Workbench(Kept, PageModel):
         self.proof = ProofModel()
         self.simple = SimpleModel()
         super().__init__(**params)
+        self.pages: dict[str, Any] = {name: page(self) for name, page in page_classes().items()}
+        """Pages that are one class, by name; the others have a model above and a view of their own."""
         self.address_prefix = self.scenario.address_prefix = ""
         for name, model in self.models.items():
             if model is not self.scenario:
@@ -152,7 +152,8 @@ class Workbench(Kept, PageModel):
     @property
     def models(self) -> dict[str, Kept]:
         """The models of the scenario and of all pages, by name."""
-        return {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
+        known = {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
+        return {**known, **{room_of(name).rpartition(".")[2]: page for name, page in self.pages.items()}}
 
     @property
     def drawn(self) -> tuple[str, ...]:

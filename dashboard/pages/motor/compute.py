@@ -207,32 +207,14 @@ def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:
     return OperatingPoints(frozen_array(points.torque_nm[chosen]), frozen_array(points.speed_rads[chosen]))
 
 
-@dataclass(frozen=True)
-class RippleRequest:
-    """A run, and the time at which its switched currents are asked for."""
-
-    run: FieldOrientedRun
-    at_s: float
-
-
-def compute_ripple(request: RippleRequest) -> Ripple:
+def compute_ripple(run: FieldOrientedRun, at_s: float) -> Ripple:
     """Return currents under switched voltage around a time, which is kept within the run."""
-    return current_ripple(
-        request.run, min(max(request.at_s, float(request.run.time_s[0])), float(request.run.time_s[-1]))
-    )
+    return current_ripple(run, min(max(at_s, float(run.time_s[0])), float(run.time_s[-1])))
 
 
-@dataclass(frozen=True)
-class FluxRequest:
-    """A scenario with the limits of its inverter, and a speed that the train holds on level track [km/h]."""
-
-    scenario: Scenario
-    speed_kmh: float
-
-
-def compute_flux_sweep(request: FluxRequest) -> FluxSweep:
-    """Compute losses, voltage, efficiency and power factor over the flux; errors as `sweep_flux`."""
-    return sweep_flux(actual_vehicle(request.scenario).vehicle, request.speed_kmh * MS_PER_KMH)
+def compute_flux_sweep(scenario: Scenario, speed_kmh: float) -> FluxSweep:
+    """Return losses, voltage, efficiency and power factor over the flux of a cruise; errors as `sweep_flux`."""
+    return sweep_flux(actual_vehicle(scenario).vehicle, speed_kmh * MS_PER_KMH)
 
 
 def compute_detuning(request: LoopRequest) -> Iterator[DetuningTable]:

@@ -61,11 +61,11 @@ class Desk:
     """A workbench with one work, out of its page's sight, that has something to ask for."""
 
     def __init__(self, made):
-        self.state, self.page = Workbench(page="Help"), Page()
+        self.state, self.page, self.name = Workbench(page="Help"), Page(), made.__name__
         if made.__name__ in PRESETS:
             self.state.scenario.choose(PRESETS[made.__name__])
         self.work = made(self.state)
-        found = {**vars(self.work), **vars(self.work).get("workers", {})}
+        found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
         self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
         self.state.actual.on = True
         if made.__name__ == "MeasuredRuns":
@@ -106,7 +106,7 @@ def desk(request, monkeypatch):
 
 
 def name_of(desk):
-    return type(desk.work).__name__
+    return desk.name
 
 
 def test_it_asks_while_its_page_is_in_sight_and_for_what_has_changed_meanwhile(desk):

@@ -25,12 +25,13 @@ from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.line.model import LineModel, StationModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.motor.model import MotorModel
+from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SectionModel, SpeedLimitsModel
 from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.scenario import ScenarioModel
+from railjoule.dashboard.state.workbench import Workbench
 
 STOP, LIMIT = EventModel(kind="stop"), EventModel(kind="limit")
 VOLTAGE, RECUPERATION = EventModel(kind="voltage"), EventModel(kind="recuperation")
@@ -76,7 +77,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
     "recuperation": (RECUPERATION, {"share_percent": (RecuperationChange, "recuperation_factor", 100)}),
     "disturbances": (DisturbancesModel(), {"accepted_delay_s": (Disturbance, "accepted_delay_s", 1)}),
     "motor": (
-        MotorModel(),
+        Motor(Workbench()),
         {
             "bandwidth_rads": (SimulationOptions, "bandwidth_rads", 1),
             "rotor_resistance_factor": (SimulationOptions, "rotor_resistance_factor", 1),

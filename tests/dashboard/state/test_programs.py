@@ -18,14 +18,15 @@ from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.line.work import WholeLines
-from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
-from railjoule.dashboard.state.programs import PAGE_RUNS, Program, page_run
+from railjoule.dashboard.state.program import Program
+from railjoule.dashboard.state.programs import PAGE_RUNS, page_run
 from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, recipe_of, toml_value
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -80,13 +81,13 @@ def set_limits(state: Workbench) -> None:
 
 
 def loosen_the_loop(state: Workbench) -> None:
-    state.motor.bandwidth_rads = 5.0
-    state.motor.max_current_a = 380.0
+    state.pages["Motor"].bandwidth_rads = 5.0
+    state.pages["Motor"].max_current_a = 380.0
 
 
 def choke_the_inverter(state: Workbench) -> None:
-    assert state.motor.max_current_a is not None
-    state.motor.max_current_a *= 0.9
+    assert state.pages["Motor"].max_current_a is not None
+    state.pages["Motor"].max_current_a *= 0.9
 
 
 def fix_an_arrival(state: Workbench) -> None:
@@ -124,13 +125,13 @@ CASES = (
     ),
     Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, prepare=set_limits),
     Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, name="searched"),
-    Case("Motor", "ftorek-300s", lambda s: s.motor.run.actual, SHORT_METRO, loosen_the_loop),
+    Case("Motor", "ftorek-300s", lambda s: s.pages["Motor"].run.actual, SHORT_METRO, loosen_the_loop),
     Case("Motor", "liashenko-i", plan, name="without machine"),
-    Case("Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, name="tram"),
+    Case("Motor", "tram-950m", lambda s: s.pages["Motor"].run.actual, SHORT_TRAM, name="tram"),
     Case(
         "Motor",
         "tram-950m",
-        lambda s: s.motor.run.actual,
+        lambda s: s.pages["Motor"].run.actual,
         SHORT_TRAM,
         choke_the_inverter,
         "limits tried",
@@ -175,7 +176,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (Robustness, Disturbances, Actual, SpeedLimits, Motor, WholeLines):
+    for work in (Robustness, Disturbances, Actual, SpeedLimits, works_of("Motor"), WholeLines):
         work(state)
     if case.edits:
         state.scenario.edit(case.edits)
@@ -194,7 +195,8 @@ def reported(request: ReportRequest) -> list[float]:
 
 
 def test_every_page_is_walked() -> None:
-    assert list(PAGE_RUNS) == list(PAGES)
+    assert {*PAGE_RUNS, *Workbench().pages} == set(PAGES)
+    assert not PAGE_RUNS.keys() & Workbench().pages.keys()
     assert {case.page for case in CASES} | {*OTHERS, *AS_START} == set(PAGES)
     assert {PAGE_RUNS[page] for page in AS_START} == {PAGE_RUNS["Start"]}
 

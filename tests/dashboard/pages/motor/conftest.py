@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.pages.motor.work import Motor
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.state.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
@@ -11,7 +11,7 @@ SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s"
 def opened():
     """A workbench whose page Motor is in sight; all work is done in the test's own turn."""
     state = Workbench()
-    Motor(state)
+    works_of("Motor")(state)
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
     state.scenario.edit(SHORT)
@@ -26,7 +26,7 @@ def state(opened):
     opened.page = "Drive"
     opened.scenario.choose("ftorek-300s")
     opened.chosen = "enoc"
-    opened.motor.take(opened.scenario.base)
-    opened.motor.detuning = None
+    opened.pages["Motor"].take(opened.scenario.base)
+    opened.pages["Motor"].detuning = None
     opened.scenario.edit(SHORT)
     opened.page = "Motor"

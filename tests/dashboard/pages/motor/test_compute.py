@@ -8,7 +8,6 @@ from railjoule.dashboard.pages.motor.compute import (
     LoopRequest,
     LoopRivals,
     LoopRun,
-    RippleRequest,
     compute_detuning,
     compute_loop_run,
     compute_ripple,
@@ -66,7 +65,7 @@ def test_strategies_that_refuse_a_line_are_told() -> None:
 
 
 def test_ripple_is_asked_for_within_the_run(loop: LoopRun) -> None:
-    ripple = compute_ripple(RippleRequest(loop.run, 1e6))
+    ripple = compute_ripple(loop.run, 1e6)
     assert np.all(np.isfinite(ripple.phase_current_a))
     assert ripple.time_s[0] <= loop.run.time_s[-1]
 

@@ -5,7 +5,7 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from railjoule.dashboard.pages.motor.loop_diagram import BLOCKS, DRAWINGS, Drawing, diagram
-from railjoule.dashboard.pages.motor.view import HEIGHTS
+from railjoule.dashboard.pages.motor.page import Motor
 
 
 @pytest.mark.parametrize("drawing", DRAWINGS, ids=lambda drawing: drawing.kind)
@@ -30,4 +30,4 @@ def test_blocks_lie_apart_and_inside(drawing: Drawing) -> None:
 
 def test_every_figure_of_the_page_has_one_block() -> None:
     explained = [name for block in BLOCKS.values() for name in block.charts]
-    assert sorted(explained) == sorted(HEIGHTS)
+    assert sorted(explained) == sorted(plot.name for plot in Motor.figures)

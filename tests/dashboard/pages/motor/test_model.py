@@ -1,19 +1,26 @@
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.dashboard.pages.motor.model import MotorModel
+from railjoule.dashboard.pages.motor.page import Motor
+from railjoule.dashboard.state.workbench import Workbench
 
 SUBURBAN = load_scenario("ftorek-300s")
 
 
+def motor_of(preset: str) -> Motor:
+    desk = Workbench()
+    desk.scenario.choose(preset)
+    page: Motor = desk.pages["Motor"]
+    page.take(desk.scenario.base)
+    return page
+
+
 @pytest.fixture
-def model() -> MotorModel:
-    model = MotorModel()
-    model.take(SUBURBAN)
-    return model
+def model() -> Motor:
+    return motor_of("ftorek-300s")
 
 
-def test_what_a_file_says_comes_back_as_it_was(model: MotorModel) -> None:
+def test_what_a_file_says_comes_back_as_it_was(model: Motor) -> None:
     # both limits of the vehicle's file
     assert (model.max_phase_voltage_v, model.max_current_a) == (1732.0, 810.0)
     again = SUBURBAN.replace(**model.changes)
@@ -26,8 +33,7 @@ def test_what_a_file_says_comes_back_as_it_was(model: MotorModel) -> None:
 
 
 def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
-    model, tram = MotorModel(), load_scenario("tram-950m")
-    model.take(tram)
+    model, tram = motor_of("tram-950m"), load_scenario("tram-950m")
     assert model.max_phase_voltage_v == tram.vehicle.drive.max_phase_voltage_v
     assert tram.replace(**model.changes).vehicle == tram.vehicle
     model.max_phase_voltage_v = 250.0
@@ -39,13 +45,12 @@ def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
 
 
 def test_a_drive_without_machine_has_no_limits() -> None:
-    model, metro = MotorModel(), load_scenario("liashenko-ii")
-    model.take(metro)
+    model, metro = motor_of("liashenko-ii"), load_scenario("liashenko-ii")
     assert model.max_phase_voltage_v is None
     assert metro.replace(**model.changes).vehicle == metro.vehicle
 
 
-def test_a_limit_that_the_train_cannot_start_with_is_refused_by_the_scenario(model: MotorModel) -> None:
+def test_a_limit_that_the_train_cannot_start_with_is_refused_by_the_scenario(model: Motor) -> None:
     model.max_current_a = 100.0
     with pytest.raises(ScenarioError, match="max_current_a = 100"):
         SUBURBAN.replace(**model.changes)

@@ -10,50 +10,53 @@ from railjoule.core import load_scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.motor.charts import length
+from railjoule.dashboard.pages.host import view_of
 from railjoule.dashboard.pages.motor.compute import LoopRequest, compute_detuning
-from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView, run_figures
+from railjoule.dashboard.pages.motor.page import Motor
+from railjoule.dashboard.pages.motor.texts import length, run_figures
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
-def shown(opened: Workbench) -> MotorView:
-    """The page with all its charts in sight."""
-    return MotorView(opened, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+def shown(opened: Workbench) -> Motor:
+    """The page with all its figures in sight."""
+    names = [plot.name for plot in Motor.figures]
+    view_of("Motor")(opened, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    return opened.pages["Motor"]
 
 
 @pytest.fixture
-def view(shown: MotorView, state: Workbench) -> MotorView:
+def view(shown: Motor, state: Workbench) -> Motor:
     """The same page; what a test changes is put back."""
     return shown
 
 
-def test_charts_draw_the_run(view: MotorView) -> None:
-    run = view.model.run
-    charts = view.loops
+def test_charts_draw_the_run(view: Motor) -> None:
+    run = view.run
+    charts = view.host.plots
     assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
     assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
     (_, integrated), (_, parts) = (sent(charts["loop_energy"], name) for name in ("input power", "parts"))
     assert integrated[-1] == pytest.approx(parts[-1], rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
-    assert len(view.over_distance.sources["actual"].data["x"]) == len(run.position_m)
-    assert 50 < len(view.map.sources["points"].data["x"]) <= 120
+    assert len(view.host.plots["loop_place"].sources["actual"].data["x"]) == len(run.position_m)
+    assert 50 < len(view.host.plots["machine_map"].sources["points"].data["x"]) <= 120
 
 
-def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
+def test_a_limit_that_holds_the_drive_is_told_and_marked(view: Motor) -> None:
     assert view.held.object == ""
-    view.model.max_phase_voltage_v = 400.0
+    view.max_phase_voltage_v = 400.0
     assert "The voltage limit</span> limited the motors from" in view.held.object
-    assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
+    assert len(view.host.plots["loop_voltage"].sources["bands"].data["from"]) > 0
 
 
-def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: MotorView) -> None:
-    view.model.max_current_a = 100.0
-    assert view.message.visible
-    assert "max current = 100 A must be above" in view.message.object
-    view.model.max_current_a = 810.0
-    assert not view.message.visible
+def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: Motor) -> None:
+    view.max_current_a = 100.0
+    assert view.host.message.visible
+    assert "max current = 100 A must be above" in view.host.message.object
+    view.max_current_a = 810.0
+    assert not view.host.message.visible
 
 
 def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
@@ -67,11 +70,11 @@ def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     assert "plan" not in at_motors
 
 
-def test_the_cruise_is_drawn_over_the_flux(view: MotorView) -> None:
-    view.model.cruise_speed_kmh = 60.0
-    sweep = view.model.flux_sweep
+def test_the_cruise_is_drawn_over_the_flux(view: Motor) -> None:
+    view.cruise_speed_kmh = 60.0
+    sweep = view.flux_sweep
     assert sweep.speed_ms == pytest.approx(60 / 3.6)
-    drawn = {name: source.data for name, source in view.flux_sweep.sources.items()}
+    drawn = {name: source.data for name, source in view.host.plots["flux_sweep"].sources.items()}
     current, factor = (drawn["power factor"][axis] for axis in "xy")
     assert current[-1] == pytest.approx(sweep.rated.flux_current_a)
     assert factor[-1] == pytest.approx(100 * sweep.rated.power_factor)
@@ -79,7 +82,7 @@ def test_the_cruise_is_drawn_over_the_flux(view: MotorView) -> None:
     assert f"{sweep.min_loss.power_factor:.3f}" in view.fluxes.object
     view.cruise.type("1000")
     assert view.cruise.refusal.startswith("At most ")
-    assert view.model.cruise_speed_kmh == 60.0
+    assert view.cruise_speed_kmh == 60.0
 
 
 def test_a_constant_flux_is_named_beside_a_plan_of_minimum_loss() -> None:
@@ -88,17 +91,23 @@ def test_a_constant_flux_is_named_beside_a_plan_of_minimum_loss() -> None:
     assert sentence in run.notes
 
 
-def test_the_study_shows_what_came(view: MotorView) -> None:
-    assert not view.detuning.host.visible
-    empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
+def test_the_study_shows_what_came(view: Motor) -> None:
+    assert not view.host.plots["detuning"].host.visible
+    empty = next(compute_detuning(LoopRequest(view.desk.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
-    view.model.detuning = replace(empty, energy_kwh=energy, done=3)
-    assert view.detuning.host.visible
+    view.detuning = replace(empty, energy_kwh=energy, done=3)
+    assert view.host.plots["detuning"].host.visible
     # in the order of the factors, against the right one
     nearest = empty.rotor_resistance_factors[:3]
-    assert view.detuning.sources["curve"].data["x"] == sorted(nearest)
-    cost = dict(zip(view.detuning.sources["curve"].data["x"], view.detuning.sources["curve"].data["y"], strict=True))
+    assert view.host.plots["detuning"].sources["curve"].data["x"] == sorted(nearest)
+    cost = dict(
+        zip(
+            view.host.plots["detuning"].sources["curve"].data["x"],
+            view.host.plots["detuning"].sources["curve"].data["y"],
+            strict=True,
+        )
+    )
     assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])
     assert view.costs.object.count("<tr") == 4
 

@@ -13,13 +13,13 @@ def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Wo
         state.scenario.choose(preset)
     state.scenario.edit(SHORT)
     state.chosen = chosen
-    assert state.motor.run is None
+    assert state.pages["Motor"].run is None
     state.page = "Motor"
-    assert state.motor.run.scenario.title == state.scenario.base.title
+    assert state.pages["Motor"].run.scenario.title == state.scenario.base.title
 
 
 def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
-    model = state.motor
+    model = state.pages["Motor"]
     before = model.run
     model.max_current_a = 100.0
     assert isinstance(model.failure, ScenarioError)
@@ -29,7 +29,7 @@ def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
 
 
 def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(state: Workbench) -> None:
-    model = state.motor
+    model = state.pages["Motor"]
     model.bandwidth_rads = 8.0
     state.scenario.edit({"solver.mesh_m": 4.0})
     assert model.bandwidth_rads == 8.0
@@ -39,9 +39,9 @@ def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(st
 
 
 def test_the_study_runs_when_it_is_asked_for(state: Workbench) -> None:
-    model = state.motor
+    model = state.pages["Motor"]
     assert model.detuning is None
-    model.param.trigger("study")
+    model.param.trigger("start")
     assert model.detuning is not None
     assert not model.studying
     # of another controller

@@ -1,0 +1,237 @@
+"""Figures as data: what a page says of a figure, and the two kinds of charts that draw it.
+
+`Plot` is a figure with axes of its own; `RunPlot` one over the axis that the figures of a page share, with a line for
+each of some runs, beneath one cursor. What is drawn comes as curves, or as runs whose quantities are drawn.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.quantities import Quantity
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Form, Line, RunLines, ends_of
+from railjoule.dashboard.look.paint import Palette
+
+Heights = tuple[int, int, int]
+"""Of a figure [px]: in usual, wide and narrow windows."""
+Ends = tuple[float, float]
+SOLID: Mapping[str, Any] = {"line_width": 1.8}
+DASHED: Mapping[str, Any] = {"line_width": 1.7, "line_dash": DRIVEN_DASH}
+NAMES_PX, BORDERS_PX = 22, 9
+"""Room above the lines for their names; what a figure takes above and below its frame."""
+BAND_ALPHA = 0.16
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """How a curve is drawn.
+
+    Parameters
+    ----------
+    token : str
+        The colour.
+    style : mapping
+        Width and dash.
+    word : str
+        Its name in the figure; without one it has none.
+    marks : bool
+        Whether its points are marked.
+    line : bool
+        Whether there is a line at all.
+    """
+
+    token: str
+    style: Mapping[str, Any] = field(default_factory=lambda: SOLID)
+    word: str = ""
+    marks: bool = False
+    line: bool = True
+
+
+@dataclass(frozen=True)
+class Plot:
+    """A figure with axes of its own.
+
+    Parameters
+    ----------
+    name, caption : str
+        As in `Chart`.
+    curves : mapping of str to Stroke
+        By the name under which they are drawn, and saved.
+    heights : tuple of int
+    x_title, y_title : str
+        Of the axes; where the y axis has none, the caption names it.
+    ticks : int
+        Requested on the y axis.
+    digits, x_digits : int
+        Decimals of the numbers at the axes.
+    zero : bool
+        Whether there is a line at zero.
+    from_zero : bool
+        Whether the y axis begins at zero.
+    uprights : mapping of str to str
+        Colours of upright dashed lines, by the name under which they are drawn.
+    room : float
+        Share of the values' range that is left free above and below.
+    chart : callable, optional
+        Makes its chart from height and palette, where it is none of curves.
+    """
+
+    name: str
+    caption: str
+    curves: Mapping[str, Stroke] = field(default_factory=dict)
+    heights: Heights = (190, 220, 180)
+    x_title: str = ""
+    y_title: str = ""
+    ticks: int = 4
+    digits: int = 0
+    x_digits: int = 0
+    zero: bool = False
+    from_zero: bool = False
+    uprights: Mapping[str, str] = field(default_factory=dict)
+    room: float = 0.06
+    chart: Callable[[int, Palette], Chart] | None = None
+
+    def made(self, axis: Axis, palette: Palette) -> Chart:
+        """Return its chart."""
+        make = self.chart or (lambda height, colours: CurveChart(self, height, colours))
+        return make(self.heights[0], palette)
+
+
+@dataclass(frozen=True)
+class RunPlot:
+    """A figure over the page's shared axis of time, with a line for each of some runs.
+
+    Parameters
+    ----------
+    name : str
+    quantity : Quantity
+        That of its lines, where they have none of their own; its words are the caption.
+    lines : mapping of str to Line
+        From back to front, by their names in the figure; one without a name is alone.
+    heights : tuple of int
+    ticks, digits : int
+        As in `Plot`.
+    last : bool
+        Whether it has the numbers of the axis.
+    """
+
+    name: str
+    quantity: Quantity
+    lines: Mapping[str, Line]
+    heights: Heights = (190, 220, 180)
+    ticks: int = 4
+    digits: int = 0
+    last: bool = False
+
+    def made(self, axis: Axis, palette: Palette) -> Chart:
+        """Return its chart."""
+        return RunPlotChart(self, axis, palette)
+
+
+class CurveChart(LoneChart):
+    """Draws a `Plot`."""
+
+    def __init__(self, plot: Plot, height: int, palette: Palette) -> None:
+        super().__init__(plot.name, plot.caption, height, palette)
+        self.plot = plot
+
+    def build(self) -> None:
+        """Make the figure."""
+        plot = self.plot
+        f = self.frame(plot.ticks, plot.digits, plot.x_title, plot.y_title)
+        f.xaxis[0].formatter.args = {"digits": plot.x_digits}
+        if plot.zero:
+            add_zero(f, self.palette)
+        for name, stroke in plot.curves.items():
+            if stroke.line:
+                self.line(name, stroke.token, **stroke.style)
+            if stroke.marks:
+                self.dots(name, stroke.token, size=8, line_width=1.5)
+        for name, token in plot.uprights.items():
+            self.glyphs("segment", name, "x", "from", "x", "to", paint={"line_color": token}, line_dash=DRIVEN_DASH)
+        self.add_names(size=11)
+
+    def draw(
+        self,
+        curves: Mapping[str, Curve],
+        uprights: Mapping[str, float] | None = None,
+        x_ends: Ends | None = None,
+        y_ends: Ends | None = None,
+    ) -> None:
+        """Draw curves and upright lines.
+
+        Parameters
+        ----------
+        curves : mapping of str to pair of array
+            By their names in the plot; those that are missing are taken off.
+        uprights : mapping of str to float, optional
+            Where the upright lines stand.
+        x_ends, y_ends : tuple of float, optional
+            Ends of the axes, where they do not follow from the curves.
+        """
+        for name in self.plot.curves:
+            self.put(name, **xy(*curves.get(name, (np.empty(0), np.empty(0)))))
+        drawn = {name: curve for name, curve in curves.items() if len(curve[0])}
+        if not drawn:
+            return
+        x = x_ends or (min(float(x.min()) for x, _ in drawn.values()), max(float(x.max()) for x, _ in drawn.values()))
+        low, high = ends_of(drawn.values())
+        y = y_ends or nice_range(0.0 if self.plot.from_zero else low, high, self.plot.room)
+        self.set_ranges(x, (0.0, y[1]) if self.plot.from_zero and y_ends is None else y)
+        for name, place in (uprights or {}).items():
+            self.put(name, x=[place], **{"from": [self.y_range.start], "to": [self.y_range.end]})
+        strokes = self.plot.curves
+        names = [
+            Name(name, stroke.word, self.palette.tokens[stroke.token])
+            for name, stroke in strokes.items()
+            if stroke.word and name in drawn
+        ]
+        self.place_names(drawn, names, [], size=11)
+
+
+class RunPlotChart(RunLines):
+    """Draws a `RunPlot`: runs over time, their names in a row above them, and bands where a limit held the drive."""
+
+    def __init__(self, plot: RunPlot, axis: Axis, palette: Palette) -> None:
+        form = Form(plot.ticks, plot.digits, zero=True, last=plot.last, over_time=True)
+        super().__init__(plot.name, plot.quantity, plot.lines, plot.heights[0], axis, palette, form=form)
+
+    def beneath(self) -> None:
+        """Draw the bands beneath the lines."""
+        self.glyphs(
+            "vstrip", "bands", "from", "to", paint={"fill_color": "limit"}, fill_alpha=BAND_ALPHA, line_color=None
+        )
+
+    def above(self) -> None:
+        """Write the names of the lines."""
+        self.coloured_signs("names", 12, text_baseline="top", y_offset=2)
+
+    def draw(self, runs: Mapping[str, Any], bands: Sequence[Ends] = ()) -> None:
+        """Draw the runs that there are, by the names of the lines, and bands from time to time [s]."""
+        drawn = self.fill(runs, over_time=True)
+        self.told["sources"] = [self.read(word, word) for word in drawn]
+        low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
+        bottom, top = nice_range(low, high)
+        bottom = bottom if low < 0 else 0.0
+        if any(drawn):
+            frame_px = self.height - BORDERS_PX
+            # the lines get the frame less the row of names, NAMES_PX of it
+            top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
+        self.set_range(bottom, top)
+        self._name([word for word in drawn if word], top)
+        self.put("bands", **{"from": [start for start, _ in bands], "to": [end for _, end in bands]})
+
+    def _name(self, names: list[str], height: float) -> None:
+        """Write the names side by side above the lines."""
+        self.put(
+            "names",
+            x=[(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
+            y=[height] * len(names),
+            text=names,
+            colour=[self.palette.tokens[self.lines[word].token] for word in names],
+        )

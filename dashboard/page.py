@@ -1,0 +1,404 @@
+"""A page as one class: its fields and results are parameters, `@work` computes results, `@shows` draws them.
+
+    class Speeds(Page):
+        page = "Speeds"
+        kept = ("factor",)
+        factor = keyed(SomeOptions, "factor", "Factor", digits=2)
+        table = result(Table, "What has been computed last.")
+
+        @work("scenario", "factor", into="table")
+        def _table(self) -> Request:
+            return compute_table, self.desk.scenario.scenario(), self.factor
+
+        def layout(self) -> Viewable:
+            return html_pane(...)
+
+        @shows("table")
+        def _show(self) -> None: ...
+
+A name of a source is a parameter of the page (`factor`), one of the desk (`desk.chosen`), or `scenario`: all that a run
+depends on. `PageWorks` computes what pages ask for, in threads, while they are in sight, and draws nothing; that does
+`railjoule.dashboard.pages.host`.
+"""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+import param
+from panel.viewable import Viewable
+from pydantic import BaseModel
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state.page_model import PageModel
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.program import SOLVE, PageRun
+from railjoule.dashboard.state.scenario import RUN_FIELDS
+from railjoule.dashboard.work.worker import LONG_THREADS
+
+if TYPE_CHECKING:
+    from concurrent.futures import ThreadPoolExecutor
+
+    from railjoule.dashboard.pages.host import PageHost
+    from railjoule.dashboard.state.workbench import Workbench
+
+Request = tuple[Any, ...] | None
+"""A function and its arguments, which must tell by `==` whether they ask for the same; None where nothing is asked."""
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+@dataclass(frozen=True)
+class Work:
+    """What a page computes: see `work` and `study`."""
+
+    prepare: str
+    names: tuple[str, ...]
+    into: str
+    marked: bool = False
+    is_slow: Callable[..., bool] = lambda *_: False
+    only_last: bool = True
+    clears: bool = False
+    start: str = ""
+    busy: str = ""
+    threads: "ThreadPoolExecutor | None" = None
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading among the fields of the sidebar, and what is said beside it."""
+
+    title: str
+    aside: str = ""
+
+
+def work(
+    *names: str,
+    into: str,
+    marked: bool = False,
+    is_slow: Callable[..., bool] = lambda *_: False,
+    only_last: bool = True,
+    clears: bool = False,
+) -> Callable[[Method], Method]:
+    """Compute a result in a thread whenever a source changes while the page is in sight.
+
+    The method returns a `Request`. What was asked for already is not asked for again; of what is asked meanwhile only
+    the last is done; results of another scenario than the present one are dropped.
+
+    Parameters
+    ----------
+    *names : str
+        The sources.
+    into : str
+        The parameter that takes the result; None where nothing is asked for.
+    marked : bool
+        Whether the page turns grey while it waits for it.
+    is_slow : callable
+        Whether a request takes seconds; called with the arguments of the request.
+    only_last : bool
+        Whether a result is dropped when another one has been asked for meanwhile; else it is shown until that comes.
+    clears : bool
+        Whether an error takes the last result away; else that stays, with the error above it.
+    """
+
+    def decorate(prepare: Method) -> Method:
+        prepare.work = Work(prepare.__name__, names, into, marked, is_slow, only_last, clears)  # type: ignore[attr-defined]
+        return prepare
+
+    return decorate
+
+
+def study(
+    *names: str,
+    into: str,
+    busy: str = "",
+    start: str = "",
+    marked: bool = False,
+    threads: "ThreadPoolExecutor" = LONG_THREADS,
+) -> Callable[[Method], Method]:
+    """Compute a result step by step: the function of the method's request yields one more complete at each step.
+
+    It begins anew when a source changes, as `work` does. Where an event starts it by hand, a source that changes ends
+    it and takes its result away.
+
+    Parameters
+    ----------
+    *names : str
+        The sources.
+    into, marked
+        As for `work`.
+    busy : str
+        The parameter that tells whether it is under way; setting it to False stops the study.
+    start : str
+        The event that starts it.
+    threads : executor
+    """
+
+    def decorate(prepare: Method) -> Method:
+        prepare.work = Work(  # type: ignore[attr-defined]
+            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads
+        )
+        return prepare
+
+    return decorate
+
+
+def shows(*names: str) -> Callable[[Method], Method]:
+    """Call a method when the page is drawn, and whenever a source changes while it is in sight.
+
+    A method that fails is told of above the page, and the others go on.
+    """
+
+    def decorate(draw: Method) -> Method:
+        draw.shown = names  # type: ignore[attr-defined]
+        return draw
+
+    return decorate
+
+
+def keyed(part: type[BaseModel], key: str, label: str, unit: str = "", digits: int = 0, **params: Any) -> Any:
+    """Return a parameter for a key of the scenario's file, with the bounds, the default and the words of the core.
+
+    Parameters
+    ----------
+    part : type
+        The part of the scenario that has the key.
+    key : str
+    label, unit, digits
+        As for `TypedNumber`; the unit follows the label.
+    **params
+        As for any number, in place of what the core says.
+    """
+    field = part.model_fields[key]
+    whole = isinstance(field.default, int) and not isinstance(field.default, bool)
+    kind = TypedInteger if whole else TypedNumber
+    told = {"default": field.default, "doc": field.description or "", **core_bounds(part, key)}
+    return kind(f"{label}, {unit}" if unit else label, unit, digits, **{**told, **params})
+
+
+class Page(TypedParameters, PageModel):
+    """A page of the dashboard.
+
+    A subclass names its fields in `kept`, says in `fields` which of them stand in the sidebar, describes its figures in
+    `figures` and lays them out in `layout`.
+
+    Parameters
+    ----------
+    desk : Workbench
+        The scenario that all pages work on, its runs and pins.
+    """
+
+    page: ClassVar[str] = ""
+    """Its name, one of PAGES."""
+    fields: ClassVar[tuple[str | Section, ...]] = ()
+    """What stands in the sidebar while it is in sight: headings and parameters."""
+    choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
+    """The choices of its selectors, by the words for them."""
+    figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+
+    host: "PageHost"
+    """What draws it, once it is drawn."""
+
+    def __init__(self, desk: "Workbench", **params: Any) -> None:
+        super().__init__(**params)
+        self.desk = desk
+
+    # ---- what a page says of itself
+
+    def part(self, scenario: Scenario) -> object:
+        """Return the part of a scenario that its fields begin with: an edit of it gives them its values anew."""
+        return None
+
+    def take(self, scenario: Scenario) -> None:
+        """Give the fields the values of a scenario."""
+
+    def refusal(self) -> str:
+        """Return why the page has nothing to show of the scenario as it stands; empty where it has."""
+        return ""
+
+    def page_run(self) -> PageRun:
+        """Return what it computes as a program: for the report, the copied command and the link."""
+        return PageRun(SOLVE, {"strategy": self.desk.chosen_now})
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out; `self.host` has its figures."""
+        raise NotImplementedError
+
+    # ---- what is known of all pages
+
+    @classmethod
+    def methods(cls, mark: str) -> Iterator[tuple[str, Any]]:
+        """Yield the names of its decorated methods, in the order of the class, and what they are decorated with."""
+        for kind in reversed(cls.__mro__):
+            for name, method in vars(kind).items():
+                if hasattr(method, mark):
+                    yield name, getattr(method, mark)
+
+    def source(self, name: str) -> tuple[param.Parameterized, list[str]]:
+        """Return the object that has a source, and its parameters."""
+        if name == "scenario":
+            return self.desk.scenario, list(RUN_FIELDS)
+        of, dot, last = name.rpartition(".")
+        if not dot:
+            return self, [name]
+        found: Any = self
+        for step in of.split("."):
+            found = getattr(found, step)
+        return found, [last]
+
+    @property
+    def results(self) -> tuple[str, ...]:
+        """The parameters that take results."""
+        return tuple(work.into for _, work in self.methods("work"))
+
+
+class PageWorks(PageWork[Page]):
+    """Computes what a page asks for."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page.page  # type: ignore[misc]
+        super().__init__(page.desk, page)
+        self.of = page
+        self.jobs: dict[str, Any] = {}
+        self._failed = ""
+        self._part: object = None
+        for _, told in page.methods("work"):
+            self.jobs[told.into] = self._study(told) if told.threads is not None else self._worker(told)
+        # before what is asked for: another scenario, or an edit of what the fields begin with, changes the fields first
+        page.desk.scenario.param.watch(self._follow_edits, "edits")
+        page.desk.param.watch(self._ask_all, "page")
+        for _, told in page.methods("work"):
+            self._listen(told)
+        self.forget()
+
+    def _listen(self, told: Work) -> None:
+        ask = partial(self._end_study, told) if told.start else partial(self._ask, told)
+        sources: dict[int, tuple[param.Parameterized, list[str]]] = {}
+        for source, names in map(self.of.source, told.names):
+            sources.setdefault(id(source), (source, []))[1].extend(names)
+        for source, names in sources.values():
+            source.param.watch(ask, names)
+        if told.start:
+            self.of.param.watch(partial(self._start, told), told.start)
+        if told.busy:
+            self.of.param.watch(partial(self._stop_by_hand, told), told.busy)
+
+    def _worker(self, told: Work) -> Any:
+        return self.worker(
+            compute_request,
+            partial(self._take, told),
+            partial(self._fail, told),
+            marked=told.marked,
+            is_slow=lambda request: told.is_slow(*request[1:]),
+        )
+
+    def _study(self, told: Work) -> Any:
+        assert told.threads is not None
+        return self.study(steps_of_request, partial(self._take_step, told), marked=told.marked, threads=told.threads)
+
+    # ---- asking
+
+    def _ask_all(self, *_: Any) -> None:
+        if self.in_sight:
+            for _, told in self.of.methods("work"):
+                if not told.start:
+                    self._ask(told)
+        else:
+            self.rest()
+
+    def _ask(self, told: Work, *_: Any) -> None:
+        if not self.in_sight or self._quiet:
+            return
+        request = getattr(self.of, told.prepare)()
+        if not self.is_new(request, told.into):
+            return
+        if request is None:
+            self.of.param.update(**{told.into: None})
+            if told.threads is not None:
+                self.jobs[told.into].stop()
+            return
+        self._set_busy(told, True)
+        self.jobs[told.into].ask(request)
+
+    def _start(self, told: Work, *_: Any) -> None:
+        request = getattr(self.of, told.prepare)()
+        if request is not None:
+            self._asked[told.into] = request
+            self._set_busy(told, True)
+            self.jobs[told.into].ask(request)
+
+    def _end_study(self, told: Work, *_: Any) -> None:
+        """End a study that was started by hand: what it is about has changed."""
+        self.jobs[told.into].stop()
+        self.of.param.update(**{told.into: None, **({told.busy: False} if told.busy else {})})
+
+    def _stop_by_hand(self, told: Work, event: Any) -> None:
+        if not event.new and self.jobs[told.into].busy:
+            self.jobs[told.into].stop()
+
+    def _set_busy(self, told: Work, busy: bool) -> None:
+        if told.busy:
+            setattr(self.of, told.busy, busy)
+
+    # ---- taking
+
+    def _take(self, told: Work, answer: tuple[Request, Any]) -> None:
+        request, found = answer
+        asked = self._asked.get(told.into)
+        if asked is None or (told.only_last and request != asked):
+            return
+        mended = {"failure": None} if self._failed == told.into else {}
+        self.of.param.update(**{told.into: found, **mended})
+
+    def _take_step(self, told: Work, answer: tuple[Request, Any], last: bool) -> None:
+        self._take(told, answer)
+        if last:
+            self._set_busy(told, False)
+
+    def _fail(self, told: Work, failure: RailjouleError) -> None:
+        self._failed = told.into
+        self.of.param.update(failure=failure, **({told.into: None} if told.clears else {}))
+
+    def take_failure(self, failure: RailjouleError) -> None:
+        """Tell the page why a study failed."""
+        idle = {told.busy: False for _, told in self.of.methods("work") if told.busy}
+        self.of.param.update(failure=failure, **idle)
+
+    # ---- another scenario
+
+    def forget(self, *_: Any) -> None:
+        """Take over another scenario: what was found or asked for of the one before goes."""
+        super().forget()
+        if not hasattr(self, "of"):
+            return
+        with self.quiet():
+            self.end()
+            idle = {told.busy: False for _, told in self.of.methods("work") if told.busy}
+            self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **idle)
+            self._take_over(self.state.scenario.base)
+
+    def _follow_edits(self, *_: Any) -> None:
+        scenario = self.state.scenario.edited
+        # an edit of anything else leaves what was set on the page
+        if self._part != self.of.part(scenario):
+            with self.quiet():
+                self._take_over(scenario)
+
+    def _take_over(self, scenario: Scenario) -> None:
+        self._part = self.of.part(scenario)
+        self.of.take(scenario)
+
+
+def compute_request(request: tuple[Any, ...]) -> tuple[Request, Any]:
+    """Return a request and what its function makes of its arguments."""
+    function, *arguments = request
+    return request, function(*arguments)
+
+
+def steps_of_request(request: tuple[Any, ...]) -> Iterator[tuple[Request, Any]]:
+    """Yield a request with each step of what its function makes of its arguments."""
+    function, *arguments = request
+    for found in function(*arguments):
+        yield request, found

@@ -1,0 +1,131 @@
+"""Draws a `Page`: its figures, its message, its fields in the sidebar."""
+
+from collections.abc import Callable, Iterable, Mapping
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+import panel as pn
+import param
+from panel.viewable import Viewable
+
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.page import Page, PageWorks, Section
+from railjoule.dashboard.page_list import page_classes, room_of
+from railjoule.dashboard.pages.page import PageView
+from railjoule.dashboard.parts.choices import box, menu
+from railjoule.dashboard.parts.html import html_pane, stack
+from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.numbers import TypedNumber
+from railjoule.dashboard.state.workbench import Workbench
+
+
+class PageHost(PageView):
+    """The view of a page that is one class."""
+
+    of: Page
+
+    def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
+        self.of, self.page = page, page.page
+        self.heights: Mapping[str, tuple[int, int, int]] = {plot.name: plot.heights for plot in page.figures}
+        super().__init__(page.desk, browser, palette)
+
+    def make(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        page = self.of
+        self.axis = Axis(self.palette)
+        self.plots: dict[str, Any] = {plot.name: plot.made(self.axis, self.palette) for plot in page.figures}
+        page.host = self
+        content = page.layout()
+        for name, names in page.methods("shown"):
+            sources: dict[int, tuple[param.Parameterized, list[str]]] = {}
+            for source, found in map(page.source, names):
+                sources.setdefault(id(source), (source, []))[1].extend(found)
+            self.shows(getattr(page, name), *sources.values())
+        return stack(self.heading, self.message, content)
+
+    def draw(self, plots: Iterable[Plot | RunPlot], *drawn: Any, **more: Any) -> None:
+        """Draw the same in figures of the page, each as its chart draws; what is out of sight is drawn later."""
+        for plot in plots:
+            chart = self.plots[plot.name]
+            chart.show(partial(chart.draw, *drawn, **more))
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return tuple(self.plots.values())
+
+    def settle(self) -> None:
+        """Tell the cursor of the figures that it may meet new ones."""
+        self.axis.settle("s", 1)
+
+
+def sidebar_fields(page: Page) -> Viewable:
+    """Return the fields of a page for the sidebar."""
+    return stack(*(_field(page, told) for told in page.fields), html_pane('<hr class="rule">'))
+
+
+def _field(page: Page, told: str | Section) -> Viewable:
+    if isinstance(told, Section):
+        aside = markup(" <span>\u00b7 {}</span>", told.aside) if told.aside else ""
+        return html_pane(markup('<div class="section">{}{}</div>', told.title, aside))
+    declared = page.param[told]
+    if isinstance(declared, TypedNumber):
+        return NumberField(page, told)
+    if isinstance(declared, param.Selector):
+        return menu(page, told, declared.label, page.choices.get(told) or {str(one): one for one in declared.objects})
+    return box(page, told, declared.label, margin=(0, 16, 0, 14))
+
+
+class PageFields:
+    """The fields of a page in the sidebar; out of sight where the page has nothing to show."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.view = pn.Column(sidebar_fields(page), margin=0, sizing_mode="stretch_width")
+        page.desk.scenario.param.watch(self._show, ["preset", "opened", "edits"])
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        self.view.visible = not self.page.refusal()
+
+
+def works_of(name: str) -> Callable[[Workbench], PageWorks]:
+    """Return what makes the work of a page that is one class, as all works are made."""
+
+    def works(state: Workbench) -> PageWorks:
+        return PageWorks(state.pages[name])
+
+    works.__name__ = name
+    return works
+
+
+def hosted(kind: type[Page]) -> type[PageView]:
+    """Return what draws pages of a class, made as all views are."""
+
+    class Hosted(PageHost):
+        """The view of a page of this class."""
+
+        page = kind.page
+
+        def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+            super().__init__(state.pages[kind.page], browser, palette)
+
+    Hosted.works = (works_of(kind.page),)
+    Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
+    return Hosted
+
+
+def view_of(name: str) -> type[PageView]:
+    """Return what draws a page: the view in its room, or that of a page which is one class."""
+    kind = page_classes().get(name)
+    if kind is not None:
+        return hosted(kind)
+    module = import_module(f"{room_of(name)}.view")
+    # each such module has PageView too, whose name of a page is empty
+    made = (found for found in vars(module).values() if isinstance(found, type) and issubclass(found, PageView))
+    return next(view for view in made if view.page == name)

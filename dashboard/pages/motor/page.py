@@ -1,0 +1,540 @@
+"""Motor: the plan through the control loop of its motors, with currents, flux, voltage and both energies."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from panel.viewable import Viewable
+
+from railjoule.core import Scenario, load_scenario
+from railjoule.core.scenario.options import SimulationOptions
+from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.studies.detuning import DetuningTable
+from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.charts import quantities
+from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.plot import DASHED, SOLID, Plot, RunPlot, Stroke
+from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
+from railjoule.dashboard.charts.run_lines import Line
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.tokens import DASHES
+from railjoule.dashboard.page import Page, Request, Section, keyed, shows, study, work
+from railjoule.dashboard.pages.motor import texts
+from railjoule.dashboard.pages.motor.compute import (
+    MACHINE_SCENARIO,
+    Limits,
+    LoopRequest,
+    LoopRivals,
+    LoopRun,
+    MachineMap,
+    compute_detuning,
+    compute_flux_sweep,
+    compute_loop_run,
+    compute_machine_map,
+    compute_ripple,
+    compute_rivals,
+    limit_changes,
+    limits_of,
+    machine_refusal,
+)
+from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.numbers import TypedNumber
+from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
+from railjoule.dashboard.work.runs import is_slow
+
+IN_CLOSED_LOOP = simulation("simulate_field_oriented", "field_oriented")
+CRUISE_KMH = 44.0
+"""Speed of the flux chart where a scenario is opened: of the cruise that Rawicki prints, 12.26 m/s."""
+CONTROL = (
+    "precompensator",
+    "flux",
+    "bandwidth_rads",
+    "rotor_resistance_factor",
+    "speed_noise_rads",
+    "noise_seed",
+)
+"""The fields of the controller, by the keys of the file."""
+LIMITS = ("max_phase_voltage_v", "max_current_a")
+MM_PER_M = 1e3
+
+
+# ---- figures
+
+
+def column(name: str, attribute: str, divisor: float = 1.0) -> Quantity:
+    """Return one of several quantities of a figure: caption, unit and digits are the figure's."""
+    return Quantity(name, "", "", 0, read(attribute, divisor))
+
+
+def of_rivals(quantity: Quantity) -> dict[str, Line]:
+    """Return a line for each of the paper's two strategies."""
+    rivals: tuple[str, ...] = ("eoc", "enoc")
+    return {of.upper(): Line(of, {"line_width": 1.8, "line_dash": DASHES[of]}, of, quantity) for of in rivals}
+
+
+TORQUE_CURRENT = column("torque_current", "torque_current_a")
+INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
+SPEED = replace(quantities.SPEED, name="loop_speed", words="Speed over time, km/h", digits=2)
+ENERGY = Quantity(
+    "loop_energy", "Energy at the motors so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)
+)
+OF_RUN = (
+    RunPlot(
+        "loop_speed",
+        SPEED,
+        {
+            "planned": Line("accent", {"line_width": 2.4}, "planned", quantities.SPEED),
+            "actual": Line("driven", DASHED, "run", quantities.SPEED),
+        },
+        (200, 250, 180),
+        ticks=5,
+    ),
+    RunPlot(
+        "loop_currents",
+        Quantity("loop_currents", "Currents of one motor, A", "A", 1, read("torque_current_a")),
+        {
+            "flux current": Line("phases", DASHED, "run", column("flux_current", "flux_current_a")),
+            "torque current": Line("accent", SOLID, "run", TORQUE_CURRENT),
+        },
+        (170, 200, 160),
+    ),
+    RunPlot(
+        "loop_voltage",
+        Quantity("loop_voltage", "Phase voltage of one motor, V", "V", 0, read("phase_voltage_v")),
+        {
+            "limit": Line("limit", {"line_width": 1.2}, "run", column("voltage_limit", "voltage_limit_v")),
+            "voltage": Line("accent", SOLID, "run", column("phase_voltage", "phase_voltage_v")),
+        },
+        (130, 150, 120),
+    ),
+    RunPlot(
+        "loop_flux",
+        Quantity("loop_flux", "Rotor flux, V s", "V s", 3, read("rotor_flux_vs")),
+        {"": Line("accent", SOLID, "run")},
+        (90, 100, 90),
+        ticks=3,
+        digits=1,
+    ),
+    RunPlot(
+        "loop_energy",
+        ENERGY,
+        {
+            # wide, as the dashed line of the parts lies on it
+            "input power": Line("accent", {"line_width": 3}, "run", INPUT_ENERGY),
+            "parts": Line("driven", DASHED, "run", column("energy_of_parts", "energy_by_parts_j", J_PER_KWH)),
+        },
+        digits=1,
+        last=True,
+    ),
+)
+OF_TRACKING = (
+    RunPlot(
+        "tracking",
+        Quantity("tracking", "Tracking error, m", "m", 3, read("tracking_error_m")),
+        {"without pre-compensator": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
+        (120, 140, 120),
+    ),
+    # beside the error without a pre-compensator, that with one is a line at zero
+    RunPlot(
+        "tracking_fine",
+        Quantity(
+            "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
+        ),
+        {"": Line("accent", SOLID, "with")},
+        (90, 100, 90),
+        ticks=3,
+    ),
+)
+OF_RIVALS = (
+    RunPlot(
+        "rival_speed",
+        replace(SPEED, name="rival_speed", words="EOC and ENOC: speed, km/h"),
+        of_rivals(quantities.SPEED),
+        (180, 210, 170),
+        ticks=5,
+    ),
+    RunPlot(
+        "rival_current",
+        Quantity("rival_current", "Torque current of one motor, A", "A", 1, read("torque_current_a")),
+        of_rivals(TORQUE_CURRENT),
+        (140, 160, 130),
+    ),
+    RunPlot(
+        "rival_energy",
+        replace(ENERGY, name="rival_energy"),
+        of_rivals(INPUT_ENERGY),
+        (170, 200, 160),
+        digits=1,
+        last=True,
+    ),
+)
+OVER_LINE = Plot(
+    "loop_place",
+    "Speed, km/h, over distance; dashed: actual",
+    {"planned": Stroke("accent", {"line_width": 2.4}), "actual": Stroke("driven", DASHED)},
+    (200, 250, 180),
+    x_title=POSITION.words,
+    ticks=5,
+    from_zero=True,
+)
+MAP = Plot(
+    "machine_map",
+    "",
+    heights=(290, 340, 270),
+    chart=lambda height, palette: MotorMapChart(height, palette, "machine_map"),
+)
+RIPPLE = Plot(
+    "ripple",
+    "Switched current of one phase, A; dashed: averaged",
+    {"switched": Stroke("accent", {"line_width": 1.6}), "averaged": Stroke("driven", DASHED)},
+    x_title="Time, ms",
+    zero=True,
+    room=0.1,
+)
+FLUX = Plot(
+    "flux_sweep",
+    "Cruise, %: efficiency, power factor, voltage / limit, loss / loss at rated flux",
+    {
+        "efficiency": Stroke("accent", word="efficiency"),
+        "power factor": Stroke("phases", word="power factor"),
+        "loss": Stroke("ink2", word="loss"),
+        "voltage": Stroke("limit", word="voltage"),
+    },
+    (220, 260, 210),
+    x_title="Flux current of one motor, A",
+    ticks=5,
+    from_zero=True,
+    uprights={"least": "ink3"},
+)
+DETUNING = Plot(
+    "detuning",
+    "Extra energy, %, over assumed / true rotor resistance",
+    {"curve": Stroke("accent", marks=True)},
+    x_title="Assumed / true rotor resistance, \u2013",
+    digits=1,
+    x_digits=1,
+    zero=True,
+    room=0.1,
+)
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 8px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
+"""
+DIAGRAM_CSS = """
+:host { position: sticky; top: 0; z-index: 5; background: var(--rj-surface); padding: 10px 20px 8px;
+  border-bottom: 1px solid var(--rj-line); }
+@media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
+"""
+COLUMN_CSS = ":host { row-gap: 6px; }"
+# 50 px, as figures have left of their frames
+QUESTION = (
+    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The controller computes '
+    "the flux from the rotor resistance, which rises by up to half as the rotor warms up. The study runs the plan with "
+    "controllers that assume half to twice the true resistance.</p></div>"
+)
+
+
+# ---- the page
+
+
+class Motor(Page):
+    """The drive in closed loop."""
+
+    page = "Motor"
+    kept = (*CONTROL, *LIMITS, "ripple_at_s", "cruise_speed_kmh")
+    passing = ("studying",)
+    fields = (
+        Section("Controller", "with a rotor resistance of its own"),
+        *CONTROL,
+        Section("Inverter", "at most, each phase"),
+        *LIMITS,
+    )
+    choices = {"flux": {"Constant": "constant", "Least loss": "min_loss"}}  # noqa: RUF012
+    figures = (*OF_RUN, *OF_TRACKING, *OF_RIVALS, OVER_LINE, MAP, RIPPLE, FLUX, DETUNING)
+
+    precompensator = param.Boolean(default=True, label="Pre-compensator")
+    flux = param.Selector(default="constant", objects=["constant", "min_loss"], label="Rotor flux")
+    bandwidth_rads = keyed(SimulationOptions, "bandwidth_rads", "Bandwidth", "rad/s", 1)
+    rotor_resistance_factor = keyed(SimulationOptions, "rotor_resistance_factor", "Assumed / true resistance", digits=2)
+    speed_noise_rads = keyed(SimulationOptions, "speed_noise_rads", "Speed noise", "rad/s", 2)
+    noise_seed = keyed(SimulationOptions, "noise_seed", "Seed")
+    max_phase_voltage_v = TypedNumber("Phase voltage, V", "V", default=None, allow_None=True, bounds=(1.0, 1e5))
+    max_current_a = TypedNumber("Current, A", "A", default=None, allow_None=True, bounds=(1.0, 1e5))
+    ripple_at_s = TypedNumber(
+        "Ripple at t, s", "s", 1, default=20.0, bounds=(0.0, 86_400.0), softbounds=(0, 100), step=0.5
+    )
+    cruise_speed_kmh = TypedNumber(
+        "Cruise speed, km/h", "km/h", 1, default=CRUISE_KMH, bounds=(1.0, 500.0), softbounds=(1, 100), step=1
+    )
+
+    loop = result(LoopRun, "The last good run.")
+    rivals = result(LoopRivals, "What it is compared with.")
+    machine_map = result(MachineMap, "Efficiency and run.")
+    ripple = result(Ripple, "Current under switched voltage.")
+    flux_sweep = result(FluxSweep, "Cruise over the flux current.")
+    detuning = result(DetuningTable, "The study so far.")
+    start = param.Event(doc="Start the study of a wrong resistance.")
+    studying = param.Boolean(default=False, doc="Whether it is under way.")
+
+    @property
+    def run(self) -> FieldOrientedRun | None:
+        """The run that is shown."""
+        return None if self.loop is None else self.loop.run
+
+    def part(self, scenario: Scenario) -> object:
+        """Return what its fields begin with."""
+        return scenario.vehicle.drive, scenario.simulation
+
+    def take(self, scenario: Scenario) -> None:
+        """Give the fields the values of a scenario's controller and machine."""
+        limits = limits_of(scenario)
+        self.param.update(
+            **{name: getattr(scenario.simulation, name) for name in CONTROL},
+            **{name: None if limits is None else getattr(limits, name) for name in LIMITS},
+            cruise_speed_kmh=min(CRUISE_KMH, scenario.vehicle.traction.max_speed_kmh),
+        )
+
+    def refusal(self) -> str:
+        """Return why the scenario has no motor to simulate."""
+        return machine_refusal(self.desk.scenario.edited)
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """Controller and limits, by the keys of the file."""
+        control = {f"simulation.{name}": getattr(self, name) for name in CONTROL}
+        limits = self._limits()
+        machine = {} if limits is None else limit_changes(self.desk.scenario.edited, limits)
+        return {"simulation.kind": "field_oriented", **control, **machine}
+
+    def _limits(self) -> Limits | None:
+        if self.max_phase_voltage_v is None or self.max_current_a is None:
+            return None
+        return Limits(float(self.max_phase_voltage_v), float(self.max_current_a))
+
+    def page_run(self) -> PageRun:
+        """Return the run in closed loop as a program; with other limits than the plan's, in two steps."""
+        own, tried = limits_of(self.desk.scenario.edited), self._limits()
+        if own is None or tried is None:
+            return super().page_run()
+        changes = {"strategy": self.desk.chosen, **self.changes}
+        # of these drives alone the plan depends on what the inverter gives
+        if tried == own or "drive.max_phase_voltage_v" not in changes:
+            return PageRun(IN_CLOSED_LOOP, changes)
+        body = (
+            f"loop = scenario.replace(**{dict(self.changes)!r})\n"
+            "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
+        )
+        untold = (
+            f"The page tries {tried.max_phase_voltage_v:g} V and {tried.max_current_a:g} A on a plan that does not "
+            "know of them. A scenario file has one set of limits, for the plan and for the motors."
+        )
+        program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")
+        return PageRun(program, {"strategy": self.desk.chosen}, untold)
+
+    # ---- what it computes
+
+    def _request(self) -> LoopRequest:
+        return LoopRequest(self.desk.scenario.scenario(), self.desk.chosen, self.changes)
+
+    @work(
+        *("scenario", "desk.chosen", *CONTROL, *LIMITS),
+        into="loop",
+        marked=True,
+        is_slow=lambda request: is_slow(request.scenario, request.strategy),
+        only_last=False,
+    )
+    def _loop(self) -> Request:
+        return None if self.refusal() else (compute_loop_run, self._request())
+
+    @work("loop", into="rivals")
+    def _rivals(self) -> Request:
+        return self.loop and (compute_rivals, self.loop)
+
+    @work("loop", into="machine_map")
+    def _map(self) -> Request:
+        return self.loop and (compute_machine_map, self.run)
+
+    @work("loop", "ripple_at_s", into="ripple", clears=True)
+    def _ripple(self) -> Request:
+        return self.loop and (compute_ripple, self.run, float(self.ripple_at_s))
+
+    @work("loop", "cruise_speed_kmh", into="flux_sweep", clears=True)
+    def _flux(self) -> Request:
+        return self.loop and (compute_flux_sweep, self.loop.run.scenario, float(self.cruise_speed_kmh))
+
+    @study("scenario", "desk.chosen", *CONTROL, *LIMITS, start="start", into="detuning", busy="studying")
+    def _detuning(self) -> Request:
+        return None if self.refusal() else (compute_detuning, self._request())
+
+    # ---- what it shows
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        self.numbers, self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs, self.fluxes = (
+            parts.html_pane() for _ in range(8)
+        )
+        self.at = NumberField(self, "ripple_at_s")
+        self.cruise = NumberField(self, "cruise_speed_kmh", check=self._within_top_speed)
+        open_one = pmui.Button(
+            label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
+            variant="outlined",
+            size="small",
+            margin=(10, 20),
+            on_click=lambda _: self.desk.scenario.choose(MACHINE_SCENARIO),
+        )
+        self.missing = parts.stack(self.no_machine, open_one, visible=False)
+        self.body = parts.stack(
+            self.numbers,
+            self.held,
+            parts.stack(LoopDiagram(), css=DIAGRAM_CSS),
+            parts.stack(self._left(), self._right(), css=LAYOUT_CSS),
+            parts.stack(self._study_part(), self.costs, css=LAYOUT_CSS),
+            parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
+        )
+        return parts.stack(self.missing, self.body)
+
+    def _hosts(self, *plots: Plot | RunPlot) -> list[Viewable]:
+        return [self.host.plots[plot.name].host for plot in plots]
+
+    def _left(self) -> Viewable:
+        speed, *others = OF_RUN
+        return parts.stack(*self._hosts(speed, *OF_TRACKING, *others), self.account, css=COLUMN_CSS)
+
+    def _right(self) -> Viewable:
+        return parts.stack(
+            *self._hosts(OVER_LINE, *OF_RIVALS),
+            self.refusals,
+            *self._hosts(MAP, RIPPLE),
+            self.at,
+            *self._hosts(FLUX),
+            self.cruise,
+            self.fluxes,
+            css=COLUMN_CSS,
+        )
+
+    def _study_part(self) -> Viewable:
+        begin = pmui.Button(
+            label="Run the study",
+            variant="outlined",
+            size="small",
+            margin=(8, 8, 4, 50),
+            on_click=lambda _: self.param.trigger("start"),
+        )
+        self.stop = pmui.Button(
+            label="Stop",
+            variant="text",
+            size="small",
+            margin=(8, 8, 4, 8),
+            visible=False,
+            on_click=lambda _: self.param.update(studying=False),
+        )
+        self.progress = pmui.LinearProgress(
+            value=0, variant="determinate", margin=(4, 14, 4, 50), sizing_mode="stretch_width", visible=False
+        )
+        row = pn.Row(begin, self.stop, margin=0, sizing_mode="stretch_width")
+        return parts.stack(parts.html_pane(QUESTION), row, self.progress, *self._hosts(DETUNING), css=COLUMN_CSS)
+
+    @shows("loop", "failure", "scenario")
+    def _show_run(self) -> None:
+        run, why = self.run, self.refusal()
+        self.missing.visible, self.body.visible = bool(why), not why
+        aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
+        what = "plan run through the field-oriented control of the motors"
+        self.host.heading.object = parts.heading(self.page, self.desk.scenario.edited.title, what, aside)
+        if why:
+            self.host.tell(None, "")
+            self.no_machine.object = parts.note_paragraphs([why], "margin:0 20px")
+            return
+        self.host.tell(self.failure, "Shown: the last run that could be computed." if run is not None else "")
+        if run is not None:
+            self._draw_run(run)
+
+    def _draw_run(self, run: FieldOrientedRun) -> None:
+        host = self.host
+        host.axis.fit(float(run.time_s[-1]), roomy=False)
+        self.at.set_ends((0.0, float(run.time_s[-1])))
+        self.cruise.set_ends((1.0, run.scenario.vehicle.traction.max_speed_kmh))
+        bands = [(span.start_s, span.end_s) for span in run.saturated]
+        host.draw(OF_RUN, {"run": run, "planned": run.planned}, bands)
+        curves = {
+            name: (POSITION.values(one), quantities.SPEED.values(one))
+            for name, one in (("planned", run.planned), ("actual", run))
+        }
+        end = max(float(place[-1]) for place, _ in curves.values())
+        host.draw([OVER_LINE], curves, x_ends=(0.0, 1.02 * end))
+        self.numbers.object = parts.figures(texts.run_figures(run), self.failure is not None)
+        self.held.object = texts.held_words(run)
+        self.account.object = texts.parts_table(run)
+        self.notes.object = parts.note_paragraphs((*run.planned.notes, *run.notes))
+
+    @shows("rivals")
+    def _show_rivals(self) -> None:
+        rivals = self.rivals
+        if rivals is None:
+            return
+        for plot in OF_RIVALS:
+            self.host.plots[plot.name].host.visible = bool(rivals.strategies)
+        bands = [(span.start_s, span.end_s) for span in rivals.run.saturated]
+        self.host.draw((*OF_TRACKING, *(OF_RIVALS if rivals.strategies else ())), rivals.named, bands)
+        refused = (f"{words.STRATEGY_WORDS[name]}: {why}" for name, why in rivals.refused.items())
+        self.refusals.object = parts.note_paragraphs(refused, "padding-left:6px")
+
+    @shows("machine_map")
+    def _show_map(self) -> None:
+        if self.machine_map is not None:
+            self.host.draw([MAP], self.machine_map.map, "motor", self.machine_map.points)
+
+    @shows("ripple", "failure")
+    def _show_ripple(self) -> None:
+        ripple = self.ripple
+        # until it is there, its sketch; after an error there will be none
+        self.host.plots["ripple"].host.visible = ripple is not None or self.failure is None
+        if ripple is not None:
+            time_ms = 1e3 * (ripple.time_s - ripple.time_s[0])
+            curves = {"switched": (time_ms, ripple.phase_current_a), "averaged": (time_ms, ripple.average_current_a)}
+            self.host.draw([RIPPLE], curves)
+
+    @shows("flux_sweep", "failure")
+    def _show_flux(self) -> None:
+        sweep = self.flux_sweep
+        self.host.plots["flux_sweep"].host.visible = self.fluxes.visible = sweep is not None or self.failure is None
+        if sweep is None:
+            return
+        self.fluxes.object = texts.flux_table(sweep)
+        current = sweep.values("flux_current_a")
+        shares = {
+            "efficiency": sweep.values("efficiency"),
+            "power factor": sweep.values("power_factor"),
+            "loss": sweep.values("loss_w") / sweep.rated.loss_w,
+            "voltage": sweep.values("phase_voltage_v") / sweep.max_phase_voltage_v,
+        }
+        curves = {name: (current, 100 * share) for name, share in shares.items()}
+        self.host.draw([FLUX], curves, uprights={"least": sweep.min_loss.flux_current_a})
+
+    @shows("detuning", "studying")
+    def _show_detuning(self) -> None:
+        table = self.detuning
+        self.progress.visible = self.stop.visible = self.studying
+        if self.studying:
+            done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
+            self.progress.value = int(100 * done)
+        self.host.plots["detuning"].host.visible = self.costs.visible = table is not None
+        if table is not None:
+            self.costs.object = texts.detuning_table(table)
+            ends = table.rotor_resistance_factors
+            self.host.draw([DETUNING], {"curve": texts.detuning_cost(table)}, x_ends=(min(ends), max(ends)))
+
+    def _within_top_speed(self, speed_kmh: float) -> float:
+        """Return a speed that was typed; raises ValueError beyond the maximum speed of the vehicle."""
+        top = self.desk.scenario.scenario().vehicle.traction.max_speed_kmh
+        if speed_kmh > top:
+            raise ValueError(f"At most {top:g}, the maximum speed of the vehicle.")
+        return speed_kmh
