@@ -74,6 +74,14 @@ class Section:
     aside: str = ""
 
 
+@dataclass(frozen=True)
+class Hint:
+    """A sentence among the fields of the sidebar, with the sign that explains a term of the glossary."""
+
+    sentence: str
+    term: str
+
+
 def work(
     *names: str,
     into: str,
@@ -192,8 +200,8 @@ class Page(TypedParameters, PageModel):
 
     page: ClassVar[str] = ""
     """Its name, one of PAGES."""
-    fields: ClassVar[tuple[str | Section, ...]] = ()
-    """What stands in the sidebar while it is in sight: headings and parameters."""
+    fields: ClassVar[tuple[str | Section | Hint, ...]] = ()
+    """What stands in the sidebar while it is in sight: headings, parameters and hints."""
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
     figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
@@ -260,16 +268,16 @@ class PageWorks(PageWork[Page]):
     def __init__(self, page: Page) -> None:
         self.page = page.page  # type: ignore[misc]
         super().__init__(page.desk, page)
-        self.of = page
+        self.of, self.told = page, tuple(told for _, told in page.methods("work"))
         self.jobs: dict[str, Any] = {}
         self._failed = ""
         self._part: object = None
-        for _, told in page.methods("work"):
+        for told in self.told:
             self.jobs[told.into] = self._study(told) if told.threads is not None else self._worker(told)
         # before what is asked for: another scenario, or an edit of what the fields begin with, changes the fields first
         page.desk.scenario.param.watch(self._follow_edits, "edits")
         page.desk.param.watch(self._ask_all, "page")
-        for _, told in page.methods("work"):
+        for told in self.told:
             self._listen(told)
         self.forget()
 
@@ -287,7 +295,7 @@ class PageWorks(PageWork[Page]):
 
     def _worker(self, told: Work) -> Any:
         return self.worker(
-            compute_request,
+            named(compute_request, told.into),
             partial(self._take, told),
             partial(self._fail, told),
             marked=told.marked,
@@ -296,17 +304,19 @@ class PageWorks(PageWork[Page]):
 
     def _study(self, told: Work) -> Any:
         assert told.threads is not None
-        return self.study(steps_of_request, partial(self._take_step, told), marked=told.marked, threads=told.threads)
+        return self.study(
+            named(steps_of_request, told.into), partial(self._take_step, told), marked=told.marked, threads=told.threads
+        )
 
     # ---- asking
 
     def _ask_all(self, *_: Any) -> None:
-        if self.in_sight:
-            for _, told in self.of.methods("work"):
-                if not told.start:
-                    self._ask(told)
-        else:
+        if not self.in_sight:
             self.rest()
+            return
+        for told in self.told:
+            if not told.start:
+                self._ask(told)
 
     def _ask(self, told: Work, *_: Any) -> None:
         if not self.in_sight or self._quiet:
@@ -363,7 +373,7 @@ class PageWorks(PageWork[Page]):
 
     def take_failure(self, failure: RailjouleError) -> None:
         """Tell the page why a study failed."""
-        idle = {told.busy: False for _, told in self.of.methods("work") if told.busy}
+        idle = {told.busy: False for told in self.told if told.busy}
         self.of.param.update(failure=failure, **idle)
 
     # ---- another scenario
@@ -375,7 +385,7 @@ class PageWorks(PageWork[Page]):
             return
         with self.quiet():
             self.end()
-            idle = {told.busy: False for _, told in self.of.methods("work") if told.busy}
+            idle = {told.busy: False for told in self.told if told.busy}
             self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **idle)
             self._take_over(self.state.scenario.base)
 
@@ -389,6 +399,16 @@ class PageWorks(PageWork[Page]):
     def _take_over(self, scenario: Scenario) -> None:
         self._part = self.of.part(scenario)
         self.of.take(scenario)
+
+
+def named(compute: Callable[..., Any], into: str) -> Callable[..., Any]:
+    """Return a function under the name of the result that it computes: so the log calls it."""
+
+    def computed(request: tuple[Any, ...]) -> Any:
+        return compute(request)
+
+    computed.__name__ = into
+    return computed
 
 
 def compute_request(request: tuple[Any, ...]) -> tuple[Request, Any]:

@@ -12,9 +12,10 @@ from panel.viewable import Viewable
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.page import Page, PageWorks, Section
+from railjoule.dashboard.page import Hint, Page, PageWorks, Section
 from railjoule.dashboard.page_list import page_classes, room_of
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts.choices import box, menu
@@ -69,10 +70,12 @@ def sidebar_fields(page: Page) -> Viewable:
     return stack(*(_field(page, told) for told in page.fields), html_pane('<hr class="rule">'))
 
 
-def _field(page: Page, told: str | Section) -> Viewable:
+def _field(page: Page, told: str | Section | Hint) -> Viewable:
     if isinstance(told, Section):
         aside = markup(" <span>\u00b7 {}</span>", told.aside) if told.aside else ""
         return html_pane(markup('<div class="section">{}{}</div>', told.title, aside))
+    if isinstance(told, Hint):
+        return html_pane(markup('<div class="row small"><span>{}{}</span></div>', told.sentence, info(told.term)))
     declared = page.param[told]
     if isinstance(declared, TypedNumber):
         return NumberField(page, told)

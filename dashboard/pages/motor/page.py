@@ -22,7 +22,7 @@ from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
 from railjoule.dashboard.charts.run_lines import Line
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
-from railjoule.dashboard.page import Page, Request, Section, keyed, shows, study, work
+from railjoule.dashboard.page import Hint, Page, Request, Section, keyed, shows, study, work
 from railjoule.dashboard.pages.motor import texts
 from railjoule.dashboard.pages.motor.compute import (
     MACHINE_SCENARIO,
@@ -254,6 +254,7 @@ class Motor(Page):
     fields = (
         Section("Controller", "with a rotor resistance of its own"),
         *CONTROL,
+        Hint("From its resistance it computes the slip.", "Slip"),
         Section("Inverter", "at most, each phase"),
         *LIMITS,
     )
