@@ -485,7 +485,7 @@ class Motor(Page):
             self.host.plots[plot.name].host.visible = bool(rivals.strategies)
         bands = [(span.start_s, span.end_s) for span in rivals.run.saturated]
         self.host.draw((*OF_TRACKING, *(OF_RIVALS if rivals.strategies else ())), rivals.named, bands)
-        refused = (f"{words.STRATEGY_WORDS[name]}: {why}" for name, why in rivals.refused.items())
+        refused = (words.about(words.STRATEGY_WORDS[name], why) for name, why in rivals.refused.items())
         self.refusals.object = parts.note_paragraphs(refused, "padding-left:6px")
 
     @shows("machine_map")
