@@ -205,6 +205,8 @@ class Page(TypedParameters, PageModel):
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
     figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+    follows_scenario: ClassVar[bool] = True
+    """Whether its results belong to the scenario, and go with it."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""
@@ -305,7 +307,11 @@ class PageWorks(PageWork[Page]):
     def _study(self, told: Work) -> Any:
         assert told.threads is not None
         return self.study(
-            named(steps_of_request, told.into), partial(self._take_step, told), marked=told.marked, threads=told.threads
+            named(steps_of_request, told.into),
+            partial(self._take_step, told),
+            partial(self._fail_study, told),
+            marked=told.marked,
+            threads=told.threads,
         )
 
     # ---- asking
@@ -371,18 +377,20 @@ class PageWorks(PageWork[Page]):
         self._failed = told.into
         self.of.param.update(failure=failure, **({told.into: None} if told.clears else {}))
 
-    def take_failure(self, failure: RailjouleError) -> None:
-        """Tell the page why a study failed."""
-        idle = {told.busy: False for told in self.told if told.busy}
-        self.of.param.update(failure=failure, **idle)
+    def _fail_study(self, told: Work, failure: RailjouleError) -> None:
+        # the same can be asked for once more
+        self._asked.pop(told.into, None)
+        self._fail(told, failure)
+        self._set_busy(told, False)
 
     # ---- another scenario
 
-    def forget(self, *_: Any) -> None:
+    def forget(self, *events: Any) -> None:
         """Take over another scenario: what was found or asked for of the one before goes."""
-        super().forget()
-        if not hasattr(self, "of"):
+        # events come with another scenario, none where the page rests
+        if not hasattr(self, "of") or (events and not self.of.follows_scenario):
             return
+        super().forget()
         with self.quiet():
             self.end()
             idle = {told.busy: False for told in self.told if told.busy}

@@ -18,12 +18,6 @@ WHOLE_LINE = Program(
 )
 ACTUAL_RUN = simulation("actual_run", "actual_run")
 FOLLOWING = simulation("simulate_following", "following")
-VALIDATION = Program(
-    {"PAPERS": "railjoule.core.validation"},
-    "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
-    "validate",
-    of_scenario=False,
-)
 NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
 
 
@@ -130,10 +124,6 @@ def _measured_runs(state: Workbench) -> PageRun:
     return PageRun(SOLVE, {"strategy": state.chosen_now}, untold)
 
 
-def _papers(state: Workbench) -> PageRun:
-    return PageRun(VALIDATION, {"strategy": state.chosen_now})
-
-
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
@@ -147,7 +137,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Learn": _learn,
     "Measured runs": _measured_runs,
     "Import": _plan,
-    "Papers": _papers,
     "Help": _plan,
 }
 """By the name of the page; one without an entry shows the plan."""

@@ -23,7 +23,6 @@ from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
@@ -111,7 +110,6 @@ class Workbench(Kept, PageModel):
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()
-        self.papers = PapersModel()
         self.imports = ImportModel()
         self.proof = ProofModel()
         self.simple = SimpleModel()
