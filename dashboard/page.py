@@ -31,7 +31,7 @@ from panel.viewable import Viewable
 from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
@@ -80,6 +80,13 @@ class Hint:
 
     sentence: str
     term: str
+
+
+@dataclass(frozen=True)
+class Own:
+    """A part of the sidebar, made from the page."""
+
+    make: Callable[[Any], Viewable]
 
 
 def work(
@@ -200,11 +207,13 @@ class Page(TypedParameters, PageModel):
 
     page: ClassVar[str] = ""
     """Its name, one of PAGES."""
-    fields: ClassVar[tuple[str | Section | Hint, ...]] = ()
-    """What stands in the sidebar while it is in sight: headings, parameters and hints."""
+    fields: ClassVar[tuple[str | Section | Hint | Own, ...]] = ()
+    """What stands in the sidebar while it is in sight: headings, parameters, hints and parts of its own."""
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
-    figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+    figures: ClassVar[tuple[AnyPlot, ...]] = ()
+    over_distance: ClassVar[bool] = False
+    """Whether the axis that its figures share is of places, not of times."""
     follows_scenario: ClassVar[bool] = True
     """Whether its results belong to the scenario, and go with it."""
 

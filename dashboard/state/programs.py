@@ -80,10 +80,6 @@ def _followed(state: Workbench) -> Mapping[str, Any]:
     return {"simulation.kind": "following"} if in_loop else {}
 
 
-def _speed_limits(state: Workbench) -> PageRun:
-    return PageRun(SOLVE, state.speed_limits.changes)
-
-
 def _line(state: Workbench) -> PageRun:
     # the page divides the time by optima, whatever strategy is chosen
     untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
@@ -131,7 +127,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Trade-off": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
-    "Speed limits": _speed_limits,
     "Line": _line,
     "Study": _study,
     "Learn": _learn,

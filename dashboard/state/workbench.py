@@ -24,7 +24,6 @@ from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
-from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
@@ -105,7 +104,6 @@ class Workbench(Kept, PageModel):
         self.disturbances = DisturbancesModel()
         self.live = LiveModel()
         self.actual = ActualModel()
-        self.speed_limits = SpeedLimitsModel()
         self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)

@@ -26,7 +26,6 @@ CUT = {("contour", "x")} | {
     for name in (
         "frontier",
         "scatter",
-        "search_path",
         "lesson_price",
         "plane_multiplier",
         "plane_recuperation",
