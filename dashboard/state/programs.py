@@ -13,9 +13,6 @@ from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
 
-WHOLE_LINE = Program(
-    {"whole_line": "railjoule.core.studies.whole_line"}, "line = whole_line(scenario)\nprint(line.run.energy_kwh)\n", ""
-)
 ACTUAL_RUN = simulation("actual_run", "actual_run")
 FOLLOWING = simulation("simulate_following", "following")
 NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
@@ -80,12 +77,6 @@ def _followed(state: Workbench) -> Mapping[str, Any]:
     return {"simulation.kind": "following"} if in_loop else {}
 
 
-def _line(state: Workbench) -> PageRun:
-    # the page divides the time by optima, whatever strategy is chosen
-    untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
-    return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
-
-
 def _study(state: Workbench) -> PageRun:
     """Return the study that is shown; before there is one, the plan."""
     study = state.study.study
@@ -127,7 +118,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Trade-off": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
-    "Line": _line,
     "Study": _study,
     "Learn": _learn,
     "Measured runs": _measured_runs,

@@ -21,7 +21,6 @@ from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
-from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.start.model import StartModel
@@ -104,7 +103,6 @@ class Workbench(Kept, PageModel):
         self.disturbances = DisturbancesModel()
         self.live = LiveModel()
         self.actual = ActualModel()
-        self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()

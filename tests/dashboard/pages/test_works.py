@@ -27,7 +27,7 @@ BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 """They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
-PRESETS = {"WholeLines": "metro-10-stations", "Motor": "ftorek-300s"}
+PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
 GO_ON = {"Motor.detuning", "Papers.rebuilt", "Robustness.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 

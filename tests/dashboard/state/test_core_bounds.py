@@ -23,7 +23,8 @@ from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
-from railjoule.dashboard.pages.line.model import LineModel, StationModel
+from railjoule.dashboard.pages.line.model import StationModel
+from railjoule.dashboard.pages.line.page import WholeLines
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
@@ -106,7 +107,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
             "given_s": (Station, "arrival_s", 1),
         },
     ),
-    "line": (LineModel(ScenarioModel()), {}),
+    "line": (WholeLines(Workbench()), {}),
     "measured runs": (MeasuredRunsModel(), {}),
     "study": (StudyModel(ScenarioModel().base), {}),
     "scenario": (

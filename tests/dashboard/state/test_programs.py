@@ -20,7 +20,6 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.learn.work import Learn
-from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
@@ -90,7 +89,7 @@ def choke_the_inverter(state: Workbench) -> None:
 
 
 def fix_an_arrival(state: Workbench) -> None:
-    state.line.edit({2: {"earliest_arrival_s": 350.0, "latest_arrival_s": 350.0}})
+    state.pages["Line"].edit({2: {"earliest_arrival_s": 350.0, "latest_arrival_s": 350.0}})
 
 
 CASES = (
@@ -136,11 +135,11 @@ CASES = (
         "limits tried",
         has_command=False,
     ),
-    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run, has_command=False),
+    Case("Line", "metro-10-stations", lambda s: s.pages["Line"].runs.best.run, has_command=False),
     Case(
         "Line",
         "metro-10-stations",
-        lambda s: s.line.runs.best.run,
+        lambda s: s.pages["Line"].runs.best.run,
         prepare=fix_an_arrival,
         name="fixed arrival",
         has_command=False,
@@ -175,7 +174,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (Robustness, Disturbances, Actual, works_of("Speed limits"), works_of("Motor"), WholeLines):
+    for work in (Robustness, Disturbances, Actual, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
         work(state)
     if case.edits:
         state.scenario.edit(case.edits)
