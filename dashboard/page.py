@@ -31,7 +31,7 @@ from panel.viewable import Viewable
 from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
@@ -80,6 +80,13 @@ class Hint:
 
     sentence: str
     term: str
+
+
+@dataclass(frozen=True)
+class Own:
+    """A part of the sidebar, made from the page."""
+
+    make: Callable[[Any], Viewable]
 
 
 def work(
@@ -200,11 +207,15 @@ class Page(TypedParameters, PageModel):
 
     page: ClassVar[str] = ""
     """Its name, one of PAGES."""
-    fields: ClassVar[tuple[str | Section | Hint, ...]] = ()
-    """What stands in the sidebar while it is in sight: headings, parameters and hints."""
+    fields: ClassVar[tuple[str | Section | Hint | Own, ...]] = ()
+    """What stands in the sidebar while it is in sight: headings, parameters, hints and parts of its own."""
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
-    figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+    figures: ClassVar[tuple[AnyPlot, ...]] = ()
+    over_distance: ClassVar[bool] = False
+    """Whether the axis that its figures share is of places, not of times."""
+    follows_scenario: ClassVar[bool] = True
+    """Whether its results belong to the scenario, and go with it."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""
@@ -305,7 +316,11 @@ class PageWorks(PageWork[Page]):
     def _study(self, told: Work) -> Any:
         assert told.threads is not None
         return self.study(
-            named(steps_of_request, told.into), partial(self._take_step, told), marked=told.marked, threads=told.threads
+            named(steps_of_request, told.into),
+            partial(self._take_step, told),
+            partial(self._fail_study, told),
+            marked=told.marked,
+            threads=told.threads,
         )
 
     # ---- asking
@@ -371,18 +386,20 @@ class PageWorks(PageWork[Page]):
         self._failed = told.into
         self.of.param.update(failure=failure, **({told.into: None} if told.clears else {}))
 
-    def take_failure(self, failure: RailjouleError) -> None:
-        """Tell the page why a study failed."""
-        idle = {told.busy: False for told in self.told if told.busy}
-        self.of.param.update(failure=failure, **idle)
+    def _fail_study(self, told: Work, failure: RailjouleError) -> None:
+        # the same can be asked for once more
+        self._asked.pop(told.into, None)
+        self._fail(told, failure)
+        self._set_busy(told, False)
 
     # ---- another scenario
 
-    def forget(self, *_: Any) -> None:
+    def forget(self, *events: Any) -> None:
         """Take over another scenario: what was found or asked for of the one before goes."""
-        super().forget()
-        if not hasattr(self, "of"):
+        # events come with another scenario, none where the page rests
+        if not hasattr(self, "of") or (events and not self.of.follows_scenario):
             return
+        super().forget()
         with self.quiet():
             self.end()
             idle = {told.busy: False for told in self.told if told.busy}

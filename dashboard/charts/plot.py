@@ -235,3 +235,27 @@ class RunPlotChart(RunLines):
             text=names,
             colour=[self.palette.tokens[self.lines[word].token] for word in names],
         )
+
+
+@dataclass(frozen=True)
+class AxisPlot:
+    """A figure over the axis that the figures of a page share, drawn by any chart class.
+
+    Parameters
+    ----------
+    name : str
+    chart : callable
+        Makes the chart from height, axis and palette.
+    heights : tuple of int
+    """
+
+    name: str
+    chart: Callable[[int, Axis, Palette], Chart]
+    heights: Heights = (190, 220, 180)
+
+    def made(self, axis: Axis, palette: Palette) -> Chart:
+        """Return its chart."""
+        return self.chart(self.heights[0], axis, palette)
+
+
+AnyPlot = Plot | RunPlot | AxisPlot

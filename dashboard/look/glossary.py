@@ -182,7 +182,7 @@ TIME = (
     Term(
         "Supplement",
         "Running-time supplement: the slack that a timetable plans for, so that delays can be made up.",
-        ("Equal reserve", "Proportional reserve", "Running-time supplement", "time reserve"),
+        ("Equal supplement", "Proportional supplement", "Running-time supplement", "time reserve"),
     ),
     Term(
         "Accepted delay",

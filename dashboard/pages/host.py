@@ -11,11 +11,11 @@ from panel.viewable import Viewable
 
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.chart import Axis, Chart
-from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.page import Hint, Page, PageWorks, Section
+from railjoule.dashboard.page import Hint, Own, Page, PageWorks, Section
 from railjoule.dashboard.page_list import page_classes, room_of
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts.choices import box, menu
@@ -49,7 +49,7 @@ class PageHost(PageView):
             self.shows(getattr(page, name), *sources.values())
         return stack(self.heading, self.message, content)
 
-    def draw(self, plots: Iterable[Plot | RunPlot], *drawn: Any, **more: Any) -> None:
+    def draw(self, plots: Iterable[AnyPlot], *drawn: Any, **more: Any) -> None:
         """Draw the same in figures of the page, each as its chart draws; what is out of sight is drawn later."""
         for plot in plots:
             chart = self.plots[plot.name]
@@ -62,7 +62,7 @@ class PageHost(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the figures that it may meet new ones."""
-        self.axis.settle("s", 1)
+        self.axis.settle_over(not self.of.over_distance)
 
 
 def sidebar_fields(page: Page) -> Viewable:
@@ -70,7 +70,9 @@ def sidebar_fields(page: Page) -> Viewable:
     return stack(*(_field(page, told) for told in page.fields), html_pane('<hr class="rule">'))
 
 
-def _field(page: Page, told: str | Section | Hint) -> Viewable:
+def _field(page: Page, told: str | Section | Hint | Own) -> Viewable:
+    if isinstance(told, Own):
+        return told.make(page)
     if isinstance(told, Section):
         aside = markup(" <span>\u00b7 {}</span>", told.aside) if told.aside else ""
         return html_pane(markup('<div class="section">{}{}</div>', told.title, aside))

@@ -22,7 +22,6 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.fields import EventFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.robustness.fields import RealityFields
-from railjoule.dashboard.pages.speed_limits.fields import SectionFields
 from railjoule.dashboard.pages.study.settings import StudyFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
@@ -256,7 +255,6 @@ OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Trade-off": EnocField,
     "Robustness": RealityFields,
     "Disturbances": EventFields,
-    "Speed limits": SectionFields,
     "Study": StudyFields,
 }
 """Fields that one page alone has, by its name."""

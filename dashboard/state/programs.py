@@ -13,17 +13,8 @@ from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
 
-WHOLE_LINE = Program(
-    {"whole_line": "railjoule.core.studies.whole_line"}, "line = whole_line(scenario)\nprint(line.run.energy_kwh)\n", ""
-)
 ACTUAL_RUN = simulation("actual_run", "actual_run")
 FOLLOWING = simulation("simulate_following", "following")
-VALIDATION = Program(
-    {"PAPERS": "railjoule.core.validation"},
-    "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
-    "validate",
-    of_scenario=False,
-)
 NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
 
 
@@ -86,16 +77,6 @@ def _followed(state: Workbench) -> Mapping[str, Any]:
     return {"simulation.kind": "following"} if in_loop else {}
 
 
-def _speed_limits(state: Workbench) -> PageRun:
-    return PageRun(SOLVE, state.speed_limits.changes)
-
-
-def _line(state: Workbench) -> PageRun:
-    # the page divides the time by optima, whatever strategy is chosen
-    untold = "The page compares timetables over the mesh of the scenario, which solve refines for its run."
-    return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
-
-
 def _study(state: Workbench) -> PageRun:
     """Return the study that is shown; before there is one, the plan."""
     study = state.study.study
@@ -130,10 +111,6 @@ def _measured_runs(state: Workbench) -> PageRun:
     return PageRun(SOLVE, {"strategy": state.chosen_now}, untold)
 
 
-def _papers(state: Workbench) -> PageRun:
-    return PageRun(VALIDATION, {"strategy": state.chosen_now})
-
-
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
@@ -141,13 +118,10 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Trade-off": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
-    "Speed limits": _speed_limits,
-    "Line": _line,
     "Study": _study,
     "Learn": _learn,
     "Measured runs": _measured_runs,
     "Import": _plan,
-    "Papers": _papers,
     "Help": _plan,
 }
 """By the name of the page; one without an entry shows the plan."""

@@ -21,11 +21,8 @@ from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
-from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
-from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
@@ -106,12 +103,9 @@ class Workbench(Kept, PageModel):
         self.disturbances = DisturbancesModel()
         self.live = LiveModel()
         self.actual = ActualModel()
-        self.speed_limits = SpeedLimitsModel()
-        self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()
-        self.papers = PapersModel()
         self.imports = ImportModel()
         self.proof = ProofModel()
         self.simple = SimpleModel()

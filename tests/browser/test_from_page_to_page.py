@@ -27,7 +27,7 @@ SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
 """One whose motor is known, and one with stations: together they have all charts."""
 FORMS = ("Study", "Measured runs", "Import", "Help")
 """Pages that hold a form or a text: nothing that another page leaves behind can keep them from being drawn."""
-LACKING = {SUBURBAN: {"Line"}, STATIONS: {"Motor"}}
+LACKING: dict[str, set[str]] = {SUBURBAN: set(), STATIONS: {"Motor"}}
 """Pages that say what the scenario lacks."""
 SCROLLED = """() => {
   const main = railjoule.deep(".main-content")[0], before = main.scrollTop;

@@ -36,7 +36,7 @@ def fill(user: User, name: str, text: str) -> None:
 
 
 def test_a_timetable_is_taken_over_and_a_station_dragged(user: User) -> None:
-    user.page.get_by_role("button", name="Take over the arrivals of the proportional reserve").click()
+    user.page.get_by_role("button", name="Take over the arrivals of the proportional supplement").click()
     expect(user.figure_value("Given timetable")).to_have_text("+1.0%")
     expect(user.page.get_by_text("the given timetable costs 1.0 % more")).to_be_visible()
     given = field(user, "Market: Given arrival")

@@ -3,8 +3,8 @@
 import pytest
 
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -14,11 +14,12 @@ def state() -> Workbench:
 
 
 def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
-    SpeedLimits(state)
+    works_of("Speed limits")(state)
+    page = state.pages["Speed limits"]
     state.scenario.edit({"line": {"preset": "flat-5km"}, "search.limits_kmh": [50.0, 60.0]})
     state.scenario.edit({"search.boundaries_m": [3000.0]})
-    assert (state.speed_limits.borders_m, state.speed_limits.limits_kmh) == ((3000.0,), (50.0, 60.0))
-    assert state.speed_limits.sections[-1].to_m == 5000.0
+    assert (page.borders_m, page.limits_kmh) == ((3000.0,), (50.0, 60.0))
+    assert page.sections[-1].to_m == 5000.0
 
 
 def test_events_follow_edited_disturbances(state: Workbench) -> None:

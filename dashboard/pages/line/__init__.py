@@ -2,4 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry("How should the time for a whole line be shared between its stations?", strategies="")
+PAGE = PageEntry("Running time supplement of a whole line, by leg", strategies="")

@@ -10,9 +10,12 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, dragged, nice_range, text_style, xy
 from railjoule.dashboard.charts.label_places import text_width_px
-from railjoule.dashboard.charts.quantities import PATH, POSITION, SPEED
+from railjoule.dashboard.charts.plot import AxisPlot
+from railjoule.dashboard.charts.quantities import POSITION
+from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import (
     Form,
     Line,
@@ -33,9 +36,9 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.line.compute import LineRuns
 
 SHARING_WORDS: Mapping[Sharing, str] = {
-    "optimum": "optimal reserve",
-    "proportional": "proportional reserve",
-    "equal": "equal reserve",
+    "optimum": "optimal supplement",
+    "proportional": "proportional supplement",
+    "equal": "equal supplement",
     "given": "given timetable",
 }
 SHARING_TOKENS: Mapping[Sharing, str] = {
@@ -74,7 +77,7 @@ class LineSpeedChart(RunLines):
     """Speed under the limits, with the names of the stations."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line_speed", SPEED, LINES, height, axis, palette, form=Form(ticks=5))
+        super().__init__("line_speed", quantities.SPEED, LINES, height, axis, palette, form=Form(ticks=5))
 
     def beneath(self) -> None:
         """Draw limits and stations beneath the lines."""
@@ -114,7 +117,7 @@ class PathChart(RunLines):
     """When the train is where: the train paths of the timetable's graph."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line_path", PATH, LINES, height, axis, palette, form=Form(ticks=5))
+        super().__init__("line_path", quantities.PATH, LINES, height, axis, palette, form=Form(ticks=5))
 
     def beneath(self) -> None:
         """Draw the stations beneath the lines."""
@@ -170,9 +173,9 @@ class LegBars(DistanceChart):
         if self.last:
             f.xaxis.axis_label = POSITION.words
 
-    def draw(self, runs: LineRuns, width_px: float) -> None:
-        """Draw the bars."""
-        there = [sharing for sharing in SHARING_TOKENS if sharing in runs.runs]
+    def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
+        """Draw the bars of the optimum and of another way of sharing."""
+        there = self.drawn(runs, other)
         bars = [bar_columns(runs.runs[name], place, len(there), self.value) for place, name in enumerate(there)]
         for sharing in SHARING_TOKENS:
             if sharing not in there:
@@ -194,35 +197,29 @@ class LegBars(DistanceChart):
             text=[text for text, fit in zip(texts, fits, strict=True) if fit],
         )
 
+    def drawn(self, runs: LineRuns, other: Sharing) -> list[Sharing]:
+        """Return the ways of sharing that are drawn, from left to right."""
+        return ["optimum", other]
+
     def fit(self, low: float, high: float) -> None:
         """Set the ends of the y axis, with room for the numbers above the bars."""
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
 
 
 class SlackChart(LegBars):
-    """Time supplements, with stations that can be dragged: up, the train arrives there later.
-
-    Parameters
-    ----------
-    move : callable
-        Takes the number of a station and where its arrival is now [s], while it is dragged.
-    release : callable
-        Called when it is let go.
-    """
+    """Time supplements, with stations that can be dragged: up, the train arrives there later."""
 
     zoom = False  # a drag moves a station
+    moving = False
+    """Whether a station is being dragged."""
+    move: Callable[[int, float], None]
+    """Receives the number of a station and its present arrival [s] while it is dragged."""
+    release: Callable[[], None]
+    """Called when the station is released."""
 
-    def __init__(
-        self,
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        move: Callable[[int, float], None],
-        release: Callable[[], None],
-    ) -> None:
-        caption = "Time supplement of each leg, s, over its shortest time: drag a station to move time between its legs"
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        caption = "Supplement of each leg, s; drag a station"
         super().__init__("supplements", caption, height, axis, palette, supplement_s, words.time)
-        self._move, self._release, self._moving = move, release, False
 
     def build(self) -> None:
         """Make the figure, and let the browser drag its stations."""
@@ -247,25 +244,28 @@ class SlackChart(LegBars):
         )
         dragged(f, "drag_slack", grips=grips, sign=sign, moved=moved)
         moved.on_change("data", self._take)
-        f.on_event(PanEnd, lambda _: self._release())
+        f.on_event(PanEnd, lambda _: self.release())
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
         """Take what the browser has moved; what is emptied here calls, too."""
         if len(new["number"]):
-            self._move(int(new["number"][0]), float(new["arrival"][0]))
+            self.move(int(new["number"][0]), float(new["arrival"][0]))
 
-    def draw_slack(self, runs: LineRuns, width_px: float, moving: bool) -> None:
+    def drawn(self, runs: LineRuns, other: Sharing) -> list[Sharing]:
+        """Return the ways of sharing that are drawn; a given timetable always, as its bars are dragged."""
+        return list(dict.fromkeys((*super().drawn(runs, other), *(name for name in runs.runs if name == "given"))))
+
+    def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
         """Draw bars and stations; a station that is being dragged stays where the browser has it."""
-        self._moving = moving
-        self.draw(runs, width_px)
-        if not moving:
+        super().draw(runs, other, width_px)
+        if not self.moving:
             # sent whatever stands here: the browser has moved them without a word
             self.sources["grips"].data = grip_columns(runs)
             self.clear("moved", "sign")
 
     def fit(self, low: float, high: float) -> None:
         """Set the ends of the y axis, but not under a hand that drags."""
-        if not self._moving:
+        if not self.moving:
             super().fit(low, high)
 
 
@@ -277,12 +277,14 @@ def grip_columns(runs: LineRuns) -> dict[str, list[Any]]:
 
     Between two arrivals that a timetable gives the optimum shares the time, so that all of it there can be moved.
     """
+    grips: dict[str, list[Any]] = {name: [] for name in GRIP_COLUMNS}
+    if runs.is_example:
+        return grips
     line = runs.runs.get("given", runs.best)
     inner = runs.scenario.line.in_running_order().inner_stations
     # the legs that share their time: those without a given arrival between them
     group = np.cumsum([0, *(station.arrival_s is not None for station in inner)])
     spare = np.array([max(leg.supplement_s - LEAST_SLACK_S, 0.0) for leg in line.legs])
-    grips: dict[str, list[Any]] = {name: [] for name in GRIP_COLUMNS}
     for k, leg in enumerate(line.legs[:-1]):
         number = np.arange(len(line.legs))
         before = float(spare[(number <= k) & (group == group[k])].sum())
@@ -314,16 +316,6 @@ def supplement_s(leg: Leg) -> float:
     return leg.supplement_s
 
 
-def price_wh_per_s(leg: Leg) -> float:
-    """Energy that an extra second saves on a leg [Wh/s]."""
-    return leg.price_of_time_w / J_PER_WH
-
-
-def energy_kwh(leg: Leg) -> float:
-    """Energy of a leg [kWh]."""
-    return leg.energy_j / J_PER_KWH
-
-
 def fitting(stops: Sequence[tuple[float, str]], m_per_px: float) -> list[tuple[float, str, str]]:
     """Return places, names and alignment of the stations whose names have room, the ends first.
 
@@ -346,3 +338,38 @@ def fitting(stops: Sequence[tuple[float, str]], m_per_px: float) -> list[tuple[f
             taken.append((left, left + length))
             chosen.append((place, name, align))
     return chosen
+
+
+# ---- all figures of the page
+
+SPEED = AxisPlot("line_speed", LineSpeedChart, (230, 290, 210))
+TRACK = AxisPlot("line", LineStrip, (98, 106, 94))
+PATH = AxisPlot("line_path", PathChart, (180, 230, 170))
+SUPPLEMENTS = AxisPlot("supplements", SlackChart, (140, 170, 140))
+PRICE = AxisPlot(
+    "leg_price",
+    lambda height, axis, palette: LegBars(
+        "leg_price",
+        "An extra second on each leg saves, Wh/s",
+        height,
+        axis,
+        palette,
+        lambda leg: leg.price_of_time_w / J_PER_WH,
+        lambda wh_per_s: words.price(wh_per_s * J_PER_WH),
+    ),
+    (110, 130, 100),
+)
+ENERGY = AxisPlot(
+    "leg_energy",
+    lambda height, axis, palette: LegBars(
+        "leg_energy",
+        "Energy of each leg, kWh",
+        height,
+        axis,
+        palette,
+        lambda leg: leg.energy_j / J_PER_KWH,
+        words.energy,
+        last=True,
+    ),
+    (140, 160, 130),
+)

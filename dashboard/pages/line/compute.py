@@ -2,9 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Any, get_args
 
-from railjoule.core import Scenario, ScenarioError
+from railjoule.core import RailjouleError, Scenario, ScenarioError, load_scenario
 from railjoule.core.energy import share_above
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
@@ -13,17 +14,11 @@ from railjoule.core.task import Task
 
 SHARINGS: tuple[Sharing, ...] = get_args(Sharing)
 RULES: tuple[Sharing, ...] = ("proportional", "equal")
+EXAMPLE, EXAMPLE_TITLE = "metro-10-stations", "Metro, ten stations"
 # A load or a day's weather off by a few per cent moves the energy by more. On a metro of even legs the optimum saves
 # less than this beside equal slack, on a hilly suburban line several times as much.
 WORTH_SHARE = 0.01
 """From this share of the energy on, a better sharing of the slack is worth a new timetable."""
-
-
-@dataclass(frozen=True)
-class LineRequest:
-    """A scenario whose line has stations between its ends."""
-
-    scenario: Scenario
 
 
 @dataclass(frozen=True)
@@ -50,6 +45,8 @@ class LineRuns:
         Sentences on the windows of arrival that a rule or the given timetable misses, by its sharing.
     refusal : str
         Why the given timetable cannot be kept.
+    is_example : bool
+        Whether it is the example, and not the line of the page's scenario.
     """
 
     scenario: Scenario
@@ -57,6 +54,7 @@ class LineRuns:
     shortest_time_s: float
     missed: Mapping[Sharing, tuple[str, ...]] = field(default_factory=dict)
     refusal: str = ""
+    is_example: bool = False
 
     @property
     def best(self) -> WholeLine:
@@ -75,6 +73,10 @@ class LineRuns:
         best = self.best.run.energy_kwh
         return any(share_above(self.runs[other].run.energy_kwh, best) >= WORTH_SHARE for other in self.measured_by)
 
+    def with_drag(self, found: WholeLine | str) -> "LineRuns":
+        """Return the runs with the given timetable of a drag, or the reason against it."""
+        return replace(self, refusal=found) if isinstance(found, str) else self.with_given(found)
+
     def with_given(self, line: WholeLine | None, refusal: str = "", missed: tuple[str, ...] = ()) -> "LineRuns":
         """Return the runs with another given timetable, or why there is none."""
         runs: dict[Sharing, WholeLine] = {name: run for name, run in self.runs.items() if name != "given"}
@@ -83,24 +85,33 @@ class LineRuns:
         return replace(self, runs={**runs, "given": line}, refusal="", missed={**self.missed, "given": missed})
 
 
-def compute_line(request: LineRequest) -> LineRuns:
-    """Return the line with its time shared in each way that there is.
+@cache
+def example_scenario() -> Scenario:
+    """Load the shipped scenario that is shown where a line has no stations between its ends."""
+    return load_scenario(EXAMPLE)
+
+
+def compute_line(scenario: Scenario, is_example: bool = False) -> LineRuns:
+    """Compute a line with its time shared in each way that there is.
 
     Raises
     ------
     RailjouleError
         If the timetable or a window of arrival cannot be kept, or the line not be run over.
     """
-    task = prepare_task(request.scenario)
+    task = prepare_task(scenario)
     runs = {sharing: shared_line(task, sharing) for sharing in ("optimum", *RULES)}
     missed = {rule: missed_windows(task, runs[rule].run) for rule in RULES}
-    shown = LineRuns(request.scenario, runs, task.shortest_travel_time_s, missed)
-    return _with_given(shown, task) if has_given(request.scenario) else shown
+    shown = LineRuns(scenario, runs, task.shortest_travel_time_s, missed, is_example=is_example)
+    return _with_given(shown, task) if has_given(scenario) else shown
 
 
-def compute_given(request: GivenRequest) -> WholeLine:
-    """Return the line as a given timetable has it; errors as `railjoule.core.studies.whole_line.whole_line`."""
-    return shared_line(prepare_task(request.scenario.replace(**{"line.stations": list(request.stations)})), "given")
+def compute_given(request: GivenRequest) -> WholeLine | str:
+    """Compute the line with a given timetable, or return why it cannot be kept."""
+    try:
+        return shared_line(prepare_task(request.scenario.replace(**{"line.stations": list(request.stations)})), "given")
+    except RailjouleError as refusal:
+        return str(refusal)
 
 
 def has_given(scenario: Scenario) -> bool:

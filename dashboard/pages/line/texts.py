@@ -10,6 +10,7 @@ from railjoule.dashboard.pages.line.charts import SHARING_TOKENS, SHARING_WORDS
 from railjoule.dashboard.pages.line.compute import WORTH_SHARE, LineRuns
 from railjoule.dashboard.parts import html as parts
 
+EXAMPLE_NOTE = "{} has no stations between its ends; the editor has them under Track. The page shows an example."
 OTHERS: tuple[Sharing, ...] = ("given", "proportional", "equal")
 SHORT: Mapping[Sharing, str] = {
     "optimum": "optimal",
@@ -43,7 +44,9 @@ def figure_cells(runs: LineRuns) -> list[str]:
         f"shortest {words.number(runs.shortest_time_s)} s",
     )
     return [
-        parts.figure("Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", "optimal reserve", "main"),
+        parts.figure(
+            "Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", SHARING_WORDS["optimum"], "main"
+        ),
         *others,
         parts.figure(
             "Extra second saves",
@@ -65,17 +68,14 @@ def sharing_words(runs: LineRuns) -> list[str]:
         # the figure of the row above the charts
         verb, amount = comparisons.saving(runs.runs[other].run.energy_kwh, best)
         costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
-    told = f"Against the optimal reserve, {' and '.join(costs)}"
+    told = f"Compared with the optimal supplement, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
     if not costs:
-        verdict = "No other way of sharing the slack that is shown keeps the windows of arrival."
+        verdict = "No other distribution of the supplement keeps the arrival windows."
     elif runs.pays:
         verdict = f"{told}."
     else:
-        verdict = (
-            f"{told}: {less}, so a new timetable hardly pays here. It pays most where legs differ in gradient, length "
-            "or speed limits."
-        )
+        verdict = f"{told}: {less}, so a new timetable hardly pays here."
     refused = f"The given timetable is not shown. {runs.refusal}" if runs.refusal else ""
     return [sentence for sentence in (verdict, refused) if sentence]
 
@@ -90,10 +90,22 @@ def missed_words(runs: LineRuns) -> list[str]:
     ]
 
 
-def key_words(runs: LineRuns) -> Markup:
-    """Return what the colours of lines and bars mean."""
+def heading(runs: LineRuns) -> Markup:
+    """Return the heading of the page."""
+    best, scenario = runs.best, runs.best.run.scenario
+    standing = sum(station.dwell_s for station in scenario.line.inner_stations)
+    what = (
+        f"{words.distance(best.run.distance_m)} km, {len(best.legs)} legs in {words.time(best.run.travel_time_s)} s, "
+        f"including {words.time(standing)} s of dwell"
+    )
+    return parts.heading("Line", f"{'Example: ' if runs.is_example else ''}{scenario.title}", what, "")
+
+
+def key_words(runs: LineRuns, other: Sharing) -> Markup:
+    """Return the colours of lines and bars, and their meaning."""
     bar = '<span style="margin-right:16px"><span class="patch" style="background:var(--rj-{})"></span>{}</span>'
-    there = {sharing: token for sharing, token in SHARING_TOKENS.items() if sharing in runs.runs}
+    drawn = {"optimum", other, *(["given"] if "given" in runs.runs else [])}
+    there = {sharing: token for sharing, token in SHARING_TOKENS.items() if sharing in drawn}
     return markup(
         '<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{}numbers above bars: {}</p>',
         joined(markup(bar, token.replace("_", "-"), SHARING_WORDS[sharing]) for sharing, token in there.items()),
@@ -101,58 +113,45 @@ def key_words(runs: LineRuns) -> Markup:
     )
 
 
-def legs_tables(runs: LineRuns) -> Markup:
-    """Return the legs with what each way of sharing gives them of time, and what energy they need for it."""
-    lines = [(sharing, runs.runs[sharing]) for sharing in SHARING_TOKENS if sharing in runs.runs]
-    return joined([times_table(lines), energies_table(lines)])
-
-
-def times_table(lines: Lines) -> Markup:
-    """Return arrivals, running times and supplements of the legs."""
-    (_, best), *others = lines
-    names = [f"{SHORT[sharing]} supplement, s" for sharing, _ in lines]
-    header = ("Leg", "m", "arrives, s", "runs, s", "shortest, s", *names)
-    rows: list[tuple[tuple[str, ...], bool]] = []
-    for number, leg in enumerate(best.legs):
-        cells = (
-            leg_words(leg),
-            words.number(leg.end_m - leg.start_m, 0),
-            *map(words.number, (leg.arrival_s, leg.running_time_s, leg.shortest_time_s, leg.supplement_s)),
-            *(words.number(line.legs[number].supplement_s) for _, line in others),
-        )
-        rows.append((cells, False))
-    sums = [sum(leg.supplement_s for leg in line.legs) for _, line in lines]
-    running, shortest = sum(leg.running_time_s for leg in best.legs), sum(leg.shortest_time_s for leg in best.legs)
-    length = best.legs[-1].end_m - best.legs[0].start_m
-    total = (words.number(length, 0), "", *map(words.number, (running, shortest, *sums)))
-    return parts.table("Legs: times", header, [*rows, (("All legs", *total), True)])
-
-
-def energies_table(lines: Lines) -> Markup:
-    """Return energies of the legs and what an extra second saves on them."""
+def legs_table(runs: LineRuns, other: Sharing) -> Markup:
+    """Return times and energies of the legs, of the optimum beside another way of sharing."""
+    lines: Lines = [("optimum", runs.best), (other, runs.runs[other])]
+    # a rule has no price of its own
     priced = [(sharing, line) for sharing, line in lines if sharing in {"optimum", "given"}]
     header = (
         "Leg",
-        *(f"{SHORT[sharing]}, kWh" for sharing, _ in lines),
-        *(f"{SHORT[sharing]}, Wh/s" for sharing, _ in priced),
+        "m",
+        "shortest, s",
+        *(f"{SHORT[sharing]}: {what}" for sharing, _ in lines for what in ("arrives, s", "supplement, s", "kWh")),
+        *(f"{SHORT[sharing]}: Wh/s" for sharing, _ in priced),
     )
-    rows: list[tuple[tuple[str, ...], bool]] = [
-        (
-            (
-                leg_words(leg),
-                *(words.energy(line.legs[number].energy_j / J_PER_KWH) for _, line in lines),
-                *(words.price(line.legs[number].price_of_time_w) for _, line in priced),
-            ),
-            False,
+    rows: list[tuple[tuple[str, ...], bool]] = []
+    for number, leg in enumerate(runs.best.legs):
+        shown = [line.legs[number] for _, line in lines]
+        cells = (
+            leg_words(leg),
+            words.number(leg.end_m - leg.start_m, 0),
+            words.number(leg.shortest_time_s),
+            *(cell for one in shown for cell in leg_cells(one.arrival_s, one.supplement_s, one.energy_j)),
+            *(words.price(line.legs[number].price_of_time_w) for _, line in priced),
         )
-        for number, leg in enumerate(lines[0][1].legs)
+        rows.append((cells, False))
+    legs = runs.best.legs
+    sums = [
+        cell
+        for _, line in lines
+        for cell in leg_cells(None, sum(leg.supplement_s for leg in line.legs), sum(leg.energy_j for leg in line.legs))
     ]
-    sums = [words.energy(sum(leg.energy_j for leg in line.legs) / J_PER_KWH) for _, line in lines]
-    return parts.table(
-        "Legs: energy, and what an extra second saves",
-        header,
-        [*rows, (("All legs", *sums, *("" for _ in priced)), True)],
-    )
+    length = words.number(legs[-1].end_m - legs[0].start_m, 0)
+    total = ("All legs", length, words.number(sum(leg.shortest_time_s for leg in legs)), *sums, *("" for _ in priced))
+    table = parts.table("Legs", header, [*rows, (total, True)])
+    return markup('<div style="overflow-x:auto" tabindex="0" role="region" aria-label="Legs">{}</div>', table)
+
+
+def leg_cells(arrival_s: float | None, supplement_s: float, energy_j: float) -> tuple[str, str, str]:
+    """Return the cells of a leg, or of all legs, which have no arrival of their own."""
+    arrival = "" if arrival_s is None else words.number(arrival_s)
+    return arrival, words.number(supplement_s), words.energy(energy_j / J_PER_KWH)
 
 
 def leg_words(leg: Leg) -> str:

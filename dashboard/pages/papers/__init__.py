@@ -2,4 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry("Does railjoule compute what the papers print?", "right", has_sidebar=False)
+PAGE = PageEntry("Comparison with published results", "right", has_sidebar=False)

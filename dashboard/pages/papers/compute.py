@@ -16,8 +16,8 @@ from typing import Any
 import railjoule.core
 from railjoule.core.kernel_cache import source_hash
 from railjoule.core.validation import COMPARISONS, Claim, Row, Table, Validation
-from railjoule.core.validation.figure import FigureData
 
+AUTHORS = {"ftorek": "Ftorek", "liashenko": "Liashenko", "rawicki": "Rawicki", "shtompel": "Shtompel"}
 SHIPPED = ("papers", "computed.json")
 ASSETS = ("vehicles", "lines", "scenarios", "papers")
 """Folders of the assets whose TOML files the comparisons read; the last has the printed numbers."""
@@ -52,22 +52,14 @@ class PaperTables:
         return self.done_count == self.step_count
 
 
-def compute_papers(names: tuple[str, ...]) -> Iterator[dict[str, PaperTables]]:
-    """Yield the comparisons of the named papers as their tables come."""
+def compute_papers(names: tuple[str, ...], _request_count: int = 1) -> Iterator[dict[str, PaperTables]]:
+    """Yield the comparisons of the named papers with each table or claim that is added."""
     done: dict[str, PaperTables] = {}
     for name in names:
         comparison = COMPARISONS[name]()
         for step in comparison.steps():
             done = {**done, name: PaperTables(name, step, comparison.step_count)}
             yield done
-
-
-def compute_figures(name: str) -> Iterator[tuple[FigureData, ...]]:
-    """Yield the rebuilt figures of a paper, one more each time."""
-    done: tuple[FigureData, ...] = ()
-    for printed in COMPARISONS[name]().figures:
-        done = (*done, printed.compute())
-        yield done
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""All printed numbers against ours in one figure of HoloViews: a dot for each row that has a printed number."""
+"""All differences from printed numbers in one figure of HoloViews: a dot for each row with a printed number."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -16,8 +16,7 @@ from railjoule.dashboard.charts.figures import dress_alone
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.papers.compute import PaperTables
-from railjoule.dashboard.pages.papers.names import AUTHORS
+from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables
 
 STYLES = {
     "ftorek": ("accent", "circle"),
@@ -26,18 +25,18 @@ STYLES = {
     "shtompel": ("bellman", "diamond"),
 }
 """Colour and shape of each paper's dots: neither tells alone."""
-TOLD = ("Paper", "Table", "Case", "Quantity", "Printed", "Ours", "Difference")
-"""What a dot says beneath the mouse."""
+TOLD = ("Paper", "Table", "Case", "Quantity", "Printed", "railjoule", "Difference")
+"""The text of a dot under the mouse."""
 TIP_CSS = (
     ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
     "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
     "div.told { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); width: 200px; white-space: normal; } "
     "div.told b { color: var(--rj-ink); font-weight: 600; }"
 )
-"""Of what stands beneath the mouse, which the library draws within a root of its own."""
+"""Of the text under the mouse, which the library draws within its own root."""
 TICKS_PERCENT = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
-X_TITLE = "Row, in the order of the tables"
-NAME = "Differences of our numbers from the printed ones"
+X_TITLE = "Printed number, in the order of the tables"
+NAME = "Differences of railjoule from the printed numbers"
 
 
 def scaled(percent: float) -> float:

@@ -11,8 +11,6 @@ from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.pages.papers.compute import PaperTables
 from railjoule.dashboard.parts import html as parts
 
-SAME_PERCENT, MUCH_PERCENT = 0.05, 10.0
-"""Differences below the first are none, beyond the second much: in percent, of percentages in percentage points."""
 COLUMNS = (
     "table",
     "place",
@@ -20,7 +18,7 @@ COLUMNS = (
     "quantity",
     "unit",
     "printed",
-    "ours",
+    "railjoule",
     "difference_percent",
     "difference_points",
     "note",
@@ -56,7 +54,7 @@ def table_html(table: Table) -> Markup:
     """Return one table, with the reasons of its differences below it."""
     notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
     rows = [(row_cells(row, notes), False) for row in table.rows]
-    header = ("Case", "Quantity", table.reference, "railjoule", "difference", "in words", "")
+    header = ("Case", "Quantity", table.reference, "railjoule", "difference", "")
     listed = joined(markup("<li>{}</li>", note) for note in notes)
     return markup(
         '<details><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
@@ -82,25 +80,8 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
         "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
         words.number(row.value, words.decimals(row.printed) + 1),
         difference,
-        difference_words(row),
         mark,
     )
-
-
-def difference_words(row: Row) -> str:
-    """Return a difference in words."""
-    difference = row.difference
-    if row.printed is None:
-        return "none printed"
-    if difference is None:
-        return "printed as zero"
-    if abs(difference) < SAME_PERCENT:
-        return "the same"
-    side = "larger" if abs(row.value) > abs(row.printed) else "smaller"
-    if row.value * row.printed < 0:
-        return "opposite sign"
-    size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
-    return f"{size} {side}".strip()
 
 
 def summary_words(table: Table) -> str:
@@ -122,10 +103,9 @@ def summary_words(table: Table) -> str:
 
 
 def figure_cells(papers: Collection[PaperTables]) -> list[str]:
-    """Return how many printed numbers of all papers agree with railjoule, and how many rows have none."""
+    """Return how many printed numbers of all papers agree with railjoule."""
     tables = [paper.validation.tables for paper in papers]
     compared = [row for each in tables for row in first_comparisons(each)]
-    others = sum(not row.source for each in tables for table in each for row in table.rows)
     close = sum(row.is_close for row in compared)
     explained = sum(not row.is_close and bool(row.note) for row in compared)
     counted = f"of {len(compared)} printed numbers, each counted once"
@@ -141,7 +121,6 @@ def figure_cells(papers: Collection[PaperTables]) -> list[str]:
         parts.figure("Numbers that agree", words.number(close, 0), "", counted),
         parts.figure("Differ, with a reason", words.number(explained, 0), "", "the reason is below the table"),
         parts.figure("Differ, unexplained", words.number(len(compared) - close - explained, 0), "", ""),
-        parts.figure("Rows without a printed number", words.number(others, 0), "", "not counted"),
     ]
 
 
@@ -151,7 +130,7 @@ def claims_html(claims: tuple[Claim, ...]) -> Markup:
         return Markup()
     rows = [(_claim_cells(claim), False) for claim in claims]
     return markup(
-        '<details class="claims" open><summary>Claims<span>, {summary}</span></summary><div class="scroll" '
+        '<details class="claims"><summary>Claims<span>, {summary}</span></summary><div class="scroll" '
         'tabindex="0" role="region" aria-label="Claims">{body}</div></details>',
         summary=verdict_words(claims),
         body=parts.table("", ("Place", "Claim", "railjoule", "Verdict", "Reason"), rows, "Claims"),

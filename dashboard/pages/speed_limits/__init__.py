@@ -3,7 +3,7 @@
 from railjoule.dashboard.page_entry import PageEntry
 
 PAGE = PageEntry(
-    "How close to the optimum does a simple rule come: one set speed for each section?",
+    "Set speeds by section, compared with the optimum",
     group="Equipment",
     strategies="",
 )

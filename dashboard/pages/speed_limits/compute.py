@@ -1,12 +1,20 @@
-"""Runs under limits of sections, given or found by search, what the optimum needs, and what a storage would save."""
+"""Runs with set speeds, given or found by search, the optimum in their time, and the savings of a storage."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from railjoule.core import Scenario, ScenarioError, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core import (
+    RailjouleError,
+    Scenario,
+    ScenarioError,
+    SolverError,
+    StrategyRefusedError,
+    TimetableError,
+    Trajectory,
+)
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario.drive import GearedMotors
@@ -15,7 +23,7 @@ from railjoule.core.strategies.inter_station_runs import run_words
 from railjoule.core.strategies.line_parts import stop_nodes
 from railjoule.core.strategies.set_speed_run import build_limit_problem
 from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
-from railjoule.core.studies.motor_map import OperatingPoints, operating_points
+from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, motor_map, operating_points
 from railjoule.core.studies.storage import (
     Storage,
     StorageNeed,
@@ -245,3 +253,21 @@ def compute_storage(request: StorageRequest) -> StorageCurve:
         chosen=with_storage(request.run.run, Storage(size, power, *efficiencies)),
         need=need,
     )
+
+
+@dataclass(frozen=True)
+class MapRequest:
+    """A scenario, compared with another one only by what the efficiency of its powertrain depends on."""
+
+    scenario: Scenario = field(compare=False)
+    drive: object
+    traction: object
+    braking: object
+
+
+def compute_map(request: MapRequest) -> MotorMap | str:
+    """Compute the efficiency of the powertrain, or return why its drive has none."""
+    try:
+        return motor_map(request.scenario)
+    except RailjouleError as refusal:
+        return str(refusal)

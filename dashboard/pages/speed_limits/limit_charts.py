@@ -1,4 +1,4 @@
-"""The run under limits beside the optimum: speed with limits that can be dragged, effort, energy."""
+"""The figures of Speed limits that are no plain curves: set speeds that can be dragged, and the search for them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -7,13 +7,23 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import PanEnd
+from bokeh.models import LinearColorMapper
 from bokeh.plotting import figure
+from bokeh.transform import transform
 
 from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
-from railjoule.dashboard.charts.chart import Axis, dragged
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.charts import quantities
+from railjoule.dashboard.charts.chart import Axis, columns, dragged, xy
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity
+from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
+from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
+from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import (
     DRIVEN_DASH,
     Curve,
@@ -21,10 +31,11 @@ from railjoule.dashboard.charts.run_lines import (
     Form,
     Line,
     RunLines,
-    add_tint,
+    add_limits,
     draw_limits,
     limits_of,
 )
+from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip
 
@@ -35,37 +46,30 @@ LINES: Mapping[str, Line] = {
 }
 """By the names at the lines and under the cursor."""
 TRIP = "trip"
-"""The run as the chart of speeds has it: while a step is dragged it alone shows the trip, which has no efforts."""
+"""The run of the chart of speeds, the only one to show the trip while a step is dragged."""
 HEADROOM = 1.09
 GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
 """Half the size of a handle, and how far above its step a limit is written."""
 MIN_SECTION_M = 10
 """No border can be dragged closer to the next one."""
+EXPENSIVE = 0.75
+"""The colours end at this quantile of the energies: the most expensive set speeds of an even search matter little."""
+NEAR_KMH = 2
+"""Two points of the search that are closer than this share one name."""
 
 
 class LimitSpeedChart(RunLines):
-    """Speeds, with the limits of the sections as steps that can be dragged.
+    """Speeds, with the set speeds of the sections as steps that can be dragged."""
 
-    Parameters
-    ----------
-    move : callable
-        Takes limits [km/h] and borders [m] while a step is dragged.
-    release : callable
-        Called when it is let go.
-    """
+    move: Callable[[Sequence[float], Sequence[float]], None]
+    """Receives set speeds [km/h] and borders [m] while a step is dragged."""
+    release: Callable[[], None]
+    """Called when the step is released."""
 
-    def __init__(
-        self,
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        move: Callable[[Sequence[float], Sequence[float]], None],
-        release: Callable[[], None],
-    ) -> None:
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         lines = {**LINES, UNDER_LIMITS: replace(LINES[UNDER_LIMITS], of=TRIP)}
-        caption = "Speed, km/h: drag a step to change its set speed, its end to move it"
-        super().__init__("limit_speed", SPEED, lines, height, axis, palette, caption, Form(ticks=5))
-        self._move, self._release = move, release
+        caption = "Speed, km/h; drag a set speed or its end"
+        super().__init__("limit_speed", quantities.SPEED, lines, height, axis, palette, caption, Form(ticks=5))
         self._drawing = False
 
     def frame(self, *args: Any, **style: Any) -> figure:
@@ -73,8 +77,8 @@ class LimitSpeedChart(RunLines):
         return super().frame(*args, **{**style, "zoom": False})
 
     def beneath(self) -> None:
-        """Tint what the line's own limits forbid."""
-        add_tint(self)
+        """Draw the limits of the line, and tint the speeds above them."""
+        add_limits(self)
 
     def above(self) -> None:
         """Draw the steps with their handles and numbers, and let the browser drag them."""
@@ -82,16 +86,16 @@ class LimitSpeedChart(RunLines):
         assert f is not None
         sections = self.source("sections", "left", "right", "limit", "middle", "text", "most")
         borders, handles = self.source("borders", "x", "low", "high"), self.source("handles")
-        red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
-        self.glyphs("segment", "sections", "left", "limit", "right", "limit", paint=red, line_width=2)
-        self.glyphs("segment", "borders", "x", "low", "x", "high", paint=red, line_width=2)
+        edge, grip = {"line_color": "speed_limits"}, {"line_color": "speed_limits", "fill_color": "surface"}
+        self.glyphs("segment", "sections", "left", "limit", "right", "limit", paint=edge, line_width=2)
+        self.glyphs("segment", "borders", "x", "low", "x", "high", paint=edge, line_width=2)
         self.glyphs("scatter", "sections", "middle", "limit", paint=grip, size=11, line_width=2)
         self.glyphs("scatter", "handles", "x", "y", paint=grip, size=10, line_width=2, marker="square")
-        self.grounded_signs("sections", "limit", at=("middle", "limit"), text_align="center", y_offset=-10)
+        self.grounded_signs("sections", "speed_limits", at=("middle", "limit"), text_align="center", y_offset=-10)
         bounds = {"least": MIN_LIMIT_KMH, "shortest": MIN_SECTION_M}
         dragged(f, "drag_sections", sections=sections, borders=borders, handles=handles, **bounds)
         sections.on_change("data", self._take)
-        f.on_event(PanEnd, lambda _: self._release())
+        f.on_event(PanEnd, lambda _: self.release())
         self.add_names()
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
@@ -99,14 +103,13 @@ class LimitSpeedChart(RunLines):
         # the source calls for what is drawn here, too
         if not self._drawing:
             # the last section ends with the line: that is no border
-            self._move([float(limit) for limit in new["limit"]], [float(place) for place in new["right"]][:-1])
+            self.move([float(limit) for limit in new["limit"]], [float(place) for place in new["right"]][:-1])
 
     def draw(self, shown: LimitRun, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
         """Draw both runs under the limits that stand now."""
         scenario = shown.run.scenario
         runs = both(shown)
         curves = self.fill({TRIP if name == "run" else name: run for name, run in runs.items()})
-        self.told["sources"] = [self.read(name, name) for name in curves]
         most = scenario.vehicle.traction.max_speed_kmh
         self.set_range(0, HEADROOM * most)
         line = draw_limits(self, *limits_of(scenario))
@@ -150,18 +153,113 @@ class LimitSpeedChart(RunLines):
 
     def draw_trip(self, trip: LimitTrip) -> None:
         """Draw the trip of the step as it is being moved."""
-        self.axis.columns(TRIP).take(trip, {POSITION.name: trip.position_m, SPEED.name: SPEED.values(trip)})
-
-
-class LimitChart(FittedRunLines):
-    """Another quantity of both runs."""
-
-    def __init__(self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False) -> None:
-        form = Form(ticks=3, zero=True, last=last, room=0.08)
-        super().__init__(f"limit_{quantity.name}", quantity, LINES, height, axis, palette, form=form)
+        self.axis.columns(TRIP).take(
+            trip, {POSITION.name: trip.position_m, quantities.SPEED.name: quantities.SPEED.values(trip)}
+        )
 
 
 def both(shown: LimitRun) -> dict[str, Trajectory]:
     """Return the runs to draw by the names of their lines: the optimum only where there is one."""
     optimum = {} if shown.optimum is None else {"optimum": shown.optimum}
     return {**optimum, "run": shown.run}
+
+
+class SearchPlaneChart(LoneChart):
+    """Limits of two neighbouring sections, as the search drew them and as it drove them."""
+
+    kind = "map"
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("search_plane", "Search: set speeds tried, km/h; blue: less energy", height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=5)
+        edge = {"line_color": "ink3"}
+        self.glyphs(
+            "scatter", "asked", "x", "y", paint={"line_color": "groundline"}, size=4, fill_color=None, line_width=1
+        )
+        self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
+        self.source("driven", "x", "y", "energy")
+        by_energy = transform("energy", self.mapper)
+        dots = self.glyphs("scatter", "driven", "x", "y", paint=edge, size=6.5, fill_color=by_energy)
+        # the cheapest would vanish in the dark
+        dots.glyph.line_width = 0.7
+        self.line("path", "ink3", line_width=1)
+        self.source("ends", "x", "y", "marker")
+        self.dots("ends", "speed_limits", marker="marker", size=11, line_width=2)
+        self.add_names(size=11)
+
+    def draw(self, search: LimitSearch, first: int, before: int = 0) -> None:
+        """Draw the search in the limits of a section and the next one.
+
+        `first` counts from 0 within the search, `before` are the sections of the line before those of the search.
+        """
+        assert self.figure is not None
+        if len(search.best.limits_ms) < 2:
+            self.clear()
+            return
+        pair = slice(first, first + 2)
+        tried = search.evaluations
+        asked = np.array([one.unscaled_ms[pair] for one in tried]) / MS_PER_KMH
+        driven = np.array([one.limits_ms[pair] for one in tried]) / MS_PER_KMH
+        energy: FloatArray = np.array([one.energy_j for one in tried]) / J_PER_KWH
+        # infinite where a trip is late
+        known, samples = np.isfinite(energy), np.array([one.stage == "sample" for one in tried])
+        self.figure.xaxis.axis_label = f"Section {before + first + 1}, km/h"
+        self.figure.yaxis.axis_label = f"Section {before + first + 2}, km/h"
+        self.put("asked", **xy(*asked[samples].T))
+        self.put("driven", **columns(x=driven[known, 0], y=driven[known, 1], energy=energy[known]))
+        if known.any():
+            # 1e-9: where all trips cost the same, the colours must still span something
+            self.mapper.update(low=float(energy[known].min()), high=float(np.quantile(energy[known], EXPENSIVE)) + 1e-9)
+        self.put("path", **xy(*driven[known & ~samples].T))
+        start, end = driven[int(np.argmin(np.where(samples, energy, np.inf)))], search.best.limits_ms[pair] / MS_PER_KMH
+        self.put("ends", x=[start[0], end[0]], y=[start[1], end[1]], marker=["circle", "diamond"])
+        top = 1.04 * float(max(asked.max(), driven[known].max() if known.any() else 0.0))
+        self.set_ranges((0.0, top), (0.0, top))
+        ink, place = self.palette.tokens["ink2"], (float(end[0]), float(end[1]))
+        names = [Name("found", "found", ink, point=place)]
+        if float(np.abs(start - end).max()) >= NEAR_KMH:
+            names.append(Name("first", "best of the first search", ink, point=(float(start[0]), float(start[1]))))
+        self.place_names({}, names, [self.frame_now.dot(*place, 6)], size=11)
+
+
+# ---- all figures of the page
+
+SPEED = AxisPlot("limit_speed", LimitSpeedChart, (290, 360, 240))
+TRACK = AxisPlot("line", LineStrip, (104, 112, 98))
+OTHERS = (
+    AxisPlot(
+        "limit_effort",
+        lambda height, axis, palette: FittedRunLines(
+            "limit_effort", EFFORT, LINES, height, axis, palette, form=Form(ticks=3, zero=True, room=0.08)
+        ),
+        (104, 120, 96),
+    ),
+    AxisPlot(
+        "limit_energy",
+        lambda height, axis, palette: FittedRunLines(
+            "limit_energy", ENERGY, LINES, height, axis, palette, form=Form(ticks=3, zero=True, last=True, room=0.08)
+        ),
+        (130, 150, 120),
+    ),
+)
+PLANE = Plot("search_plane", "", heights=(280, 330, 260), chart=SearchPlaneChart)
+MAP = Plot("motor_map", "", heights=(300, 360, 280), chart=MotorMapChart)
+SAVED = Plot(
+    "storage",
+    "Saved by storage instead of brake resistors, kWh",
+    {
+        "receptive": Stroke("good", {"line_width": 1.2, "line_dash": [4, 3]}, "fully receptive supply"),
+        "curve": Stroke("accent", {"line_width": 2.2}),
+        "chosen": Stroke("accent", word="this storage", marks=True, line=False),
+    },
+    (220, 260, 200),
+    x_title="Size, kWh",
+    digits=1,
+    x_digits=1,
+    from_zero=True,
+    uprights={"needed": "line2"},
+    room=0.2,
+)

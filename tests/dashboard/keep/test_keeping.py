@@ -14,9 +14,7 @@ from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
-from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
@@ -26,7 +24,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (Robustness, Disturbances, SpeedLimits, works_of("Motor"), WholeLines):
+    for work in (Robustness, Disturbances, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
         work(state)
     return state
 
@@ -48,7 +46,7 @@ def test_a_new_page_has_a_bare_address_and_nothing_to_undo(keeping: Keeping) -> 
 
 
 def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None:
-    scenario, limits = keeping.state.scenario, keeping.state.speed_limits
+    scenario, limits = keeping.state.scenario, keeping.state.pages["Speed limits"]
     scenario.load_percent = 30.0
     keeping.note()
     limits.section_count = 4

@@ -12,8 +12,8 @@ from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
 STATE = Workbench()
@@ -104,7 +104,7 @@ def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:
     state, read = Workbench(), read_link(f"?v=1&preset=metro-10-stations&line.stations={stations}")
     state.scenario.choose("metro-10-stations")
     # on a page its work does so
-    state.speed_limits.take(state.scenario.base)
+    state.pages["Speed limits"].take(state.scenario.base)
     assert (lay(state, read.snapshot), read.refusal) == ((), "")
     assert state.scenario.scenario().line.stations[2].window_s == (190, 190)
 
@@ -157,7 +157,7 @@ def test_any_text_is_read(text: str) -> None:
 @given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
-    for work in (Robustness, Disturbances, SpeedLimits):
+    for work in (Robustness, Disturbances, works_of("Speed limits")):
         work(state)
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
     snapshot_of(state)

@@ -54,8 +54,8 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.0)
     state.robustness.param.update(seed=7, knows="nothing", target_braking=False)
     state.disturbances.drop("limit", 700.0)
-    state.speed_limits.cut(3)
-    state.speed_limits.param.update(section_count=3, found=False, storage_size_kwh=1.5)
+    state.pages["Speed limits"].cut(3)
+    state.pages["Speed limits"].param.update(section_count=3, found=False, storage_size_kwh=1.5)
     state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="Robustness", colours="dark")
     snapshot = snapshot_of(state)
     read = read_link(write_link(snapshot, originals_of(snapshot)))
@@ -81,7 +81,7 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
 def test_too_few_sections_change_nothing(state: Workbench) -> None:
     lay(state, {})
     # the preset's line has two sections of its own at least
-    state.speed_limits.take(state.scenario.base)
+    state.pages["Speed limits"].take(state.scenario.base)
     before = snapshot_of(state)
     (refusal,) = lay(state, {"speed_limits.sections": [{}]})
     assert refusal == "speed_limits: sections must be 2 to 12, not 1"

@@ -27,8 +27,8 @@ BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 """They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
-PRESETS = {"WholeLines": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Motor.detuning", "Papers.papers", "Papers.figures", "Robustness.robust", "Start.cards"}
+PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
+GO_ON = {"Motor.detuning", "Papers.rebuilt", "Robustness.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 
@@ -97,7 +97,7 @@ class Desk:
 @pytest.fixture(params=WORKS)
 def desk(request, monkeypatch):
     # the papers as with other code than that which computed those that are shipped: then they are computed again
-    monkeypatch.setattr("railjoule.dashboard.pages.papers.work.shipped_tables", lambda: ShippedTables({}, False))
+    monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: ShippedTables({}, False))
     desk = Desk(WORKS[request.param])
     yield desk
     for job in desk.jobs.values():

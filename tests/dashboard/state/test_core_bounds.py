@@ -23,11 +23,13 @@ from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
-from railjoule.dashboard.pages.line.model import LineModel, StationModel
+from railjoule.dashboard.pages.line.model import StationModel
+from railjoule.dashboard.pages.line.page import WholeLines
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
-from railjoule.dashboard.pages.speed_limits.model import SectionModel, SpeedLimitsModel
+from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
+from railjoule.dashboard.pages.speed_limits.sections import SectionModel
 from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.scenario import ScenarioModel
@@ -88,7 +90,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         },
     ),
     "speed limits": (
-        SpeedLimitsModel(),
+        SpeedLimits(Workbench()),
         {
             "time_window_percent": (SearchOptions, "time_window", 100),
             "stop_deceleration_ms2": (SearchOptions, "stop_deceleration_ms2", 1),
@@ -105,7 +107,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
             "given_s": (Station, "arrival_s", 1),
         },
     ),
-    "line": (LineModel(ScenarioModel()), {}),
+    "line": (WholeLines(Workbench()), {}),
     "measured runs": (MeasuredRunsModel(), {}),
     "study": (StudyModel(ScenarioModel().base), {}),
     "scenario": (
@@ -174,9 +176,9 @@ def test_every_field_of_every_page_is_held_to_the_file() -> None:
         (RobustnessModel(), "target_deceleration_ms2", "0", "Above 0."),
         (RobustnessModel(), "speed_error_percent", "50", "Below 50."),
         (RobustnessModel(), "speed_error_percent", "-50", "Above -50."),
-        (SpeedLimitsModel(), "time_window_percent", "0", "Above 0."),
-        (SpeedLimitsModel(), "stop_deceleration_ms2", "0", "Above 0."),
-        (SpeedLimitsModel(), "storage_size_kwh", "-1", "At least 0."),
+        (SpeedLimits(Workbench()), "time_window_percent", "0", "Above 0."),
+        (SpeedLimits(Workbench()), "stop_deceleration_ms2", "0", "Above 0."),
+        (SpeedLimits(Workbench()), "storage_size_kwh", "-1", "At least 0."),
         (STOP, "position_m", "0", "Above 0."),
         (LIMIT, "limit_kmh", "0", "Above 0."),
         (VOLTAGE, "share_percent", "0", "Above 0."),

@@ -20,9 +20,7 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.learn.work import Learn
-from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.state.program import Program
@@ -76,8 +74,8 @@ def have_the_day_as_planned(state: Workbench) -> None:
 
 
 def set_limits(state: Workbench) -> None:
-    state.speed_limits.set([60.0, 50.0], [500.0])
-    state.speed_limits.found = False
+    state.pages["Speed limits"].set([60.0, 50.0], [500.0])
+    state.pages["Speed limits"].found = False
 
 
 def loosen_the_loop(state: Workbench) -> None:
@@ -91,7 +89,7 @@ def choke_the_inverter(state: Workbench) -> None:
 
 
 def fix_an_arrival(state: Workbench) -> None:
-    state.line.edit({2: {"earliest_arrival_s": 350.0, "latest_arrival_s": 350.0}})
+    state.pages["Line"].edit({2: {"earliest_arrival_s": 350.0, "latest_arrival_s": 350.0}})
 
 
 CASES = (
@@ -123,8 +121,8 @@ CASES = (
         prepare=have_the_day_as_planned,
         name="actual run as planned",
     ),
-    Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, prepare=set_limits),
-    Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, name="searched"),
+    Case("Speed limits", "liashenko-i", lambda s: s.pages["Speed limits"].run.run, prepare=set_limits),
+    Case("Speed limits", "liashenko-i", lambda s: s.pages["Speed limits"].run.run, name="searched"),
     Case("Motor", "ftorek-300s", lambda s: s.pages["Motor"].run.actual, SHORT_METRO, loosen_the_loop),
     Case("Motor", "liashenko-i", plan, name="without machine"),
     Case("Motor", "tram-950m", lambda s: s.pages["Motor"].run.actual, SHORT_TRAM, name="tram"),
@@ -137,11 +135,11 @@ CASES = (
         "limits tried",
         has_command=False,
     ),
-    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run, has_command=False),
+    Case("Line", "metro-10-stations", lambda s: s.pages["Line"].runs.best.run, has_command=False),
     Case(
         "Line",
         "metro-10-stations",
-        lambda s: s.line.runs.best.run,
+        lambda s: s.pages["Line"].runs.best.run,
         prepare=fix_an_arrival,
         name="fixed arrival",
         has_command=False,
@@ -176,7 +174,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (Robustness, Disturbances, Actual, SpeedLimits, works_of("Motor"), WholeLines):
+    for work in (Robustness, Disturbances, Actual, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
         work(state)
     if case.edits:
         state.scenario.edit(case.edits)

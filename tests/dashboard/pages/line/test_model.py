@@ -1,37 +1,38 @@
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.line.model import LineModel, StationModel
-from railjoule.dashboard.state.scenario import ScenarioModel
+from railjoule.dashboard.pages.line.model import StationModel
+from railjoule.dashboard.pages.line.page import WholeLines
+from railjoule.dashboard.state.workbench import Workbench
 
 TEN = "metro-10-stations"
 
 
 @pytest.fixture
-def model() -> LineModel:
+def model() -> WholeLines:
     """A model of ten stations, without the work that lets it follow the scenario."""
-    scenario = ScenarioModel(preset=TEN)
-    model = LineModel(scenario)
-    model.take(scenario.edited)
+    model = WholeLines(Workbench())
+    model.desk.scenario.choose(TEN)
+    model.take(model.desk.scenario.edited)
     return model
 
 
-def station_of(model: LineModel, name: str) -> StationModel:
+def station_of(model: WholeLines, name: str) -> StationModel:
     """Return a station as the scenario has it now."""
-    model.take(model.scenario.edited)
+    model.take(model.desk.scenario.edited)
     return next(station for station in model.inner_stations if station.station == name)
 
 
-def test_stations_are_those_between_the_ends(model: LineModel) -> None:
+def test_stations_are_those_between_the_ends(model: WholeLines) -> None:
     assert [station.station for station in model.inner_stations][:2] == ["Old Town", "Market"]
     assert [station.dwell_s for station in model.inner_stations][:2] == [25, 30]
     assert len(model.inner_stations) == 8
-    model.scenario.choose("liashenko-ii")
-    model.take(model.scenario.edited)
+    model.desk.scenario.choose("liashenko-ii")
+    model.take(model.desk.scenario.edited)
     assert model.inner_stations == []
 
 
-def test_an_arrival_is_free_fixed_or_has_a_window_as_the_scenario_says(model: LineModel) -> None:
+def test_an_arrival_is_free_fixed_or_has_a_window_as_the_scenario_says(model: WholeLines) -> None:
     model.edit(
         {
             1: {"earliest_arrival_s": 200.0, "latest_arrival_s": 200.0},
@@ -46,20 +47,20 @@ def test_an_arrival_is_free_fixed_or_has_a_window_as_the_scenario_says(model: Li
     assert station_of(model, "Central").arrival == "free"
 
 
-def test_what_is_set_at_a_station_comes_back_from_the_file(model: LineModel) -> None:
+def test_what_is_set_at_a_station_comes_back_from_the_file(model: WholeLines) -> None:
     market = station_of(model, "Market")
     market.param.update(dwell_s=33.0, arrival="window", earliest_s=190.0, latest_s=205.5, given_s=201.0)
     model.edit({market.number: market.row})
-    stations = {station.name: station for station in model.scenario.edited.line.stations}
+    stations = {station.name: station for station in model.desk.scenario.edited.line.stations}
     told = stations["Market"].model_dump(exclude={"name", "position_m"})
     assert told == {"dwell_s": 33, "arrival_s": 201, "earliest_arrival_s": 190, "latest_arrival_s": 205.5}
     market.arrival = "fixed"
     market.arrival_s = 199.0
     model.edit({market.number: market.row})
-    assert model.scenario.edited.line.stations[2].window_s == (199, 199)
+    assert model.desk.scenario.edited.line.stations[2].window_s == (199, 199)
 
 
-def test_no_end_of_a_window_passes_the_other(model: LineModel) -> None:
+def test_no_end_of_a_window_passes_the_other(model: WholeLines) -> None:
     market = station_of(model, "Market")
     market.param.update(arrival="window", earliest_s=190.0, latest_s=205.5)
     with pytest.raises(ValueError, match=r"At most 205\.5\."):
@@ -71,36 +72,36 @@ def test_no_end_of_a_window_passes_the_other(model: LineModel) -> None:
         market.parse_or_none("arrival_s", "")
 
 
-def test_a_window_that_is_typed_stays_one_while_its_ends_meet(model: LineModel) -> None:
+def test_a_window_that_is_typed_stays_one_while_its_ends_meet(model: WholeLines) -> None:
     market = station_of(model, "Market")
     market.param.update(arrival="window", earliest_s=200.0, latest_s=200.0)
     model.edit({market.number: market.row})
-    model.take(model.scenario.edited, keep_kind=True)
+    model.take(model.desk.scenario.edited, keep_kind=True)
     assert market.arrival == "window"
     # as after undo, or in a link
-    model.take(model.scenario.edited)
+    model.take(model.desk.scenario.edited)
     assert market.arrival == "fixed"
 
 
-def test_times_that_are_as_in_the_file_again_are_no_change(model: LineModel) -> None:
+def test_times_that_are_as_in_the_file_again_are_no_change(model: WholeLines) -> None:
     model.edit({1: {"latest_arrival_s": 205.0}})
-    assert set(model.scenario.edits) == {"line.stations"}
+    assert set(model.desk.scenario.edits) == {"line.stations"}
     model.edit({1: {"latest_arrival_s": None}})
-    assert model.scenario.edits == {}
+    assert model.desk.scenario.edits == {}
 
 
-def test_a_time_out_of_its_bounds_changes_nothing(model: LineModel) -> None:
+def test_a_time_out_of_its_bounds_changes_nothing(model: WholeLines) -> None:
     with pytest.raises(ScenarioError, match="lies before earliest_arrival_s"):
         model.edit({1: {"earliest_arrival_s": 300.0, "latest_arrival_s": 200.0}})
-    assert model.scenario.edits == {}
+    assert model.desk.scenario.edits == {}
 
 
 @pytest.mark.parametrize("reverse", [False, True])
-def test_times_reach_their_station_on_a_reversed_line_too(model: LineModel, reverse: bool) -> None:
-    model.scenario.edit({"line.reverse": reverse})
+def test_times_reach_their_station_on_a_reversed_line_too(model: WholeLines, reverse: bool) -> None:
+    model.desk.scenario.edit({"line.reverse": reverse})
     market = station_of(model, "Market")
     model.edit({market.number: {"dwell_s": 77.0, "arrival_s": 200.0}})
-    stations = {station.name: station for station in model.scenario.edited.line.stations}
+    stations = {station.name: station for station in model.desk.scenario.edited.line.stations}
     assert (stations["Market"].dwell_s, stations["Market"].arrival_s) == (77, 200)
     assert (stations["Central"].dwell_s, stations["Central"].arrival_s) == (40, None)
     assert station_of(model, "Market").given_s == 200
@@ -112,11 +113,11 @@ def linked(**values: object) -> dict[str, object]:
     return {**market, **values}
 
 
-def test_a_link_that_fixes_an_arrival_fixes_it_in_the_scenario(model: LineModel) -> None:
+def test_a_link_that_fixes_an_arrival_fixes_it_in_the_scenario(model: WholeLines) -> None:
     old_town = linked(number=0, station="Old Town", position_m=1150.0)
     model.lay({"stations": [old_town, linked(fixed=True, arrival_s=201.5)], "other": "equal"})
     assert model.other == "equal"
-    assert [station.window_s for station in model.scenario.edited.line.stations[1:3]] == [
+    assert [station.window_s for station in model.desk.scenario.edited.line.stations[1:3]] == [
         (0, float("inf")),
         (201.5, 201.5),
     ]
@@ -124,11 +125,11 @@ def test_a_link_that_fixes_an_arrival_fixes_it_in_the_scenario(model: LineModel)
     assert model.keep() == {"stations": [], "other": "equal"}
 
 
-def test_a_link_that_fixes_no_arrival_changes_nothing(model: LineModel) -> None:
+def test_a_link_that_fixes_no_arrival_changes_nothing(model: WholeLines) -> None:
     model.lay({"stations": [linked()]})
-    assert model.scenario.edits == {}
+    assert model.desk.scenario.edits == {}
 
 
-def test_a_link_that_fixes_an_arrival_elsewhere_is_told(model: LineModel) -> None:
+def test_a_link_that_fixes_an_arrival_elsewhere_is_told(model: WholeLines) -> None:
     with pytest.raises(ValueError, match="no station at 1960 m to fix an arrival at"):
         model.lay({"stations": [linked(position_m=1960.0, fixed=True)]})

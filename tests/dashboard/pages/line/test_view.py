@@ -8,7 +8,6 @@ from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.line.charts import (
-    SHARING_TOKENS,
     LegBars,
     LineSpeedChart,
     SlackChart,
@@ -16,8 +15,8 @@ from railjoule.dashboard.pages.line.charts import (
     grip_columns,
     supplement_s,
 )
-from railjoule.dashboard.pages.line.compute import LineRequest, LineRuns, compute_line
-from railjoule.dashboard.pages.line.texts import figure_cells, legs_tables, missed_words, sharing_words
+from railjoule.dashboard.pages.line.compute import LineRuns, compute_line
+from railjoule.dashboard.pages.line.texts import figure_cells, legs_table, missed_words, sharing_words
 
 STATIONS = (
     {"name": "A", "position_m": 0},
@@ -30,7 +29,7 @@ def runs_with(**times: object) -> LineRuns:
     """Return the runs over a line with one station between its ends, which has these keys too."""
     start, middle, end = STATIONS
     changes = {"line.stations": [start, {**middle, **times}, end], "timetable.travel_time_s": 230.0}
-    return compute_line(LineRequest(load_scenario("metro-with-limit", changes)))
+    return compute_line(load_scenario("metro-with-limit", changes))
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +42,11 @@ def given() -> LineRuns:
     return runs_with(arrival_s=90.0)
 
 
-def test_a_given_timetable_is_a_fourth_bar_and_goes_again(runs: LineRuns, given: LineRuns) -> None:
+def test_a_given_timetable_is_a_second_bar_and_goes_again(runs: LineRuns, given: LineRuns) -> None:
     palette = Palette(False)
     bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
-    bars.show(lambda: bars.draw(given, 900.0))
-    columns = [bars.sources[sharing].data for sharing in SHARING_TOKENS]
+    bars.show(lambda: bars.draw(given, "given", 900.0))
+    columns = [bars.sources[sharing].data for sharing in ("optimum", "given")]
     for one, other in pairwise(columns):
         assert all(a < b for a, b in zip(one["right"], other["left"], strict=True))
     # a number stands at the end of the optimum's own bar, as high as that
@@ -55,9 +54,9 @@ def test_a_given_timetable_is_a_fourth_bar_and_goes_again(runs: LineRuns, given:
     assert list(signs["text"]) == [words.time(leg.supplement_s) for leg in given.best.legs]
     assert list(signs["x"]) == list(optimum["right"])
     assert list(signs["y"]) == list(optimum["top"])
-    bars.draw(given, 60.0)
+    bars.draw(given, "given", 60.0)
     assert list(bars.sources["signs"].data["text"]) == []
-    bars.draw(runs, 900.0)
+    bars.draw(runs, "equal", 900.0)
     assert list(bars.sources["given"].data["top"]) == []
 
 
@@ -76,16 +75,20 @@ def test_without_a_given_timetable_stations_are_dragged_from_the_optimum(runs: L
 
 def test_what_the_browser_has_dragged_is_taken_and_a_drawing_meanwhile_leaves_it(given: LineRuns) -> None:
     palette, moves, released = Palette(False), [], []
-    chart = SlackChart(140, Axis(palette), palette, lambda *move: moves.append(move), lambda: released.append(True))
-    chart.show(lambda: chart.draw_slack(given, 900.0, False))
+    chart = SlackChart(140, Axis(palette), palette)
+    chart.move, chart.release = lambda *move: moves.append(move), lambda: released.append(True)
+    chart.show(lambda: chart.draw(given, "equal", 900.0))
+    assert len(chart.sources["given"].data["top"]) == len(chart.sources["equal"].data["top"]) == 2
     top = chart.y_range.end
     chart.sources["moved"].data = {"number": [0], "arrival": [92.5]}
     assert moves == [(0, 92.5)]
     later = runs_with(arrival_s=105.0)
-    chart.draw_slack(later, 900.0, True)
+    chart.moving = True
+    chart.draw(later, "equal", 900.0)
     assert chart.y_range.end == top
     assert chart.sources["grips"].data["arrival"] == pytest.approx([90.0], abs=1e-4)
-    chart.draw_slack(later, 900.0, False)
+    chart.moving = False
+    chart.draw(later, "equal", 900.0)
     assert chart.y_range.end > top
     assert chart.sources["grips"].data["arrival"] == pytest.approx([105.0], abs=1e-4)
     # what is emptied is no move
@@ -100,7 +103,9 @@ def test_the_verdict_has_the_figure_of_the_row_above_and_says_when_it_is_too_lit
     far = runs_with(arrival_s=105.0)
     more = far.runs["given"].run.energy_kwh / far.best.run.energy_kwh - 1
     assert more > 0.05
-    assert sharing_words(far) == [f"Against the optimal reserve, the given timetable costs {100 * more:.1f} % more."]
+    assert sharing_words(far) == [
+        f"Compared with the optimal supplement, the given timetable costs {100 * more:.1f} % more."
+    ]
     assert any(f">+{100 * more:.1f}<" in cell for cell in figure_cells(far))
 
 
@@ -117,23 +122,27 @@ def test_a_window_that_a_rule_misses_is_told() -> None:
     assert runs.best.legs[0].arrival_s == pytest.approx(120.0, abs=1e-4)
     told = missed_words(runs)
     assert [sentence.partition(":")[0] for sentence in told] == [
-        "Proportional reserve",
-        "Equal reserve",
+        "Proportional supplement",
+        "Equal supplement",
         "Given timetable",
     ]
     assert told[2].endswith("It arrives at <b>B</b> after 110.0 s, and was to arrive no earlier than 120.0 s.")
 
 
-def test_the_tables_end_with_sums(given: LineRuns) -> None:
-    table = legs_tables(given)
-    running = sum(leg.running_time_s for leg in given.best.legs)
-    assert f"<td>All legs<td>2\u202f300<td><td>{running:.1f}<td>" in table
-    energies = [sum(leg.energy_j for leg in line.legs) / 3.6e6 for line in given.runs.values()]
-    assert "<td>All legs" + "".join(f"<td>{words.energy(energy)}" for energy in energies) in table
+def test_the_table_ends_with_sums(given: LineRuns) -> None:
+    table = legs_table(given, "given")
+    shortest = sum(leg.shortest_time_s for leg in given.best.legs)
+    assert f"<td>All legs<td>2\u202f300<td>{shortest:.1f}<td>" in table
+    for sharing in ("optimum", "given"):
+        legs = given.runs[sharing].legs
+        supplement = words.number(sum(leg.supplement_s for leg in legs))
+        assert f"<td>{supplement}<td>{words.energy(sum(leg.energy_j for leg in legs) / 3.6e6)}" in table
     # the optimum has one price, the given timetable one for each leg
     (best,) = {words.price(leg.price_of_time_w) for leg in given.best.legs}
     for leg in given.runs["given"].legs:
         assert f"<td>{best}<td>{words.price(leg.price_of_time_w)}" in table
+    # a rule has none
+    assert legs_table(given, "equal").count("Wh/s") == 1
 
 
 def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
@@ -147,7 +156,7 @@ def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
 
 
 def test_texts_name_the_stations_and_escape_them(runs: LineRuns) -> None:
-    table = legs_tables(runs)
+    table = legs_table(runs, "equal")
     assert "A \u2013 &lt;b&gt;B&lt;/b&gt;" in table
     assert "<b>B" not in table
     assert "same on every leg" in "".join(figure_cells(runs))

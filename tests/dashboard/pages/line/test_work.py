@@ -1,12 +1,9 @@
-import csv
-
 import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.line.view import LineView
-from railjoule.dashboard.pages.line.work import WholeLines
+from railjoule.dashboard.pages.host import view_of, works_of
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -14,23 +11,23 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """A workbench whose page Line is in sight; all work is done in the test's own turn."""
     state = Workbench(page="Line")
-    WholeLines(state)
+    works_of("Line")(state)
     state.scenario.choose("metro-10-stations")
     return state
 
 
 def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
-    before = state.line.runs
-    state.line.inner_stations[1].dwell_s = 60.0
+    before = state.pages["Line"].runs
+    state.pages["Line"].inner_stations[1].dwell_s = 60.0
     assert state.scenario.scenario().line.stations[2].dwell_s == 60
-    assert state.line.runs.best.run.energy_kwh > before.best.run.energy_kwh
+    assert state.pages["Line"].runs.best.run.energy_kwh > before.best.run.energy_kwh
     state.scenario.take_back("line.stations")
-    assert state.line.inner_stations[1].dwell_s == 30
-    assert state.line.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh, rel=1e-9)
+    assert state.pages["Line"].inner_stations[1].dwell_s == 30
+    assert state.pages["Line"].runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh, rel=1e-9)
 
 
 def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     free = model.runs.best.run.energy_kwh
     model.inner_stations[4].arrival = "fixed"
     assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-6)
@@ -42,7 +39,7 @@ def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
 
 
 def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     free, central = model.runs.best.run.energy_kwh, model.inner_stations[4]
     before = model.runs.best.legs[4].arrival_s
     central.arrival = "window"
@@ -60,7 +57,7 @@ def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state:
 
 
 def test_an_arrival_that_cannot_be_kept_is_told_and_the_last_runs_stay(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     before = model.runs
     model.inner_stations[4].arrival = "fixed"
     kept = model.runs
@@ -74,7 +71,7 @@ def test_an_arrival_that_cannot_be_kept_is_told_and_the_last_runs_stay(state: Wo
 
 
 def test_arrivals_that_are_taken_over_are_a_given_timetable(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     optimum, equal = model.runs.best.run.energy_kwh, model.runs.runs["equal"]
     model.take_over("equal")
     given = model.runs.runs["given"]
@@ -93,24 +90,24 @@ def test_arrivals_that_are_taken_over_are_a_given_timetable(state: Workbench) ->
 
 
 def test_a_given_timetable_that_cannot_be_kept_is_no_reason_to_show_no_optimum(state: Workbench) -> None:
-    state.line.inner_stations[4].given_s = 100.0
-    assert state.line.failure is None
-    assert list(state.line.runs.runs) == ["optimum", "proportional", "equal"]
-    assert "The arrival at Central after 100.0 s must be later than" in state.line.runs.refusal
+    state.pages["Line"].inner_stations[4].given_s = 100.0
+    assert state.pages["Line"].failure is None
+    assert list(state.pages["Line"].runs.runs) == ["optimum", "proportional", "equal"]
+    assert "The arrival at Central after 100.0 s must be later than" in state.pages["Line"].runs.refusal
 
 
 def test_a_dragged_station_changes_the_given_timetable_and_once_it_is_let_go_the_scenario(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     model.take_over("equal")
     before, market = model.runs, model.inner_stations[1]
     edits, at = state.scenario.edits, market.given_s
     model.param.update(moving=True, moved=(1, at + 3.0))
-    legs, legs_before = model.runs.runs["given"].legs, before.runs["given"].legs
+    legs, legs_before = model.shown_runs.runs["given"].legs, before.runs["given"].legs
     assert legs[1].supplement_s == pytest.approx(legs_before[1].supplement_s + 3, abs=1e-3)
     assert legs[2].supplement_s == pytest.approx(legs_before[2].supplement_s - 3, abs=1e-3)
     assert legs[3].supplement_s == pytest.approx(legs_before[3].supplement_s, abs=1e-3)
     # only the given timetable is another one, and the scenario none
-    assert model.runs.best is before.best
+    assert model.shown_runs.best is before.best
     assert state.scenario.edits == edits
     model.moving = False
     assert market.given_s == at + 3
@@ -119,32 +116,53 @@ def test_a_dragged_station_changes_the_given_timetable_and_once_it_is_let_go_the
 
 
 def test_a_drag_beyond_what_can_be_driven_is_told_meanwhile(state: Workbench) -> None:
-    model = state.line
+    model = state.pages["Line"]
     model.take_over("equal")
     model.param.update(moving=True, moved=(1, 100.0))
-    assert "must be later than" in model.runs.refusal
+    assert "must be later than" in model.shown_runs.refusal
 
 
 def test_another_scenario_knows_nothing_of_a_drag(state: Workbench) -> None:
-    state.line.param.update(moving=True, moved=(1, 200.0))
+    state.pages["Line"].param.update(moving=True, moved=(1, 200.0))
     state.scenario.choose("tram-950m-stop")
-    assert (state.line.moving, state.line.moved) == (False, None)
+    assert (state.pages["Line"].moving, state.pages["Line"].moved) == (False, None)
     assert state.scenario.edits == {}
 
 
-def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:
+def test_a_line_without_stations_has_an_example(state: Workbench) -> None:
+    page = state.pages["Line"]
+    view_of("Line")(state, Browser(started=True, charts_in_sight=["supplements"]), Palette(dark=False))
+    assert not page.of_example.visible
+    assert page.host.plots["supplements"].sources["grips"].data["name"][:2] == ["Old Town", "Market"]
     state.scenario.choose("liashenko-ii")
-    assert state.line.runs is None
-    assert state.line.failure is None
+    assert page.failure is None
+    assert page.runs.is_example
+    assert page.of_example.visible
+    assert not page.timetable.visible
+    assert page.take_other.disabled
+    assert state.scenario.edited.title in page.example.object
+    assert "Example: Metro, ten stations" in page.host.heading.object
+    # stations of another line cannot be dragged
+    assert page.host.plots["supplements"].sources["grips"].data["name"] == []
+    page.drag(1, 200.0)
+    assert not page.moving
+    before = page.runs
+    state.scenario.load_percent += 1.0
+    assert page.runs is before
+    page.open.clicks += 1
+    assert not page.runs.is_example
+    assert page.timetable.visible
+    assert not page.take_other.disabled
+    assert page.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh, rel=1e-9)
 
 
-# Panel warns once of how panel-material-ui calls it
-@pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
-def test_legs_are_downloaded_under_all_rules(state: Workbench) -> None:
-    view = LineView(state, Browser(), Palette(dark=False))
-    rows = list(csv.DictReader(view.download.callback()))
-    assert {row["sharing"] for row in rows} == set(state.line.runs.runs)
-    for sharing, whole in state.line.runs.runs.items():
-        legs = [row for row in rows if row["sharing"] == sharing]
-        assert [row["from"] for row in legs][:2] == ["Harbour", "Old Town"]
-        assert sum(float(row["energy_kwh"]) for row in legs) == pytest.approx(whole.run.energy_kwh)
+def test_an_edit_that_is_refused_is_shown_until_the_next_run(state: Workbench) -> None:
+    page = state.pages["Line"]
+    market = page.inner_stations[1]
+    market.arrival = "window"
+    edits = state.scenario.edits
+    market.param.update(earliest_s=300.0, latest_s=200.0)
+    assert "lies before earliest_arrival_s" in str(page.failure)
+    assert state.scenario.edits == edits
+    market.dwell_s = 31.0
+    assert page.failure is None

@@ -1,4 +1,4 @@
-"""Printed numbers against ours: the rows of the figure, and what it looks like."""
+"""Differences from printed numbers: the rows of the figure, and what it looks like."""
 
 import math
 
@@ -7,9 +7,8 @@ import pytest
 
 from railjoule.core.validation import Row, Table, Validation
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.pages.papers.compute import PaperTables, shipped_tables
+from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables, shipped_tables
 from railjoule.dashboard.pages.papers.differences import STYLES, TOLD, difference_figure, differences, scaled, tip
-from railjoule.dashboard.pages.papers.names import AUTHORS
 
 ROWS = (
     Row("a", "W", "Wh", 100.0, 103.0, source="a"),

@@ -1,6 +1,7 @@
 import pytest
 
-from railjoule.dashboard.pages.speed_limits import work
+from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.speed_limits import page
 from railjoule.dashboard.state.workbench import Workbench
 
 RUNS = {}
@@ -10,7 +11,7 @@ RUNS = {}
 @pytest.fixture
 def state(monkeypatch):
     """A workbench whose page Speed limits is in sight; all work is done in the test's own turn."""
-    compute = work.compute_limit_run
+    compute = page.compute_limit_run
 
     def computed_once(request):
         key = repr(request)
@@ -18,9 +19,9 @@ def state(monkeypatch):
             RUNS[key] = compute(request)
         return RUNS[key]
 
-    monkeypatch.setattr(work, "compute_limit_run", computed_once)
+    monkeypatch.setattr(page, "compute_limit_run", computed_once)
     state = Workbench()
-    work.SpeedLimits(state)
+    works_of("Speed limits")(state)
     state.scenario.choose("kharkiv-like-40kmh")
     state.page = "Speed limits"
     return state

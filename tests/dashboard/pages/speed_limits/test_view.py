@@ -9,28 +9,32 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import energy
+from railjoule.dashboard.pages.host import view_of
 from railjoule.dashboard.pages.speed_limits.compute import run_figures
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
-from railjoule.dashboard.pages.speed_limits.search_charts import search_words
-from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
+from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
+from railjoule.dashboard.pages.speed_limits.texts import rule_html
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture
-def view(state: Workbench) -> SpeedLimitsView:
-    """The page with all its charts in sight."""
-    return SpeedLimitsView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+def view(state: Workbench) -> SpeedLimits:
+    """The page with all its figures in sight."""
+    names = [plot.name for plot in SpeedLimits.figures]
+    view_of("Speed limits")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    page: SpeedLimits = state.pages["Speed limits"]
+    return page
 
 
-def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
-    run = view.model.run
-    assert view.speed.sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
-    assert view.speed.sources["borders"].data["x"] == [1200.0]
-    assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(run.run.position_m)
-    assert sent(view.energy, UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
-    assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
-    assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
-    assert view.storage.sources["chosen"].data["x"] == [run.need.max_drop_kwh]
+def test_all_charts_draw_the_run(view: SpeedLimits) -> None:
+    run = view.run
+    assert view.host.plots["limit_speed"].sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
+    assert view.host.plots["limit_speed"].sources["borders"].data["x"] == [1200.0]
+    assert len(sent(view.host.plots["limit_speed"], UNDER_LIMITS)[0]) == len(run.run.position_m)
+    assert sent(view.host.plots["limit_energy"], UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
+    assert len(view.host.plots["motor_map"].sources["points"].data["x"]) == len(run.points.torque_nm)
+    assert set(view.host.plots["motor_map"].sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
+    assert view.host.plots["storage"].sources["chosen"].data["x"] == pytest.approx([run.need.max_drop_kwh])
 
 
 @pytest.mark.parametrize(
@@ -43,73 +47,72 @@ def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str
     assert other not in text
 
 
-def test_the_cursor_names_lines_as_their_ends_do(view: SpeedLimitsView) -> None:
-    for chart in (view.speed, view.effort, view.energy):
+def test_the_cursor_names_lines_as_their_ends_do(view: SpeedLimits) -> None:
+    for chart in (view.host.plots[name] for name in ("limit_speed", "limit_effort", "limit_energy")):
         assert [one[0] for one in chart.told["sources"]] == ["optimal in the same time", UNDER_LIMITS]
 
 
-def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
-    path = view.model.path
-    best = np.asarray(view.path.sources["best"].data["y"])
-    assert np.all(np.diff(best) <= 0)
-    assert best[-1] == pytest.approx(path.search.best.energy_j / 3.6e6)
-    assert view.plane.sources["ends"].data["x"][-1] == pytest.approx(path.limits_kmh[0])
-    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} combinations tried")
+def test_the_search_ends_at_the_set_speeds_found(view: SpeedLimits) -> None:
+    path, plane = view.path, view.host.plots["search_plane"].sources
+    assert plane["ends"].data["x"][-1] == pytest.approx(path.limits_kmh[0])
+    in_time = [one for one in path.search.evaluations if np.isfinite(one.energy_j)]
+    assert len(plane["driven"].data["x"]) == len(in_time)
+    assert min(plane["driven"].data["energy"]) == pytest.approx(path.search.best.energy_j / 3.6e6)
 
 
-def test_pairs_of_sections_can_be_chosen(view: SpeedLimitsView) -> None:
-    assert not view.pair.visible
-    view.model.section_count = 3
-    assert view.pair.visible
-    assert list(view.pair.options) == ["1 and 2", "2 and 3"]
-    view.pair.value = 1
-    assert view.plane.sources["ends"].data["x"][-1] == pytest.approx(view.model.path.limits_kmh[1])
+def test_pairs_of_sections_can_be_chosen(view: SpeedLimits) -> None:
+    assert not view.pairs.visible
+    view.section_count = 3
+    assert view.pairs.visible
+    assert list(view.pairs.options) == ["1 and 2", "2 and 3"]
+    view.pairs.value = 1
+    assert view.host.plots["search_plane"].sources["ends"].data["x"][-1] == pytest.approx(view.path.limits_kmh[1])
 
 
-def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
-    view.state.scenario.choose("liashenko-0")
-    assert view.plane.host.visible
-    view.model.section_count = 1
-    assert view.model.failure is None
-    assert not view.plane.host.visible
-    assert len(view.speed.sources["sections"].data["limit"]) == 1
+def test_one_section_has_no_plane(view: SpeedLimits) -> None:
+    view.desk.scenario.choose("liashenko-0")
+    assert view.host.plots["search_plane"].host.visible
+    view.section_count = 1
+    assert view.failure is None
+    assert not view.host.plots["search_plane"].host.visible
+    assert len(view.host.plots["limit_speed"].sources["sections"].data["limit"]) == 1
 
 
-def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
-    assert "allowed 205.3 to" in view.figures.object
-    view.model.sections[0].limit_kmh = 70.0
-    assert "s too early" in view.figures.object
-    view.model.set([20.0, 20.0], [1200.0])
-    assert "s too late" in view.figures.object
+def test_a_run_out_of_its_window_is_marked(view: SpeedLimits) -> None:
+    assert "allowed 205.3 to" in view.host.figures.object
+    view.sections[0].limit_kmh = 70.0
+    assert "s too early" in view.host.figures.object
+    view.set([20.0, 20.0], [1200.0])
+    assert "s too late" in view.host.figures.object
 
 
-def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> None:
-    assert view.map.host.visible
-    assert not view.no_map.visible
-    view.state.scenario.choose("liashenko-ii")
-    assert not view.map.host.visible
+def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimits) -> None:
+    assert view.host.plots["motor_map"].host.visible
+    assert view.no_map.object == ""
+    view.desk.scenario.choose("liashenko-ii")
+    assert not view.host.plots["motor_map"].host.visible
     assert "there is no efficiency map" in view.no_map.object
 
 
-def test_the_losses_by_kind_stand_below_the_map(view: SpeedLimitsView) -> None:
-    losses = view.model.run.run.energy.losses_j
+def test_the_losses_by_kind_stand_below_the_map(view: SpeedLimits) -> None:
+    losses = view.run.run.energy.losses_j
     for kind in ("copper", "iron", "mechanical", "harmonics", "inverter", "gear"):
         assert f">{energy(losses[kind] / 3.6e6)}<" in view.losses.object
     assert "Brake resistors" not in view.losses.object
 
 
-def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView) -> None:
-    drive = np.array(view.map.sources["map"].data["image"][0])
+def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimits) -> None:
+    drive = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
     view.whose.value = "motor"
-    motor = np.array(view.map.sources["map"].data["image"][0])
+    motor = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
     both = np.isfinite(drive) & np.isfinite(motor)
     assert np.all(motor[both] >= drive[both])
     assert motor[both].max() > drive[both].max()
 
 
-def test_inter_station_runs_stand_side_by_side(view: SpeedLimitsView) -> None:
+def test_inter_station_runs_stand_side_by_side(view: SpeedLimits) -> None:
     """The time of each run by itself is its share of the length, and both ways have the same sections."""
-    state, model = view.state, view.model
+    state, model = view.desk, view
     assert not view.together.visible
     state.scenario.choose("metro-with-limit")
     state.scenario.edit({"line.stations": [{"name": "Middle", "position_m": 750.0}], "timetable.travel_time_s": 200.0})
@@ -124,10 +127,10 @@ def test_inter_station_runs_stand_side_by_side(view: SpeedLimitsView) -> None:
     assert "more than together" in view.runs.object
     model.inter_station_runs = "separate"
     assert len(model.path.search.runs) == 2
-    assert list(view.pair.options) == ["1 and 2", "3 and 4"]
-    view.pair.value = 1
-    assert view.plane.figure.xaxis[0].axis_label == "Section 3, km/h"
+    assert list(view.pairs.options) == ["1 and 2", "3 and 4"]
+    view.pairs.value = 1
+    assert view.host.plots["search_plane"].figure.xaxis[0].axis_label == "Section 3, km/h"
     assert model.comparison.runs["separate"] is model.path.run
     assert model.comparison.runs["together"].energy_kwh == pytest.approx(together.run.energy_kwh, rel=1e-6)
     state.scenario.choose("kharkiv-like-40kmh")
-    assert not view.runs.visible
+    assert view.runs.object == ""

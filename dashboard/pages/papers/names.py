@@ -1,3 +1,0 @@
-"""What the papers are called."""
-
-AUTHORS = {"ftorek": "Ftorek", "liashenko": "Liashenko", "rawicki": "Rawicki", "shtompel": "Shtompel"}

@@ -1,0 +1,322 @@
+"""Papers: printed numbers, claims and figures of the papers beside those of railjoule."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import partial
+from io import StringIO
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from bokeh.plotting import figure as Figure  # noqa: N812  (a paper's figure is another thing)
+from panel.viewable import Viewable
+
+from railjoule.core.scenario import load_scenario
+from railjoule.core.scenario.document import format_scenario
+from railjoule.core.validation import COMPARISONS
+from railjoule.core.validation.figure import PaperFigure
+from railjoule.dashboard.charts.figures import FinishedChart
+from railjoule.dashboard.charts.plot import Plot
+from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.page import Page, Request, shows, study, work
+from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables, compute_papers, shipped_tables
+from railjoule.dashboard.pages.papers.tables import figure_cells, paper_html, tables_csv
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.program import PageRun, Program
+
+VALIDATION = Program(
+    {"PAPERS": "railjoule.core.validation"},
+    "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
+    "validate",
+    of_scenario=False,
+)
+CAPTION = "railjoule minus paper, in % of the printed number; percentages in percentage points, %"
+DIFFERENCES = Plot(
+    "differences",
+    CAPTION,
+    heights=(330, 420, 320),
+    chart=lambda height, _: FinishedChart("differences", CAPTION, height),
+)
+PAPER_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 20px 14px; } " + (
+    "@media (max-width: 899px) { :host { padding: 10px 14px; } }"
+)
+TABLE_CSS = """
+.tables { max-width: 1180px; }
+.scroll { overflow-x: auto; }
+.claims td, .claims th { text-align: left; white-space: normal; vertical-align: top; min-width: 90px; }
+.claims td:nth-child(2), .claims td:nth-child(5) { min-width: 220px; }
+td:nth-child(2), th:nth-child(2) { text-align: left; }
+td:nth-child(1), td:nth-child(2) { white-space: normal; min-width: 82px; }
+details { margin-top: 8px; border-top: 1px solid var(--rj-line); padding-top: 4px; }
+summary { cursor: pointer; min-height: 26px; line-height: 26px; font-weight: 600; }
+summary span { font-weight: 400; color: var(--rj-ink3); }
+ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2); max-width: 90ch; }
+.citation { max-width: 90ch; color: var(--rj-ink2); margin-top: 2px; }
+"""
+CHART_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 12px 12px; } }"
+PANELS_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 4px 16px; }
+"""
+"""As many panels beside each other as are at least 420 px wide."""
+COMPUTED = "Computed with the code, vehicles, lines and scenarios of this version."
+COMPUTED_BEFORE = "Computed before the last change of code, vehicles, lines or scenarios."
+SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
+
+
+@dataclass(frozen=True, eq=False)
+class Rebuilt:
+    """A printed figure as railjoule computes it.
+
+    Parameters
+    ----------
+    panels : list of Figure
+    palette : Palette
+        The colours of the panels.
+    note : str
+    """
+
+    panels: list[Figure]
+    palette: Palette
+    note: str
+
+
+@dataclass(frozen=True, eq=False)
+class RebuiltFigures:
+    """The figures of a paper that are computed so far, in their order."""
+
+    paper: str
+    figures: tuple[Rebuilt, ...] = ()
+
+
+def draw_differences(papers: tuple[PaperTables, ...]) -> tuple[Figure, Palette]:
+    """Draw all differences, in a thread because HoloViews takes its time to load."""
+    from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
+
+    return difference_figure(papers, dark=False)
+
+
+def rebuild_figures(name: str) -> Iterator[RebuiltFigures]:
+    """Compute and draw the figures of a paper, and yield them with each that is added."""
+    from railjoule.dashboard.pages.papers.panels import draw_panel  # noqa: PLC0415
+
+    done = RebuiltFigures(name)
+    for printed in COMPARISONS[name]().figures:
+        data, palette = printed.compute(), Palette(dark=False)
+        panels = [draw_panel(panel, printed.place, palette) for panel in data.panels]
+        done = RebuiltFigures(name, (*done.figures, Rebuilt(panels, palette, data.note)))
+        yield done
+
+
+class Papers(Page):
+    """The comparison with the papers; no scenario changes it."""
+
+    page = "Papers"
+    passing = ("request_count", "computing", "drawn_paper", "drawing")
+    follows_scenario = False
+    figures = (DIFFERENCES,)
+
+    request_count = param.Integer(default=0, doc="How often the comparison was requested.")
+    computing = param.Boolean(default=False, doc="Whether the comparison is being computed.")
+    computed = result(dict, "The papers computed here, by name, some of them partly.")
+    differences = result(tuple, "The figure of all differences, and its colours.")
+    drawn_paper = param.String(default="", doc="The paper whose figures were requested last.")
+    drawing = param.Boolean(default=False, doc="Whether its figures are being computed.")
+    rebuilt = result(RebuiltFigures, "Its figures so far.")
+
+    @property
+    def papers(self) -> dict[str, PaperTables]:
+        """The comparisons to show: the shipped one of a paper until all of it is computed here."""
+        computed: dict[str, PaperTables] = self.computed or {}
+        complete = {name: paper for name, paper in computed.items() if paper.complete}
+        return {**computed, **shipped_tables().papers, **complete}
+
+    @property
+    def is_current(self) -> bool:
+        """Whether this version has computed all numbers shown."""
+        papers = self.papers
+        computed: dict[str, PaperTables] = self.computed or {}
+        return shipped_tables().is_current or all(computed.get(name) is paper for name, paper in papers.items())
+
+    def page_run(self) -> PageRun:
+        """Return the comparison as a program."""
+        return PageRun(VALIDATION, {"strategy": self.desk.chosen_now})
+
+    # ---- what it computes
+
+    @study("request_count", into="computed", busy="computing")
+    def _comparison(self) -> Request:
+        if not self.request_count and shipped_tables().is_current:
+            return None
+        return compute_papers, tuple(COMPARISONS), self.request_count
+
+    @work("computed", into="differences", is_slow=lambda *_: True)
+    def _differences(self) -> Request:
+        return draw_differences, tuple(paper for paper in self.papers.values() if paper.complete)
+
+    @study("drawn_paper", into="rebuilt", busy="drawing")
+    def _rebuilt(self) -> Request:
+        return (rebuild_figures, self.drawn_paper) if self.drawn_paper else None
+
+    # ---- what it shows
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        authors = ", ".join(AUTHORS[name] for name in COMPARISONS)
+        self.host.heading.object = parts.heading(self.page, authors, "and the numbers of railjoule", "")
+        self.origin, self.progress_words = parts.html_pane(), parts.html_pane()
+        self.all = pmui.Button(
+            label="Compute all again",
+            variant="outlined",
+            on_click=lambda _: self.param.update(request_count=self.request_count + 1),
+            **SMALL,
+        )
+        self.progress = pmui.LinearProgress(value=0, width=320, height=4, margin=(10, 8))
+        stop = pmui.Button(
+            label="Stop", variant="outlined", on_click=lambda _: self.param.update(computing=False), **SMALL
+        )
+        self.busy = pn.FlexBox(self.progress, stop, self.progress_words, align_items="center", margin=0, visible=False)
+        self.sections = {name: PaperSection(self, name) for name in COMPARISONS}
+        bar = parts.stack(self.origin, self.all, self.busy, styles={"padding": "0 20px 8px"})
+        chart = parts.stack(self.host.plots["differences"].host, css=CHART_CSS)
+        return parts.stack(self.host.figures, bar, chart, *(section.view for section in self.sections.values()))
+
+    @shows("computed", "computing", "failure")
+    def _show(self) -> None:
+        papers = self.papers
+        self.host.tell(self.failure, "")
+        self.busy.visible = self.all.disabled = self.computing
+        if self.computing:
+            self._show_progress()
+        self.origin.object = parts.note_paragraphs([COMPUTED if self.is_current else COMPUTED_BEFORE])
+        if papers:
+            self.host.figures.object = parts.figures(figure_cells(papers.values()))
+        for name, paper in papers.items():
+            self.sections[name].show(paper)
+
+    def _show_progress(self) -> None:
+        computed = (self.computed or {}).values()
+        self.progress.value = int(
+            100 * sum(paper.done_count / paper.step_count for paper in computed) / len(COMPARISONS)
+        )
+        last = next((paper for paper in computed if not paper.complete), None)
+        step = "" if last is None else f"{AUTHORS[last.name]}: step {last.done_count + 1} of {last.step_count}"
+        self.progress_words.object = markup('<p role="status" class="muted small">{}</p>', step)
+
+    @shows("differences", "desk.dark")
+    def _show_differences(self) -> None:
+        if self.differences is not None:
+            f, palette = self.differences
+            palette.switch(self.desk.dark)
+            if self.host.plots["differences"].figure is not f:
+                self.host.draw([DIFFERENCES], f)
+
+    @shows("rebuilt", "drawing", "drawn_paper", "desk.dark")
+    def _show_figures(self) -> None:
+        for name, section in self.sections.items():
+            section.show_figures(self.rebuilt if self.rebuilt and self.rebuilt.paper == name else None)
+
+    def draw(self, paper: str, *_: Any) -> None:
+        """Request the figures of a paper."""
+        # after a failure the name is the same, which is no change
+        self.drawn_paper = paper
+        self.param.trigger("drawn_paper")
+
+
+class PaperSection:
+    """One paper: its citation, claims, tables and figures."""
+
+    def __init__(self, page: Papers, name: str) -> None:
+        self.page, self.name = page, name
+        comparison = COMPARISONS[name]()
+        self._paper: PaperTables | None = None
+        self._drawn: tuple[Rebuilt, ...] = ()
+        self.download = pmui.FileDownload(
+            callback=self._csv,
+            filename=f"{name}.csv",
+            label=f"{AUTHORS[name]} as CSV",
+            variant="text",
+            visible=False,
+            **SMALL,
+        )
+        title = markup('<h2>{}</h2><p class="citation small">{}</p>', AUTHORS[name], comparison.citation)
+        styles = [parts_css(), TABLE_CSS]
+        self.tables = parts.html_pane(stylesheets=styles)
+        self.button = pmui.Button(
+            label=f"Draw the figures of {AUTHORS[name]}",
+            variant="outlined",
+            on_click=partial(page.draw, name),
+            visible=bool(comparison.figures),
+            **SMALL,
+        )
+        self.status = parts.html_pane()
+        self.places = [FigurePlace(page, printed) for printed in comparison.figures]
+        tools = pn.FlexBox(self.button, self.download, margin=0)
+        self.view = parts.stack(
+            parts.html_pane(title, stylesheets=styles),
+            self.tables,
+            tools,
+            self.status,
+            *(place.view for place in self.places),
+            css=PAPER_CSS,
+        )
+
+    def show(self, paper: PaperTables) -> None:
+        """Show the tables that are done."""
+        if paper is not self._paper:
+            self._paper = paper
+            self.download.visible = bool(paper.validation.tables)
+            self.tables.object = paper_html(paper)
+
+    def show_figures(self, rebuilt: RebuiltFigures | None) -> None:
+        """Show the figures that are computed; None where none of this paper were computed last."""
+        computing = self.page.drawing and self.page.drawn_paper == self.name
+        if rebuilt is not None:
+            self._drawn = rebuilt.figures
+        for place, one in zip(self.places, self._drawn, strict=False):
+            place.show(one)
+        for one in self._drawn:
+            one.palette.switch(self.page.desk.dark)
+        self.button.disabled = self.page.drawing
+        self.button.visible = len(self._drawn) < len(self.places)
+        left = f"{len(self.places) - len(self._drawn)} more to compute."
+        self.status.object = parts.note_paragraphs([left] if computing else [])
+
+    def _csv(self) -> StringIO:
+        return StringIO(tables_csv(self._paper.validation.tables if self._paper is not None else ()))
+
+
+class FigurePlace:
+    """The place of one printed figure; out of sight until the figure is computed."""
+
+    def __init__(self, page: Papers, printed: PaperFigure) -> None:
+        self.page, self.printed = page, printed
+        self.panels = parts.stack(css=PANELS_CSS)
+        self.note = parts.html_pane()
+        self.button = pmui.Button(
+            label=f"Open {printed.place} in the workbench",
+            variant="text",
+            size="small",
+            margin=(0, 0, 4, -6),
+            on_click=self._open,
+        )
+        template = '<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>'
+        heading = parts.html_pane(markup(template, printed.place, printed.caption))
+        self.view = parts.stack(heading, self.panels, self.note, self.button, visible=False)
+
+    def show(self, rebuilt: Rebuilt) -> None:
+        """Show the figure, which then stays."""
+        if not self.view.visible:
+            panes = [pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in rebuilt.panels]
+            self.panels[:] = panes
+            self.note.object = parts.note_paragraphs([rebuilt.note] if rebuilt.note else [])
+            self.view.visible = True
+
+    def _open(self, _: object) -> None:
+        scenario = load_scenario(self.printed.scenario).replace(**self.printed.changes)
+        title = f"{scenario.title}, {self.printed.place}" if self.printed.changes else scenario.title
+        self.page.desk.scenario.open(format_scenario(scenario.model_copy(update={"title": title})), title)
+        self.page.desk.page = "Drive"

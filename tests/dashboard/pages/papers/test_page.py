@@ -1,0 +1,168 @@
+"""The page Papers: what it compares on request, what it keeps until that is done, and the figures that it rebuilds."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from panel.io.state import set_curdoc
+from turns import Page as Tab
+
+from railjoule.core import SolverError
+from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
+from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.pages.host import view_of, works_of
+from railjoule.dashboard.pages.papers.compute import PaperTables, ShippedTables
+from railjoule.dashboard.pages.papers.page import COMPUTED, COMPUTED_BEFORE, Papers
+from railjoule.dashboard.pages.papers.panels import draw_panel
+from railjoule.dashboard.state.workbench import Workbench
+
+# Panel warns once of how panel-material-ui calls it
+pytestmark = pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
+TABLE = Table("One table", (Row("case", "W", "Wh", 2.0, 2.1, "Because.", "case"),), "Table 1")
+SHIPPED = {"ftorek": PaperTables("ftorek", Validation("ftorek", "", (TABLE,), ()), 1)}
+TIME_S = np.linspace(0.0, 300.0, 7)
+PANEL = Panel(
+    "Time, s",
+    "Speed, km/h",
+    (
+        Line("300 s", TIME_S, TIME_S),
+        Line("330 s", TIME_S, TIME_S / 2),
+        Line("330 s", TIME_S[:1], np.array([75.0]), is_printed=True),
+    ),
+)
+CHANGES = {"timetable.travel_time_s": 330.0}
+FIGURE = PaperFigure("Fig. 4", "Speed.", lambda: FigureData((PANEL, PANEL), "All agree."), "ftorek-300s", CHANGES)
+
+
+def fail() -> Table:
+    raise SolverError("It was not found.")
+
+
+@pytest.fixture
+def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
+    """The page in sight, with a paper of two tables and a figure that cost nothing; an earlier version is shipped."""
+    for name in list(COMPARISONS):
+        monkeypatch.delitem(COMPARISONS, name)
+    monkeypatch.setitem(
+        COMPARISONS, "ftorek", lambda: Comparison("ftorek", "F", (lambda: TABLE, lambda: TABLE), (), (), (FIGURE,))
+    )
+    ship(monkeypatch, is_current=True)
+    state = Workbench()
+    works = works_of("Papers")(state)
+    state.page = "Papers"
+    page = state.pages["Papers"]
+    view_of("Papers")(state, Browser(started=True, charts_in_sight=["differences"]), Palette(dark=False))
+    yield page
+    works.end()
+
+
+def ship(monkeypatch: pytest.MonkeyPatch, is_current: bool) -> None:
+    shipped = ShippedTables(SHIPPED, is_current)
+    monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: shipped)
+
+
+def reopen(papers: Papers) -> None:
+    papers.desk.page = "Help"
+    papers.desk.page = "Papers"
+
+
+def test_what_is_shipped_is_shown_and_not_computed(papers: Papers) -> None:
+    assert papers.computed is None
+    assert papers.papers == SHIPPED
+    assert COMPUTED in papers.origin.object
+    assert "One table" in papers.sections["ftorek"].tables.object
+    assert len(papers.host.plots["differences"].figure.renderers) == 2
+
+
+def test_the_numbers_of_other_code_are_computed_again(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
+    ship(monkeypatch, is_current=False)
+    assert not papers.is_current
+    reopen(papers)
+    assert papers.papers["ftorek"] is papers.computed["ftorek"]
+    assert len(papers.papers["ftorek"].validation.tables) == 2
+    assert papers.is_current
+    assert not papers.computing
+
+
+def test_a_paper_stands_until_it_is_whole_again(papers: Papers) -> None:
+    shown: list[int] = []
+    papers.param.watch(lambda _: shown.append(len(papers.papers["ftorek"].validation.tables)), "computed")
+    papers.request_count = 1
+    assert shown[:3] == [1, 1, 2]
+    papers.desk.scenario.choose("liashenko-i")
+    assert papers.papers["ftorek"].step_count == 2
+
+
+def test_a_failure_is_shown_and_what_is_done_stands(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as broken:
+        broken.setitem(COMPARISONS, "rawicki", lambda: Comparison("rawicki", "R", (fail,), ()))
+        papers.request_count = 1
+    assert "It was not found." in papers.host.message.object
+    assert papers.papers["ftorek"].step_count == 2
+    assert not papers.computing
+    papers.request_count = 2
+    assert papers.failure is None
+
+
+def test_a_stopped_comparison_takes_nothing_more(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
+    ship(monkeypatch, is_current=False)
+    tab = Tab()
+    with set_curdoc(tab.document):
+        papers.request_count = 1
+        assert papers.busy.visible
+        assert COMPUTED_BEFORE in papers.origin.object
+        papers.computing = False
+    while tab.is_due:
+        tab.take_turn()
+    assert papers.computed is None
+    assert not papers.busy.visible
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_printed_points_have_the_colour_of_their_line(dark: bool) -> None:
+    palette = Palette(dark)
+    first, second, points = draw_panel(PANEL, "Fig. 4", palette).renderers
+    tokens = THEMES["dark" if dark else "light"]
+    assert first.glyph.line_color == tokens["accent"]
+    assert second.glyph.line_color == points.glyph.line_color != first.glyph.line_color
+    assert list(points.data_source.data["y"]) == [75.0]
+    palette.switch(not dark)
+    assert first.glyph.line_color == THEMES["light" if dark else "dark"]["accent"]
+
+
+def test_a_figure_is_computed_drawn_and_opened(papers: Papers) -> None:
+    section = papers.sections["ftorek"]
+    (place,) = section.places
+    assert not place.view.visible
+    papers.desk.dark = True
+    section.button.clicks += 1
+    assert not papers.drawing
+    assert place.view.visible
+    assert len(place.panels) == 2
+    assert place.panels[0].object.renderers[0].glyph.line_color == THEMES["dark"]["accent"]
+    assert "All agree." in place.note.object
+    assert not section.button.visible
+    place.button.clicks += 1
+    desk = papers.desk
+    assert desk.page == "Drive"
+    assert desk.scenario.base.travel_time_s == 330.0
+    assert desk.scenario.base.title.endswith("Fig. 4")
+
+
+def test_figures_that_failed_are_computed_when_asked_for_again(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken() -> FigureData:
+        raise SolverError("It was not found.")
+
+    bad = PaperFigure("Fig. 4", "Speed.", broken, "ftorek-300s", CHANGES)
+    section = papers.sections["ftorek"]
+    with monkeypatch.context() as failing:
+        failing.setitem(COMPARISONS, "ftorek", lambda: Comparison("ftorek", "F", (), (), (), (bad,)))
+        section.button.clicks += 1
+    assert "It was not found." in papers.host.message.object
+    assert not section.button.disabled
+    section.button.clicks += 1
+    assert section.places[0].view.visible
+    assert papers.failure is None
