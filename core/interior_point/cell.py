@@ -52,7 +52,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
     """
     h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
-    cells, z, used = work.cells, work.rows.multiplier, work.used
+    cells, rows, z, used = work.cells, work.rows, work.rows.multiplier, work.used
     kind, parameters = mesh.drive_kind, mesh.drive_parameters
     share, idles = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
     friction = used[ix.FRICTION_POSITIVE] > 0.0
@@ -93,7 +93,8 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         returned = h[i] * share
         if used[ix.DRAWN] > 0.0:
             returned += z[ix.DRAWN, i]
-            _fill_drawn_rows(work, i, generated)
+            rows.residual[ix.DRAWN_POSITIVE, i], rows.residual[ix.DRAWN, i] = cells.drawn[i], cells.drawn[i] + g
+            rows.by_effort[ix.DRAWN, i], rows.by_speed[ix.DRAWN, i] = generated[1], generated[2]
         _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
         _add_over_speed(mesh.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
         _add_over_speed(mesh.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
@@ -133,17 +134,6 @@ def _fill_constant_rows(
     if work.used[ix.FRICTION_POSITIVE] > 0.0:
         residual[ix.FRICTION_POSITIVE, i] = q
         residual[ix.FRICTION_CONSTANT, i] = largest[2] - q
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _fill_drawn_rows(work: Work, i: int, generated: PowerTerms) -> None:
-    """Evaluate the two limits of psi; what braking generates is -phi."""
-    g, g_x, g_v, _, _, _ = generated
-    rows, drawn = work.rows, work.cells.drawn[i]
-    rows.residual[ix.DRAWN_POSITIVE, i] = drawn
-    rows.residual[ix.DRAWN, i] = drawn + g
-    rows.by_effort[ix.DRAWN, i] = g_x
-    rows.by_speed[ix.DRAWN, i] = g_v
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)

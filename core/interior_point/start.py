@@ -10,14 +10,16 @@ from railjoule.core.drive.kernels import (
     generated_power,
     has_idle_losses,
     has_standstill_brake,
+    may_be_concave,
     may_draw_while_braking,
 )
 from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.envelope import tabulate_envelope
 from railjoule.core.interior_point.layout import Work
-from railjoule.core.interior_point.switching import tabulate_hulls
+from railjoule.core.interior_point.switching import tabulate_rays
 from railjoule.core.motion.passes import running_time as running_time_of
 from railjoule.core.physics.account import energy_per_metre
-from railjoule.core.physics.cell import duration, mean_speed, needed_force
+from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
 
@@ -52,30 +54,19 @@ def start_speeds(
     c = max(tight, 0.85)
     if tight > 0.85:
         c = (shortest_time / (shortest_time + 0.45 * (running_time - shortest_time))) ** 2
-    nodes = fastest.shape[0]
-    scaled = np.empty(nodes)
-    for i in range(nodes):
-        scaled[i] = math.sqrt(c * fastest[i])
     high = math.sqrt(fastest.max())
     low = 1e-3 * high
-    v1 = 0.0
     # bisection for the cap, over its logarithm while its scale is unknown; 5e-4 of the speed is all that a start needs
     for _ in range(40):
         cap = math.sqrt(low * high) if low < 0.1 * high else 0.5 * (low + high)
-        time = 0.0
-        for i in range(nodes):
-            v0 = v1
-            v1 = math.sqrt(fixed[i]) if fixed[i] >= 0.0 else min(scaled[i], cap)
-            if i > 0:
-                time += duration(h[i - 1], mean_speed(v0, v1))
-        if time > wanted:
+        speed2[:] = np.where(fixed >= 0.0, fixed, np.minimum(c * fastest, cap * cap))
+        if running_time_of(h, speed2) > wanted:
             low = cap
         else:
             high = cap
         if high - low < 5e-4 * high:
             break
-    for i in range(nodes):
-        speed2[i] = fixed[i] if fixed[i] >= 0.0 else min(scaled[i], high) ** 2
+    speed2[:] = np.where(fixed >= 0.0, fixed, np.minimum(c * fastest, high * high))
 
 
 @njit(cache=True)
@@ -138,7 +129,10 @@ def prepare(
     _use_limits(mesh, fastest, work)
     # where it is decided what the drive does, no power is a line: nothing would read the table
     if has_idle_losses(mesh.drive_kind) and mesh.mode.shape[0] == 0:
-        tabulate_hulls(mesh, work.rays, work.envelope)
+        if may_be_concave(mesh.drive_kind):
+            tabulate_envelope(mesh, work.envelope)
+        else:
+            tabulate_rays(mesh, work.rays)
     for i in range(n + 1):
         nodes.free[i] = 1.0 if math.isnan(mesh.fixed_speed2[i]) else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])

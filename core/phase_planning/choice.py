@@ -1,24 +1,15 @@
 """Choices between plans: the best one over a number, and the best division of a time over several."""
 
 from collections.abc import Callable, Sequence
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray
 
-
-class HasEnergy(Protocol):
-    """A plan with a line energy [J], infinite where there is no run."""
-
-    @property
-    def energy_j(self) -> float:
-        """Line energy [J]."""
-
-
-Plan = TypeVar("Plan", bound=HasEnergy)
-
+Plan = TypeVar("Plan", bound=Any)
+"""It has an `energy_j`, infinite where there is no run."""
 # Parabolas after the scan; their accuracy ends them earlier: 6 or 24 give the same plans
 MAX_STEPS = 12
 # A parabola whose sides differ by more than this factor always halves the longer one, as below. 2, 8 or no bound at all
@@ -58,7 +49,7 @@ def best_plan(plan_at: Callable[[float], Plan], low: float, high: float, count: 
         if min(abs(middle - x) for x in points) < accuracy * (high - low):
             break
         points[middle] = plan_at(middle)
-    return min(points.values(), key=lambda plan: plan.energy_j)
+    return points[min(points, key=lambda x: points[x].energy_j)]
 
 
 def _vertex(left: tuple[float, float], best: tuple[float, float], right: tuple[float, float]) -> float:

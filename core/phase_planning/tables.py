@@ -37,8 +37,6 @@ UNDER_CURVE = 1e-5
 """A train brakes by this share less than its braking curve."""
 # A corner closer than this to a knot takes its place: a piece without length would divide by nothing
 SAME_KNOT_MS = 1e-3
-# leaves 2e-13 m/s of the step between two knots
-HALVINGS = 40
 # four points integrate polynomials up to the seventh degree: one step of a smooth 1 / a to twelve digits
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
@@ -178,11 +176,11 @@ class PhaseModel:
             deceleration = (effort + self.resistance_n(speed)) / self.inertia_kg
             return deceleration, self.braking_power_w(effort, speed)
 
-        effort = self.braking_effort_n(self._knots())
-        limit_ms2, key = self._max_deceleration
-        if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
+        speeds, (limit_ms2, key) = self._knots(), self._max_deceleration
+        effort, largest_n = self.braking_effort_n(speeds), np.max(self.starting_effort_n(speeds))
+        if np.min(self.resistance_n(speeds)) >= limit_ms2 * self.inertia_kg:
             raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {key}.")
-        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * self._max_effort_n:
+        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * largest_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
         return _table(motion, knots)
@@ -198,29 +196,21 @@ class PhaseModel:
         key = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
         return (1 - UNDER_CURVE) * permitted_ms2, key
 
-    @cached_property
-    def _max_effort_n(self) -> float:
-        return float(np.max(self.starting_effort_n(self._knots())))
-
     def _drawing_until_ms(self) -> float:
         """Return the speed below which full braking recuperates nothing [m/s]; 0 where there is none.
 
         Below it resistors take all the drive generates, above it the recuperated share: the power has a corner there.
         """
 
-        def power(speed: float) -> float:
-            at = np.array([speed])
-            return float(self.drive.supply_power_w(-self.braking_effort_n(at), at)[0])
+        def power(speed: FloatArray | float) -> FloatArray:
+            at = np.asarray(speed)
+            return self.drive.electrical_power_w(-self.braking_effort_n(at), at)
 
         knots = self._knots()[1:]
-        idle = np.flatnonzero(self.drive.supply_power_w(-self.braking_effort_n(knots), knots) >= 0)
-        if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
+        drawing = np.flatnonzero(power(knots) >= 0)
+        if self.drive.recuperation_factor == 0 or not len(drawing) or drawing[-1] + 1 >= len(knots):
             return 0.0
-        low, high = knots[idle[-1]], knots[idle[-1] + 1]
-        for _ in range(HALVINGS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if power(middle) >= 0 else (low, middle)
-        return float(high)
+        return float(scipy.optimize.brentq(power, *knots[drawing[-1] : drawing[-1] + 2], xtol=1e-13))
 
     def _corner_ms(self, starting_current_a: float | None, braking: bool) -> float:
         """Return the speed at which the effort begins to fall [m/s]; 0 where it does not."""

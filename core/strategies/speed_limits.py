@@ -1,10 +1,9 @@
 """One speed limit for each section, found by search, under which an ordinary regulator drives the train.
 
 Source: Shtompel, Khvorost 2025. The regulators are in `railjoule.core.limit_search.trip` and `.literal`, the search in
-`railjoule.core.limit_search.search`, and the run, with one effort in each cell, in `.whole_cells`. The run may be late
-by `search.time_window`, and it is: time is what it pays with. The inter-station runs of a line are searched together,
-or each by itself within its own time, as the paper has it, which makes it more constrained: time cannot move from one
-of them to another.
+`railjoule.core.limit_search.search`. The run may be late by `search.time_window`, and it is: time is what it pays with.
+The inter-station runs of a line are searched together, or each by itself within its own time, as the paper has it,
+which makes it more constrained: time cannot move from one of them to another.
 """
 
 from dataclasses import replace
@@ -19,23 +18,21 @@ from railjoule.core.limit_search.problem import MIN_SECTION_M, LimitProblem, Set
 from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.inter_station_runs import (
-    drive_literal_runs,
-    inter_station_runs,
-    join_runs,
-    join_searches,
-    require_slack,
-    run_words,
-)
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.plain_line import require_no_passing_points
+from railjoule.core.strategies.plain_line import require_none_of
 from railjoule.core.strategies.set_speed_run import (
     MIN_LIMIT_KMH,
     build_limit_problem,
     drive_limits,
+    drive_literal_runs,
+    inter_station_runs,
+    join_runs,
+    join_searches,
     no_limits_reason,
     problem_within,
+    require_slack,
     run_notes,
+    run_words,
 )
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
@@ -67,7 +64,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     borders = section_boundaries(task.scenario)
     if task.mesh.data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that ends at rest.")
-    require_no_passing_points(task)
+    require_none_of(task, "passing_points")
     if options.limits_kmh is not None:
         is_literal = options.regulator == "literal"
         limits = _given_limits(task.scenario)
