@@ -238,4 +238,4 @@ def factor_with_fallback(work: Work, exact_first: bool) -> float:
         return np.nan
     nodes.time_response[:] = nodes.time_gradient * nodes.free
     back_substitute(nodes, nodes.time_response)
-    return np.sum(nodes.time_gradient * nodes.time_response)
+    return float(np.sum(nodes.time_gradient * nodes.time_response))

@@ -140,10 +140,10 @@ def expand(work: Work) -> None:
             moved = work.nodes.speed2[i] + step[i]
             rows.slack_step[ix.FLOOR, i] = moved - work.nodes.floor[i] - rows.slack[ix.FLOOR, i]
             rows.slack_step[ix.CEILING, i] = work.nodes.ceiling[i] - moved - rows.slack[ix.CEILING, i]
-    for row in np.flatnonzero(used):
+    for k in np.flatnonzero(used):
         for i in range(rows.slack.shape[1]):
-            z = rows.multiplier[row, i]
-            rows.multiplier_step[row, i] = rows.target[row, i] - z - z / rows.slack[row, i] * rows.slack_step[row, i]
+            z = rows.multiplier[k, i]
+            rows.multiplier_step[k, i] = rows.target[k, i] - z - z / rows.slack[k, i] * rows.slack_step[k, i]
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)

@@ -11,7 +11,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
@@ -37,6 +37,8 @@ UNDER_CURVE = 1e-5
 """A train brakes by this share less than its braking curve."""
 # A corner closer than this to a knot takes its place: a piece without length would divide by nothing
 SAME_KNOT_MS = 1e-3
+# leaves 2e-13 m/s of the step between two knots
+HALVINGS = 40
 # four points integrate polynomials up to the seventh degree: one step of a smooth 1 / a to twelve digits
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
@@ -202,15 +204,20 @@ class PhaseModel:
         Below it resistors take all the drive generates, above it the recuperated share: the power has a corner there.
         """
 
-        def power(speed: FloatArray | float) -> FloatArray:
-            at = np.asarray(speed)
-            return self.drive.electrical_power_w(-self.braking_effort_n(at), at)
+        def draws(speed_ms: FloatArray | float) -> BoolArray:
+            at = np.asarray(speed_ms)
+            return self.drive.supply_power_w(-self.braking_effort_n(at), at) >= 0
 
         knots = self._knots()[1:]
-        drawing = np.flatnonzero(power(knots) >= 0)
+        drawing = np.flatnonzero(draws(knots))
         if self.drive.recuperation_factor == 0 or not len(drawing) or drawing[-1] + 1 >= len(knots):
             return 0.0
-        return float(scipy.optimize.brentq(power, *knots[drawing[-1] : drawing[-1] + 2], xtol=1e-13))
+        low, high = knots[drawing[-1] : drawing[-1] + 2]
+        # below the root the power is zero, which leaves other searches no bracket
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if draws(middle) else (low, middle)
+        return float(high)
 
     def _corner_ms(self, starting_current_a: float | None, braking: bool) -> float:
         """Return the speed at which the effort begins to fall [m/s]; 0 where it does not."""

@@ -191,8 +191,16 @@ def run_notes(task: Task, run: SetSpeedRun) -> tuple[str, ...]:
     )
 
 
-def inter_station_runs(task: Task) -> tuple[Task, ...]:
-    """Return the tasks from stop to stop, over the same mesh; raises ScenarioError if an `arrival_s` is too early."""
+def inter_station_runs(task: Task, needs_slack: bool = False) -> tuple[Task, ...]:
+    """Return the tasks from stop to stop, over the same mesh.
+
+    Raises
+    ------
+    ScenarioError
+        If an `arrival_s` is too early.
+    StrategyRefusedError
+        If a run that needs slack has no more than its shortest time.
+    """
     stops = stop_nodes(task)
     given = {k: s.arrival_s for k, s in enumerate(inner_stations(task)) if s.arrival_s is not None}
     runs: list[Task] = []
@@ -200,19 +208,15 @@ def inter_station_runs(task: Task) -> tuple[Task, ...]:
         inside = [stop for stop in stops if first <= stop <= last]
         length_m = np.diff(task.mesh.position_m[inside]) - task.scenario.deducted_m
         for (a, b), share in zip(pairwise(inside), length_m / length_m.sum(), strict=True):
-            runs.append(part_of(task, a, b, float(share * running_s)))
+            run = part_of(task, a, b, float(share * running_s))
+            if needs_slack and not run.has_slack:
+                raise StrategyRefusedError(
+                    f"{run_words(task, len(runs))} needs more than the shortest {run.shortest_time_s:.1f} s: at the "
+                    f"average speed of the line it has {run.running_time_s:.1f} s. Use a longer time, arrival_s of the "
+                    "stations, or search.inter_station_runs = 'together'."
+                )
+            runs.append(run)
     return tuple(runs)
-
-
-def require_slack(task: Task, runs: Sequence[Task]) -> None:
-    """Raise StrategyRefusedError if an inter-station run has less time than its shortest."""
-    for number, run in enumerate(runs):
-        if not run.has_slack:
-            raise StrategyRefusedError(
-                f"{run_words(task, number)} needs more than the shortest {run.shortest_time_s:.1f} s: at the average "
-                f"speed of the line it has {run.running_time_s:.1f} s. Use a longer time, arrival_s of the stations, "
-                "or search.inter_station_runs = 'together'."
-            )
 
 
 def drive_literal_runs(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:

@@ -30,7 +30,6 @@ from railjoule.core.strategies.set_speed_run import (
     join_searches,
     no_limits_reason,
     problem_within,
-    require_slack,
     run_notes,
     run_words,
 )
@@ -80,7 +79,14 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
         problem = build_limit_problem(task)
         found = search_limits(problem, borders, options.free_boundaries, _separate_start(task, borders))
         run = _drive_found(task, problem, found)
-    return _made(task, run, _words(found, options.free_boundaries)), found
+    samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
+    moved = " and section ends" if options.free_boundaries else ""
+    each = ", each inter-station run by itself" if found.runs else ""
+    words = (
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
+        "not a proof."
+    )
+    return _made(task, run, words), found
 
 
 def _drive_found(task: Task, problem: LimitProblem, found: LimitSearch) -> SetSpeedRun:
@@ -92,9 +98,7 @@ def _drive_found(task: Task, problem: LimitProblem, found: LimitSearch) -> SetSp
 def _search_separately(task: Task, borders_m: FloatArray) -> tuple[SetSpeedRun, LimitSearch]:
     """Return the runs from station to station as one, each searched by itself within its own time, and the searches."""
     runs, searches = [], []
-    parts = inter_station_runs(task)
-    require_slack(task, parts)
-    for number, part in enumerate(parts):
+    for number, part in enumerate(inter_station_runs(task, needs_slack=True)):
         first, last = part.mesh.position_m[[0, -1]]
         inside = borders_m[(borders_m > first) & (borders_m < last)]
         try:
@@ -171,7 +175,7 @@ def _given_limits(scenario: Scenario) -> FloatArray:
     return np.array(given) * MS_PER_KMH
 
 
-def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Trajectory:
+def _made(task: Task, driven: SetSpeedRun, *words: str) -> Trajectory:
     """Return a trajectory with bound and reference for the time that it takes, which may be later than planned.
 
     The bound holds over its own nodes; what it is measured against is the optimum over the scenario's.
@@ -181,16 +185,6 @@ def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Traje
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
     best = known_optimum(late) if late.has_slack else None
     return run if best is None else replace(run, reference=best.reference)
-
-
-def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
-    samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
-    moved = " and section ends" if free else ""
-    each = ", each inter-station run by itself" if found.runs else ""
-    return (
-        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
-        "not a proof.",
-    )
 
 
 register(
