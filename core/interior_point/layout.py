@@ -117,7 +117,7 @@ Rows = namedtuple(
         "target", "rhs",
     ],
 )  # fmt: skip
-"""Arrays of shape (ROWS, n + 1): the constraints. Where one does not occur its slack is 1 and its multiplier 0."""
+"""Arrays of shape (ROWS, n + 1): the constraints. One that does not occur has the slack 1 and the multiplier 0."""
 Nodes = namedtuple(
     "Nodes",
     [

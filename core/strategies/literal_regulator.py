@@ -23,7 +23,7 @@ from railjoule.core.limit_search.literal import (
 from railjoule.core.limit_search.problem import SetSpeedRun
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import drive
-from railjoule.core.strategies.plain_line import check_accelerations, require_none_of
+from railjoule.core.strategies.plain_line import check_accelerations, require_line_without
 from railjoule.core.task import Task
 from railjoule.core.trajectory import make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -91,7 +91,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
 
 def require_literal(task: Task) -> None:
     """Refuse a task that the literal regulator cannot drive at all; errors as `literal_run`."""
-    require_none_of(task, "neutral_sections")
+    require_line_without(task, "neutral_sections")
     if (task.mesh.data.fixed_speed2[1:-1] == 0.0).any():
         raise StrategyRefusedError(
             "needs a line without stops between its ends for the literal regulator, or a search for each inter-station "

@@ -47,7 +47,7 @@ def optimal(task: Task) -> Trajectory:
     near that of `bellman` are compared only where no other lies within 0.5 % of free switching.
 
     On a mesh of few cells, an optimum that is not proven gives way to a run of `bellman` or `phases` that needs less.
-    If the interior point does not converge, it is the best run of dynamic programming, without a bound. A note says so.
+    If the interior point does not converge, it is the best run of dynamic programming, without a bound, with a note.
 
     Windows of arrival are kept, if need be by waiting at the stop before. If one binds, the bound is that of runs
     that keep them all.

@@ -23,7 +23,7 @@ from railjoule.core.strategies.plain_line import (
     check_accelerations,
     check_speeds,
     plain_limits_ms,
-    require_none_of,
+    require_line_without,
 )
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
@@ -52,7 +52,7 @@ def phases(task: Task) -> Trajectory:
         If the line has passing points or neutral sections, the phases cannot be driven, or not in this time.
     """
     task.require_timetable()
-    require_none_of(task, "passing_points", "neutral_sections")
+    require_line_without(task, "passing_points", "neutral_sections")
     try:
         return _plain_run(task) if _is_plain(task) else _line_run(task)
     except TimetableError as late:

@@ -73,7 +73,7 @@ def plain_line(task: Task) -> PlainLine:
     mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
-    require_none_of(task, "passing_points", "neutral_sections")
+    require_line_without(task, "passing_points", "neutral_sections")
     is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
@@ -153,7 +153,7 @@ def _has_braking_curve(mesh: MeshedLine) -> bool:
     return bool(np.isfinite(mesh.permitted_deceleration_ms2))
 
 
-def require_none_of(task: Task, *names: str) -> None:
+def require_line_without(task: Task, *names: str) -> None:
     """Raise StrategyRefusedError if a line has any of `passing_points` and `neutral_sections`, whichever are named."""
     for name in names:
         if getattr(task.scenario.line, name):

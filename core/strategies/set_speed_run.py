@@ -23,7 +23,7 @@ from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.strategies.line_parts import arrival_name, inner_stations, part_of, parts_between, stop_nodes
 from railjoule.core.strategies.literal_regulator import literal_cost, literal_run, require_literal
-from railjoule.core.strategies.plain_line import require_none_of
+from railjoule.core.strategies.plain_line import require_line_without
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
@@ -57,7 +57,7 @@ def build_limit_problem(task: Task) -> LimitProblem:
 
 def problem_within(task: Task, running_time_s: float) -> LimitProblem:
     """Return the problem of a task with an ideal regulator within a time [s]; the literal regulator's ideal brakes."""
-    require_none_of(task, "neutral_sections")
+    require_line_without(task, "neutral_sections")
     options, vehicle = task.scenario.search, task.scenario.vehicle
     stops = task.mesh.position_m[task.mesh.data.fixed_speed2 == 0].tolist()
     mesh = mesh_over(task, finer_at_stops(task.mesh.position_m, stops, HALVINGS_AT_STOPS))

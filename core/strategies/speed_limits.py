@@ -19,7 +19,7 @@ from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.plain_line import require_none_of
+from railjoule.core.strategies.plain_line import require_line_without
 from railjoule.core.strategies.set_speed_run import (
     MIN_LIMIT_KMH,
     build_limit_problem,
@@ -63,7 +63,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     borders = section_boundaries(task.scenario)
     if task.mesh.data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that ends at rest.")
-    require_none_of(task, "passing_points")
+    require_line_without(task, "passing_points")
     if options.limits_kmh is not None:
         is_literal = options.regulator == "literal"
         limits = _given_limits(task.scenario)
