@@ -15,7 +15,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import MeshedLine, max_speeds
 from railjoule.core.motion.passes import MOVED
-from railjoule.core.phase_planning.choice import best_plan
+from railjoule.core.phase_planning.plan import best_plan
 from railjoule.core.phase_planning.planner import (
     ACCURACY,
     CURRENTS_SCANNED,

@@ -115,10 +115,11 @@ class PhaseModel:
         effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         return np.asarray(np.maximum(effort, 0.0))
 
-    @cached_property
-    def full_start(self) -> FloatArray:
-        """The table of a start with the largest effort; shape (7, k)."""
-        return self.start()
+    def table(self, phase: str, starting_current_a: float | None = None) -> FloatArray:
+        """Return the table of a start, full or with a current [A], of coasting or of braking; shape (7, k)."""
+        if phase == "start":
+            return _start_table(self, starting_current_a)
+        return self.coasting if phase == "coast" else self.braking
 
     @cached_property
     def brakes_with_friction(self) -> bool:
@@ -133,7 +134,7 @@ class PhaseModel:
         electric = electric_efforts(self.drive.kind, self.drive.parameters, effort_n, speed_ms, effort_n, friction_n)
         return self.drive.supply_power_w(-electric, speed_ms)
 
-    def start(self, starting_current_a: float | None = None) -> FloatArray:
+    def start(self, starting_current_a: float | None) -> FloatArray:
         """Return the table of a start from rest; shape (7, k)."""
 
         def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -270,7 +271,7 @@ def phase_model(
 
 
 @lru_cache(maxsize=128)
-def start_table(model: PhaseModel, starting_current_a: float) -> FloatArray:
+def _start_table(model: PhaseModel, starting_current_a: float | None) -> FloatArray:
     """Return the table of a start with a current [A], from a cache: searches begin with the same currents."""
     return model.start(starting_current_a)
 
