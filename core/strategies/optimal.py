@@ -154,8 +154,10 @@ def _undercut(task: Task, best: Trajectory) -> Trajectory:
                 "best run found by the interior-point method, which is a local optimum or bound to the nodes of a "
                 "coarse mesh (solver.mesh_m)."
             )
-            named = replace(run, strategy="optimal", notes=(note, *run.notes))
-            return _as_reference(task, bounded(task, named, best.bound))
+            named, known = replace(run, strategy="optimal", notes=(note, *run.notes)), best.bound
+            # a bound above the run, as of a line with other means of its gradients, is none of it
+            is_refuted = known is not None and known.energy_j > run.energy.net_j
+            return _as_reference(task, named if is_refuted else bounded(task, named, known))
     return best
 
 
