@@ -15,14 +15,12 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.physics.effort_limit import SLOWEST_MS, max_effort
 from railjoule.core.physics.mesh_data import OFF, MeshData, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING, action_of_cell
 
 SPEEDS, EFFORTS = 96, 64
 """Of a table: from rest to the highest speed, and from none to the largest effort at each of them."""
-SLOWEST_MS = 1e-3
-"""Stands for rest, where a limit of power would be infinite [m/s]."""
 DRIVING_SIDE, BRAKING_SIDE = range(2)
 
 

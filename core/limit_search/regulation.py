@@ -61,15 +61,6 @@ def regulation_of(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) 
     )
 
 
-@njit(cache=True)
-def section_at(borders_m: FloatArray, place_m: float) -> int:
-    """Return the number of the section that begins at or before a place [m]."""
-    number = 0
-    while number < borders_m.shape[0] and borders_m[number] <= place_m:
-        number += 1
-    return number
-
-
 @njit(cache=True, error_model="numpy")
 def braking_curves(
     mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray

@@ -334,8 +334,6 @@ def _improve(
             changes[side] = _cost_change(line, price_w, speeds_ms, stretch, state, False)
             if changes[side] < least:
                 best, least = speed, changes[side]
-        else:
-            changes[side] = math.inf
     factor = GROWS if best != middle else SHRINKS
     if (
         max(abs(changes[0]), abs(changes[1])) <= FLAT * abs(state.cost_j[stretch])

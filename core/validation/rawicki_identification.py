@@ -146,7 +146,7 @@ def driven_values(vehicle: Vehicle, phases: list[Printed]) -> FloatArray:
     """Return distances [m], times [s] and energies [kWh] of phases with a recuperation factor of 1."""
     planner = printed_planner(vehicle, 1.0)
     model = planner.model
-    tables = {"start": model.full_start, "coast": model.coasting, "brake": model.braking}
+    tables = {"start": model.table("start"), "coast": model.coasting, "brake": model.braking}
     values: list[float] = []
     for phase in phases:
         low, high = sorted((float(phase["start_ms"]), float(phase["end_ms"])))

@@ -11,9 +11,8 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.inter_station_runs import run_words
 from railjoule.core.strategies.line_parts import stop_nodes
-from railjoule.core.strategies.set_speed_run import build_limit_problem
+from railjoule.core.strategies.set_speed_run import build_limit_problem, run_words
 from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
 from railjoule.core.studies.motor_map import OperatingPoints, operating_points
 from railjoule.core.studies.storage import (

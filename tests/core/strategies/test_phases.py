@@ -57,7 +57,7 @@ def test_no_other_cruise_is_better(distance, share, recuperation, initial):
     best = own.plan(distance, time, initial)
     model = own.model
     for v1 in np.linspace(0.3, 19, 60):
-        for table in [model.full_start] if v1 >= initial else [model.coasting, model.braking]:
+        for table in [model.table("start")] if v1 >= initial else [model.coasting, model.braking]:
             if v1 > table[0, -1]:
                 continue
             t0, s0, e0 = between(table, min(initial, v1), max(initial, v1))
@@ -101,7 +101,7 @@ def test_from_a_moving_state():
     """Split anywhere in its start, a plan's rest is the best run from there."""
     own = planner(0.6)
     whole = own.plan(950.0, 95.0)
-    time, distance, energy = between(own.model.full_start, 0.0, 9.0)
+    time, distance, energy = between(own.model.table("start"), 0.0, 9.0)
     rest = own.plan(950.0 - distance, 95.0 - time, 9.0)
     assert rest.first == "start"
     assert energy + rest.energy_j == pytest.approx(whole.energy_j, rel=1e-7)
