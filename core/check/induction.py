@@ -20,7 +20,6 @@ Source: Rawicki, "New software for energy saving control of a tram vehicle", (1)
 """
 
 import math
-from functools import cached_property
 
 import numpy as np
 
@@ -37,14 +36,27 @@ OVERLOAD = 2e-3
 
 
 class InductionModel(GearedModel, model="induction"):
-    """The machines of a train, each with the flux of least loss, and their gears."""
+    """The machines of a train, each with the flux of least loss, and their gears.
+
+    Torques [N m] of one machine are negative where it generates, speeds those of its shaft [rad/s].
+    """
 
     parameters: Induction
 
-    @cached_property
-    def machine(self) -> "Machine":
-        """One of the machines."""
-        return Machine(self.parameters)
+    def __init__(self, parameters: Induction) -> None:
+        super().__init__(parameters)
+        rotor, mutual = parameters.rotor_inductance_mh * H_PER_MH, parameters.mutual_inductance_mh * H_PER_MH
+        rated = 2 * math.pi * parameters.rated_frequency_hz
+        self.pole_pairs = parameters.pole_pairs
+        self.stator_ohm = parameters.stator_resistance_ohm
+        self.stator_h = parameters.stator_inductance_mh * H_PER_MH
+        self.leakage_h = self.stator_h - mutual**2 / rotor
+        self.slip_rate = parameters.rotor_resistance_ohm / rotor
+        self.torque_constant = 1.5 * parameters.pole_pairs * mutual**2 / rotor
+        self.flux2 = parameters.rated_magnetising_current_a**2
+        self.voltage2 = parameters.max_phase_voltage_v**2
+        self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
+        self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
 
     def shaft_over_wheel(self) -> tuple[float, float]:
         """Return 1 / eta for driving, in which the motor also gives the gear's loss, and eta for braking."""
@@ -61,7 +73,7 @@ class InductionModel(GearedModel, model="induction"):
         """
         drive, work = self.parameters, effort_n * speed_ms
         torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
-        copper, iron, _ = self.machine.min_losses(torque, speed)
+        copper, iron, _ = self._min_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
             "iron": drive.motors * iron,
@@ -80,7 +92,7 @@ class InductionModel(GearedModel, model="induction"):
         """Return the greatest torque of a shaft within current, voltage and rated flux [N m]."""
         drive = self.parameters
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.max_torque(speed_rads, current, braking)
+        torque = self._max_torque(speed_rads, current, braking)
         # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
         sign = -1.0 if braking else 1.0
         return np.maximum(torque - sign * drive.mechanical_loss_torque_nm, 0.0)
@@ -89,28 +101,10 @@ class InductionModel(GearedModel, model="induction"):
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.min_losses(torque, self.turns_per_metre * speed_ms)[2]
+        current = self._min_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
-
-class Machine:
-    """One machine, for arrays of torque [N m], negative where it generates, and speed of the shaft [rad/s]."""
-
-    def __init__(self, parameters: Induction) -> None:
-        rotor, mutual = parameters.rotor_inductance_mh * H_PER_MH, parameters.mutual_inductance_mh * H_PER_MH
-        rated = 2 * math.pi * parameters.rated_frequency_hz
-        self.pole_pairs = parameters.pole_pairs
-        self.stator_ohm = parameters.stator_resistance_ohm
-        self.stator_h = parameters.stator_inductance_mh * H_PER_MH
-        self.leakage_h = self.stator_h - mutual**2 / rotor
-        self.slip_rate = parameters.rotor_resistance_ohm / rotor
-        self.torque_constant = 1.5 * parameters.pole_pairs * mutual**2 / rotor
-        self.flux2 = parameters.rated_magnetising_current_a**2
-        self.voltage2 = parameters.max_phase_voltage_v**2
-        self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
-        self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
-
-    def min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return copper and iron loss [W] and the current [A] with the flux of least loss; NaN where there is none."""
         sign, strength = np.where(torque < 0, -1.0, 1.0), np.abs(torque) / self.torque_constant
         rotor = self.pole_pairs * speed
@@ -125,7 +119,7 @@ class Machine:
         copper_w, iron_w, current = (np.where(none, np.nan, these[rows, least]) for these in found)
         return copper_w, iron_w, current
 
-    def max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
+    def _max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
         """Return the greatest torque without sign [N m] that a current, the voltage and the rated flux allow."""
         quartic = self._quartic(np.full(len(speed), -1.0 if braking else 1.0), self.pole_pairs * speed)
         flux_meets_voltage = self.flux2 * quartic - self.voltage2 * np.eye(5)[0]
@@ -142,8 +136,7 @@ class Machine:
         by_current = current_a**2 / (1 + ratios**2)
         by_voltage = self.voltage2 / values(quartic, ratios)
         strength = ratios * np.minimum(np.minimum(self.flux2, by_current), by_voltage)
-        torque: FloatArray = self.torque_constant * np.nanmax(strength, axis=1)
-        return torque
+        return np.asarray(self.torque_constant * np.nanmax(strength, axis=1))
 
     def _candidates(self, sign: FloatArray, strength: FloatArray, rotor: FloatArray) -> FloatArray:
         """Return ratios of the currents among which the one of least loss is; NaN where not allowed; (k, 9)."""

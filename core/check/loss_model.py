@@ -73,14 +73,12 @@ class GearedModel(LossModel):
     def shaft_torque_nm(self, effort_n: FloatArray) -> FloatArray:
         """Return the torque of each shaft, braking negative [N m]."""
         share = np.where(effort_n > 0, self.driving_share, self.braking_share)
-        torque: FloatArray = effort_n * share / (self.parameters.motors * self.turns_per_metre)
-        return torque
+        return np.asarray(effort_n * share / (self.parameters.motors * self.turns_per_metre))
 
     def effort_of_torque_n(self, torque_nm: FloatArray, braking: bool) -> FloatArray:
         """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
         share = self.braking_share if braking else self.driving_share
-        effort: FloatArray = self.parameters.motors * self.turns_per_metre * torque_nm / share
-        return effort
+        return np.asarray(self.parameters.motors * self.turns_per_metre * torque_nm / share)
 
     def gear_loss_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the loss of the gears [W]."""

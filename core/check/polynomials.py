@@ -11,10 +11,7 @@ SPLIT_ROOT = 1e-6
 
 def values(polynomial: FloatArray, at: FloatArray) -> FloatArray:
     """Return the values of polynomials of shape (k, m) at arguments of shape (k, l)."""
-    value = np.zeros(at.shape)
-    for coefficient in polynomial.T[::-1]:
-        value = value * at + coefficient[:, None]
-    return value
+    return np.asarray(np.polynomial.polynomial.polyval(at, polynomial.T[:, :, None], tensor=False))
 
 
 def product(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -2,12 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -67,46 +66,6 @@ class Record:
     bound_j: float | None = None
     gap: float | None = None
     price_of_time_w: float | None = None
-
-    @cached_property
-    def moves(self) -> BoolArray:
-        """Whether the train moves on in each cell; shape (n,). The properties below are of these k cells."""
-        moves: BoolArray = np.diff(self.position_m) > 0
-        return moves
-
-    @cached_property
-    def middle_m(self) -> FloatArray:
-        """Places of the middles of the cells [m]; shape (k,)."""
-        return self.moving(0.5 * (self.position_m[1:] + self.position_m[:-1]))
-
-    @cached_property
-    def length_m(self) -> FloatArray:
-        """Lengths of the cells [m]; shape (k,)."""
-        return self.moving(np.diff(self.position_m))
-
-    @cached_property
-    def duration_s(self) -> FloatArray:
-        """Times of the cells [s]; shape (k,)."""
-        return self.moving(np.diff(self.time_s))
-
-    @cached_property
-    def entering_speed2(self) -> FloatArray:
-        """Squares of speed at their starts [m2/s2]; shape (k,)."""
-        return self.moving(self.speed_ms[:-1] ** 2)
-
-    @cached_property
-    def leaving_speed2(self) -> FloatArray:
-        """Squares of speed at their ends [m2/s2]; shape (k,)."""
-        return self.moving(self.speed_ms[1:] ** 2)
-
-    @cached_property
-    def mean_speed_ms(self) -> FloatArray:
-        """Means of the speeds at their ends, which are their lengths over their times [m/s]; shape (k,)."""
-        return self.moving(0.5 * (self.speed_ms[:-1] + self.speed_ms[1:]))
-
-    def moving(self, values: FloatArray) -> FloatArray:
-        """Return the values of the cells in which the train moves on; shape (k,)."""
-        return values[self.moves]
 
     def numbers(self) -> Iterator[FloatArray]:
         """Yield all numbers of the run; those of the run as a whole as arrays of shape (1,)."""
