@@ -142,8 +142,12 @@ class InductionModel(GearedModel, model="induction"):
         """Return ratios of the currents among which the one of least loss is; NaN where not allowed; (k, 9)."""
         quartic = self._quartic(sign, rotor)
         rated = strength / self.flux2
+        # a and b of the losses kappa (a / q + b q + c), a for a field that turns forwards and for one backwards
+        rising = [1.5 * self.stator_ohm + (side * self.hysteresis + self.eddy * rotor) * rotor for side in (1.0, -1.0)]
+        rotor_copper = self.torque_constant * self.slip_rate / self.pole_pairs
+        falling = 1.5 * self.stator_ohm + rotor_copper + self.eddy * self.slip_rate**2
         with np.errstate(invalid="ignore"):
-            free = [np.sqrt(self._rising_weight(rotor, turning) / self._falling_weight()) for turning in (1.0, -1.0)]
+            free = [np.sqrt(weight / falling) for weight in rising]
         inside = np.column_stack([*free, rotor / self.slip_rate, rated])
         # at its ends the voltage is full
         full_voltage = strength[:, None] * quartic - self.voltage2 * np.eye(5)[1]
@@ -154,15 +158,6 @@ class InductionModel(GearedModel, model="induction"):
             voltage2 = strength[:, None] * values(quartic, ratios) / ratios
             allowed = (ratios > 0) & (ratios >= rated[:, None] * (1 - EDGE)) & (voltage2 <= self.voltage2 * (1 + slack))
         return np.where(allowed, ratios, np.nan)
-
-    def _rising_weight(self, rotor: FloatArray, turning: float) -> FloatArray:
-        """Return a of the losses kappa (a / q + b q + c), for a field that turns forwards, 1, or backwards, -1."""
-        return 1.5 * self.stator_ohm + (turning * self.hysteresis + self.eddy * rotor) * rotor
-
-    def _falling_weight(self) -> float:
-        """Return b of them."""
-        rotor_copper = self.torque_constant * self.slip_rate / self.pole_pairs
-        return 1.5 * self.stator_ohm + rotor_copper + self.eddy * self.slip_rate**2
 
     def _losses(
         self, sign: FloatArray, ratio: FloatArray, flux: FloatArray, rotor: FloatArray

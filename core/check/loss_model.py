@@ -6,7 +6,6 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 
-EXACT = 0.0
 # far above the rounding of a torque from an effort, far below the accuracy of any limit
 EDGE = 1e-9
 """How far rounding may exceed the end of a map, or a limit of current or voltage, as a share."""
@@ -30,8 +29,8 @@ class LossModel:
         Of the scenario.
     """
 
-    accuracy = EXACT
-    """The allowed difference of the product's losses, as a share of them and of a tenth of the run's largest: `EXACT`
+    accuracy = 0.0
+    """The allowed difference of the product's losses, as a share of them and of a tenth of the run's largest: 0
     where the product evaluates the same formula, more where it tabulates one."""
 
     def __init__(self, parameters: Any) -> None:
@@ -75,11 +74,6 @@ class GearedModel(LossModel):
         share = np.where(effort_n > 0, self.driving_share, self.braking_share)
         return np.asarray(effort_n * share / (self.parameters.motors * self.turns_per_metre))
 
-    def effort_of_torque_n(self, torque_nm: FloatArray, braking: bool) -> FloatArray:
-        """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
-        share = self.braking_share if braking else self.driving_share
-        return np.asarray(self.parameters.motors * self.turns_per_metre * torque_nm / share)
-
     def gear_loss_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the loss of the gears [W]."""
         work: FloatArray = effort_n * speed_ms
@@ -87,7 +81,9 @@ class GearedModel(LossModel):
 
     def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the effort of the greatest torque [N]."""
-        return self.effort_of_torque_n(self.max_torque_nm(self.turns_per_metre * speed_ms, braking), braking)
+        torque = self.max_torque_nm(self.turns_per_metre * speed_ms, braking)
+        share = self.braking_share if braking else self.driving_share
+        return np.asarray(self.parameters.motors * self.turns_per_metre * torque / share)
 
     def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of a shaft, without sign [N m]."""

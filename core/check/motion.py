@@ -222,8 +222,7 @@ def _braking_curve(case: Case) -> Iterator[Check]:
     With s(v), the distance from v to rest at the decelerations of the curve, a train at x is under the curve that ends
     at X with V where s(v) - s(V) <= X - x. So s(v) + x is held against the least s(V) + X ahead.
     """
-    steps = case.scenario.vehicle.braking.permitted_deceleration
-    if steps is None:
+    if (steps := case.scenario.vehicle.braking.permitted_deceleration) is None:
         return
     record, route = case.record, case.route
     kmh, deceleration = np.array(steps).T

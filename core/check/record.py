@@ -13,12 +13,6 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
 FEWEST_NODES = 2
-# by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
-ENERGIES = (
-    *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
-    *("kinetic_j", "potential_j", "magnetic_field_j"),
-)
-"""The entries of an energy account but its losses by kind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +38,7 @@ class Record:
     current_a : array of cells or None
         Current of one motor [A].
     energies_j, losses_j : mapping of str to float, or None
-        The account [J]: the entries of `ENERGIES`, and losses by kind.
+        The account [J]: its entries but losses, and losses by kind.
     bound_j, gap, price_of_time_w : float or None
         Lower bound of the energy [J], energy over it less 1, and what a second more would save [W].
     """
@@ -79,6 +73,8 @@ class Record:
 def record_of_run(run: Any) -> Record:
     """Return the record of a `railjoule.core.Trajectory`, or of anything with its fields."""
     bound = run.bound
+    # by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
+    energies = {name: float(value) for name, value in vars(run.energy).items() if name != "losses_j"}
     return Record(
         strategy=run.strategy,
         position_m=np.asarray(run.position_m, dtype=float),
@@ -92,7 +88,7 @@ def record_of_run(run: Any) -> Record:
         supply_energy_j=run.supply_energy_j,
         gradient_permille=run.gradient_permille,
         current_a=run.current_a,
-        energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
+        energies_j=energies,
         losses_j=dict(run.energy.losses_j),
         # a bound whose proof has yet to run has no gap
         bound_j=None if bound is None or run.gap is None else float(bound.energy_j),
@@ -118,8 +114,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     ScenarioError
         If a column is missing or holds no numbers, or there are fewer than two nodes.
     """
-    missing = [name for name in NEEDED_COLUMNS if name not in table]
-    if missing:
+    if missing := [name for name in NEEDED_COLUMNS if name not in table]:
         raise ScenarioError(f"has no column {missing[0]}; a run needs at least {', '.join(NEEDED_COLUMNS)}.")
     position, time, speed = (_column(table, name) for name in NEEDED_COLUMNS)
     if len(position) < FEWEST_NODES:

@@ -291,9 +291,7 @@ class TableUnits:
 
     def unit(self, key: UnitKey, cells: Mapping[int, Cell]) -> ColumnUnit:
         """Find the unit of positions or values, empty if there are none; UnitError if it is in doubt."""
-        found, quantity = self.found, self._quantity(key)
-        column, heading = (found.begin, found.position) if key == "position_unit" else (found.value, found.amount)
-        units = self._units(key)
+        column, heading, quantity, units = self._role(key)
         if not column or not units:
             return NOTHING
         if heading.doubt:
@@ -310,29 +308,26 @@ class TableUnits:
     def size_doubts(self, intervals: Sequence[Interval], position: ColumnUnit, value: ColumnUnit) -> list[str]:
         """List sizes that suggest another unit than the heading names; UnitError if nothing names the unit."""
         sentences = []
-        keys: tuple[tuple[UnitKey, str | None, ColumnUnit], ...] = (
-            ("position_unit", self.found.begin, position),
-            ("value_unit", self.found.value, value),
-        )
-        for key, column, unit in keys:
+        keys: tuple[tuple[UnitKey, ColumnUnit], ...] = (("position_unit", position), ("value_unit", value))
+        for key, unit in keys:
             sentence, likely = self._doubt(key, intervals)
             if not sentence or getattr(self.wanted, key) is not None:
                 continue
             if unit.is_assumed:
                 likely = (*likely, unit.unit) if likely else ()
-                words = f"no unit is named for {column!r}, and in {unit_words(unit.unit)} {sentence}"
+                words = f"no unit is named for {self._role(key)[0]!r}, and in {unit_words(unit.unit)} {sentence}"
                 raise self._question(key, words, likely)
             sentences.append(f"{sentence}: is the unit right?")
         return sentences
 
-    def _quantity(self, key: UnitKey) -> Quantity:
-        return "positions" if key == "position_unit" else self.kind
-
-    def _units(self, key: UnitKey) -> tuple[str, ...]:
-        return ALL_POSITION_UNITS if key == "position_unit" else VALUE_UNITS[self.kind]
+    def _role(self, key: UnitKey) -> tuple[str | None, Heading, Quantity, tuple[str, ...]]:
+        """Return the column of positions or values, its heading, its quantity and the units of that."""
+        if key == "position_unit":
+            return self.found.begin, self.found.position, "positions", ALL_POSITION_UNITS
+        return self.found.value, self.found.amount, self.kind, VALUE_UNITS[self.kind]
 
     def _question(self, key: UnitKey, doubt: str, likely: tuple[str, ...] = ()) -> UnitError:
-        return UnitError(self.source, doubt, (self.kind, key), self._units(key), likely)
+        return UnitError(self.source, doubt, (self.kind, key), self._role(key)[3], likely)
 
     def _doubt(self, key: UnitKey, intervals: Sequence[Interval]) -> tuple[str, tuple[str, ...]]:
         """Describe sizes that suggest another unit, and the likely units; an empty text if none do."""

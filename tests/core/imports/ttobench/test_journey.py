@@ -52,7 +52,7 @@ def test_a_stop_at_one_point_has_no_dwell():
 def test_arrivals_count_from_the_departure():
     service = service_of([0, 100, 120, 0, 0], [500, 150, None, 0, 0], [900, 200, 300, 0, 0])
     assert (service.stops, service.travel_time_s) == ((Stop("", 500, 0, 50, None),), 200)
-    assert service.stops[0].window == ({"earliest_arrival_s": 50} if KEEPS_WINDOWS else {})
+    assert (service.stops[0].earliest_arrival_s, service.stops[0].latest_arrival_s) == (50, None)
 
 
 def test_speeds_at_the_ends():
