@@ -186,8 +186,8 @@ def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> 
 
 def selectors_of(cells: CellTable, used: Collection[str]) -> list[str]:
     """List the columns of a line or a track, except those that are `used` otherwise."""
-    names = [name for role in SELECTORS for name in NAMES[role]]
-    return [column for column in cells.header if column not in used and any(_is_called(column, name) for name in names)]
+    names = {name for role in SELECTORS for name in NAMES[role]}
+    return [column for column in cells.header if column not in used and _name_words(column) in names]
 
 
 def same_name(one: str, other: str) -> bool:
@@ -226,9 +226,15 @@ def _column(cells: CellTable, role: str, name: str) -> str:
 
 def _guessed(source: str, kind: IntervalKind, free: list[str], role: str) -> str | None:
     """Find the column with the likeliest name, None if there is none; ScenarioError if two are equally likely."""
-    for fits in (_is_called, _has_word):
-        for name in NAMES[kind if role == "value" else role]:
-            found = [column for column in free if fits(column, name)]
+    names = NAMES[kind if role == "value" else role]
+    words = {column: _name_words(column) for column in free}
+    for is_whole in (True, False):
+        for name in names:
+            found = [
+                column
+                for column, text in words.items()
+                if text == name or (not is_whole and f" {name} " in f" {text} ")
+            ]
             if len(found) > 1:
                 raise ScenarioError(
                     f"{source}: {show(found[0])} and {show(found[1])} may both be the column {role!r}; name one, as "
@@ -261,14 +267,6 @@ def _directions(cells: CellTable) -> str | None:
 def direction_word(cell: Cell) -> str:
     """Normalise a cell of a column of directions to small letters without accents."""
     return _words(cell) if isinstance(cell, str) else ""
-
-
-def _is_called(column: str, name: str) -> bool:
-    return _name_words(column) == name
-
-
-def _has_word(column: str, name: str) -> bool:
-    return f" {name} " in f" {_name_words(column)} "
 
 
 def _name_words(column: str) -> str:

@@ -46,19 +46,15 @@ class Finding:
         Its subject.
     sentence : str
         It in words, with the file and the rows.
-    rows : tuple of int
-        The rows of the file, counted as a spreadsheet does.
-    from_m, to_m : float or None
-        Its place on the line, in the file's chainage [m].
+    stretch_m : tuple of float or None
+        The ends of a gap, in the file's chainage [m].
     other_unit : OtherUnit or None
         Of a question about a number: the answer that is likely.
     """
 
     kind: FindingKind
     sentence: str
-    rows: tuple[int, ...] = ()
-    from_m: float | None = None
-    to_m: float | None = None
+    stretch_m: tuple[float, float] | None = None
     other_unit: OtherUnit | None = None
 
 
@@ -106,16 +102,9 @@ class Notes:
     findings: list[Finding] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
 
-    def add(
-        self,
-        kind: FindingKind,
-        sentence: str,
-        rows: Sequence[int] = (),
-        from_m: float | None = None,
-        to_m: float | None = None,
-    ) -> None:
+    def add(self, kind: FindingKind, sentence: str, stretch_m: tuple[float, float] | None = None) -> None:
         """Add a finding."""
-        self.findings.append(Finding(kind, f"{self.source}: {sentence}", tuple(rows), from_m, to_m))
+        self.findings.append(Finding(kind, f"{self.source}: {sentence}", stretch_m))
 
     def add_unused(self, sentence: str) -> None:
         """Add a sentence on contents that are not used; an empty one is ignored."""

@@ -186,7 +186,7 @@ def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes:
     if in_doubt is not None:
         sign = {".": "point", ",": "comma"}[decimal]
         use = "comma parts thousands" if cells.separator == "," else f"{sign} is for decimals"
-        notes.add("reading", f"row {in_doubt} may be read in two ways; its {use} here.", (in_doubt,))
+        notes.add("reading", f"row {in_doubt} may be read in two ways; its {use} here.")
     return decimal
 
 
@@ -198,7 +198,7 @@ def _directed(amount: float, direction: Cell, number: int, notes: Notes) -> floa
     if word.startswith(RISES):
         return abs(amount)
     if word.startswith(IS_LEVEL) and amount:
-        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.", (number,))
+        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.")
     return amount
 
 

@@ -168,15 +168,12 @@ def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Findin
     reached = end if math.isinf(last.to_m) else table.end_m
     if math.isinf(last.to_m) and end <= last.from_m:
         sentence = f"{table.source}: no row says where row {last.row} ends, and the line ends where it begins."
-        return [Finding("gap", sentence, (last.row,), last.from_m)]
+        return [Finding("gap", sentence)]
     return [
         Finding(
             "gap",
             f"{table.source}: nothing from {place(start)} to {place(stop)} m, at the line's {which}: taken as "
             f"{WHOLE[table.kind]}.",
-            (),
-            start,
-            stop,
         )
         for which, start, stop in (("begin", begin, table.begin_m), ("end", reached, end))
         if stop - start > MIN_STRETCH_M
@@ -196,18 +193,14 @@ def _jumps(tables: Sequence[ImportedTable]) -> list[Finding]:
     """Return gaps that all tables share, as a jump of the chainage leaves them."""
     if len(tables) < 2:
         return []
-    gaps = [{(one.from_m, one.to_m) for one in table.findings if one.kind == "gap"} for table in tables]
+    gaps = [{one.stretch_m for one in table.findings if one.stretch_m is not None} for table in tables]
     return [
         Finding(
             "question",
             f"no table says anything from {place(start)} to {place(stop)} m: does the chainage jump there? The line is "
             f"taken to have these {place(stop - start)} m.",
-            (),
-            start,
-            stop,
         )
         for start, stop in sorted(set.intersection(*gaps))
-        if start is not None and stop is not None
     ]
 
 

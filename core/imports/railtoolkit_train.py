@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field, model_validator
 
-from railjoule.core.errors import ChoiceError, ScenarioError
+from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
 from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
@@ -156,26 +156,22 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
 
 
 def _formation(file: RollingStock, wanted: str | None, notes: Notes) -> tuple[Train, list[RailVehicle]]:
-    """Select a train and its vehicles, one by one."""
-    source = notes.source
+    """Select a train and its vehicles, one by one; a vehicle alone is a train too."""
     vehicles = {vehicle.id: vehicle for vehicle in file.vehicles}
     trains = {train.id: train for train in file.trains}
-    if wanted is None and len(trains or vehicles) > 1:
-        raise ChoiceError(source, "train" if trains else "vehicle", tuple(trains or vehicles))
-    name = wanted if wanted is not None else next(iter(trains or vehicles))
-    if name not in {*trains, *vehicles}:
-        known = shown_list([*trains, *vehicles])
-        raise ScenarioError(f"{source}: there is no train or vehicle with the id {show(name)}, only {known}.")
-    train = trains[name] if name in trains else Train(id=name, name=name, formation=(name,))
-    if train.formation is None:
-        raise ScenarioError(f"{source}: train {train.id} has no formation, and so neither masses nor efforts.")
-    if missing := [one for one in train.formation if one not in vehicles]:
-        raise ScenarioError(f"{source}: train {train.id}: the vehicle {show(missing[0])} is not in the file.")
-    others = [other for other in trains if other != name]
-    others += [other for other in vehicles if other not in train.formation]
-    if others:
-        notes.add_unused(f"trains and vehicles: {shown_list(others)}.")
+    what = "train" if trains and wanted not in vehicles.keys() - trains.keys() else "vehicle"
+    if what == "vehicle":
+        trains = {name: Train(id=name, name=name, formation=(name,)) for name in vehicles}
+    names = list(trains)
+    train = trains[names[notes.chosen(names, wanted, what)]]
     notes.add_unknown_keys(train, f"train {train.id}: ")
+    if train.formation is None:
+        raise ScenarioError(f"{notes.source}: train {train.id} has no formation, and so neither masses nor efforts.")
+    if missing := [one for one in train.formation if one not in vehicles]:
+        raise ScenarioError(f"{notes.source}: train {train.id}: the vehicle {show(missing[0])} is not in the file.")
+    others = [other for other in vehicles if other not in train.formation]
+    if others and what == "train":
+        notes.add_unused(f"vehicles not read: {shown_list(others)}.")
     return train, [vehicles[one] for one in train.formation]
 
 

@@ -112,21 +112,18 @@ def add_continuity(kind: IntervalKind, ordered: Sequence[Interval], notes: Notes
         rows = (furthest.row, one.row)
         gap = one.from_m - furthest.to_m
         if gap > MIN_STRETCH_M and kind in WHOLE:
-            notes.add(
-                "gap",
-                f"nothing from {place(furthest.to_m)} to {place(one.from_m)} m, between rows {rows[0]} and "
-                f"{rows[1]}: a gap of the table, taken as {WHOLE[kind]}, or a jump of the chainage.",
-                rows,
-                furthest.to_m,
-                one.from_m,
+            sentence = (
+                f"nothing from {place(furthest.to_m)} to {place(one.from_m)} m, between rows {rows[0]} and {rows[1]}: "
+                f"a gap of the table, taken as {WHOLE[kind]}, or a jump of the chainage."
             )
+            notes.add("gap", sentence, (furthest.to_m, one.from_m))
         elif gap < -MIN_STRETCH_M:
             end = min(furthest.to_m, one.to_m)
             rule = "they agree" if furthest.value == one.value else RULES[kind]
             sentence = f"rows {rows[0]} and {rows[1]} overlap from {place(one.from_m)} to {place(end)} m; {rule}."
             if replace(one, row=furthest.row) == furthest:
                 sentence = f"row {rows[1]} repeats row {rows[0]}."
-            notes.add("overlap", sentence, rows, one.from_m, end)
+            notes.add("overlap", sentence)
         if one.to_m >= furthest.to_m:
             furthest = one
 
@@ -159,7 +156,7 @@ def in_order(rows: TableRows, kind: IntervalKind, notes: Notes) -> list[Interval
     intervals = _against_chainage(rows, notes)
     if turned := [one.row for one in intervals if one.to_m < one.from_m]:
         signs = ", with the signs of their gradients changed" if kind == "gradients" else ""
-        notes.add("order", f"{rows_words(turned, 'runs', 'run')} against rising chainage; turned round{signs}.", turned)
+        notes.add("order", f"{rows_words(turned, 'runs', 'run')} against rising chainage; turned round{signs}.")
         # + 0.0: no negative zero
         sign = -1.0 if kind == "gradients" else 1.0
         intervals = [
@@ -171,7 +168,7 @@ def in_order(rows: TableRows, kind: IntervalKind, notes: Notes) -> list[Interval
     unsorted = [later.row for earlier, later in pairwise(intervals) if later.from_m < earlier.from_m]
     # a table in falling chainage is in order all the same
     if unsorted and len(unsorted) < len(intervals) - 1:
-        notes.add("order", f"{rows_words(unsorted, 'lies', 'lie')} before the row above; put in order.", unsorted)
+        notes.add("order", f"{rows_words(unsorted, 'lies', 'lie')} before the row above; put in order.")
     ordered = sorted(intervals, key=lambda one: (one.from_m, one.row))
     following = [*(later.from_m for later in ordered[1:]), math.inf]
     # an interval without an end of its own ends where the next begins
@@ -220,7 +217,7 @@ def _require_ends(blank: Sequence[Interval], with_value: Sequence[Interval], not
     for one in blank:
         if math.isinf(one.to_m) and one.from_m >= begin_m:
             sentence = f"row {one.row} has no value: the line ends there, at {place(one.from_m)} m."
-            notes.add("reading", sentence, (one.row,), one.from_m)
+            notes.add("reading", sentence)
         elif one.from_m < begin_m or one.to_m > end_m:
             where = f"from {place(one.from_m)}" + (f" to {place(one.to_m)}" if math.isfinite(one.to_m) else "")
             line = f"begin at {place(begin_m)} m" if one.from_m < begin_m else f"end at {place(end_m)} m"

@@ -11,8 +11,6 @@ from railjoule.core.measured.recording import Recording
 
 UNIT_FACTOR = 3.0
 """A voltage or an effort beyond this many times that of the vehicle is in another unit, as is a part as small."""
-SIGN = "regenerated current counts as negative"
-NO_SIGN = "the current is never negative: nothing went back, or the recorder leaves out its sign"
 
 
 def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Recording:
@@ -52,7 +50,9 @@ def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Rec
 
 def sign_words(current_a: FloatArray) -> str:
     """Return how the sign of a line current counts, or that it has none, as the end of a sentence."""
-    return SIGN if float(np.nanmin(current_a, initial=0.0)) < 0 else NO_SIGN
+    if float(np.nanmin(current_a, initial=0.0)) < 0:
+        return "regenerated current counts as negative"
+    return "the current is never negative: nothing went back, or the recorder leaves out its sign"
 
 
 def _require_unit(name: str, voltage_v: FloatArray, of_vehicle_v: float | None) -> None:
