@@ -2,7 +2,7 @@
 
 It checks whether motion, efforts, powers, times and sums of a run are consistent, and keep every limit of scenario,
 vehicle and motors. Each rule has its largest deviation, as a share of a stated scale, and its tolerance. The equations
-and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `powers`,
+and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`,
 `account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter verifies
 that none of it imports a drive, a solver or the energy balance that it checks.
 
@@ -16,11 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from railjoule.core.check.account import account_findings
+from railjoule.core.check.account import account_findings, power_findings
 from railjoule.core.check.case import Case
 from railjoule.core.check.efforts import effort_findings, switching_findings
 from railjoule.core.check.motion import find_disorder, motion_findings
-from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
 from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked
 from railjoule.core.scenario import Scenario

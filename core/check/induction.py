@@ -24,8 +24,7 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
-from railjoule.core.check.polynomials import product, real_roots, values
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses, product, real_roots, values
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.units import H_PER_MH
 

@@ -29,8 +29,7 @@ from functools import lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
-from railjoule.core.check.polynomials import product, real_roots
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses, product, real_roots
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
 

@@ -43,7 +43,7 @@ def imported_vehicle(table: dict[str, Any], notes: Notes) -> ImportedVehicle:
     """
     if "drive" not in table:
         table["drive"] = {"model": "constant_efficiency", "traction_efficiency": 1.0}
-        notes.add("assumption", "it tells no losses: a drive without losses.")
+        notes.add("assumption", "no losses are given: a drive without losses.")
     table = short_numbers(table)
     vehicle = checked_vehicle(table, notes.source)
     findings = (*notes.findings, *questions(vehicle, notes.source))

@@ -32,7 +32,7 @@ class Section(Part):
     # above the 575 km/h that trains on wheels have reached
     speed_limit_kmh: Number | None = Field(None, gt=0, le=600, description="Speed limit [km/h].")
     curve_radius_m: Number = Field(0.0, ge=0, le=1e6, description="Radius of the curve [m]; 0 means straight.")
-    # it multiplies the part quadratic in speed alone, as the air in a tunnel changes nothing about bearings
+    # it multiplies only the part quadratic in speed, as the air in a tunnel changes nothing about bearings
     tunnel_factor: Number = Field(1.0, ge=0.1, le=20, description="Factor on quadratic resistance; 1 means no tunnel.")
 
 
@@ -59,7 +59,7 @@ class NeutralSection(Stretch):
     """A piece of line without traction power.
 
     As long as the front of the train is in it, where the pantograph is taken to be, the drive neither pulls nor brakes;
-    friction brakes work. The auxiliaries go on, and count the same: what feeds them meanwhile is charged again.
+    friction brakes work. The auxiliaries stay on, and count the same: their battery is charged again later.
     """
 
 
@@ -226,7 +226,7 @@ class Line(PresetPart):
             raise ValueError(f"{key} = {place_m:g} lies beyond the end of the line at {self.length_m:g} m")
 
     def _require_no_times(self, station: Station | None, keys: tuple[str, ...], reason: str) -> None:
-        """Raise ValueError if a station at an end of the line has a time that counts between the ends alone."""
+        """Raise ValueError if a station at an end of the line has a time that only counts between the ends."""
         key = next((key for key in keys if getattr(station, key, None)), None)
         if station is not None and key is not None:
             # by place: two stations may be equal in all else

@@ -52,7 +52,7 @@ def test_a_rolling_stock_becomes_a_vehicle():
     )
     assert told(vehicle, "assumption") == [
         "osrd-stock.json: it tells of no electric brake: friction brakes for 0.6 m/s2, and nothing goes back.",
-        "osrd-stock.json: it tells no losses: a drive without losses.",
+        "osrd-stock.json: no losses are given: a drive without losses.",
     ]
     assert told(vehicle, "question") == []
 
