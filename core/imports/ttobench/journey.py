@@ -1,7 +1,7 @@
 """A journey of TTOBench: where a train stops, how long, and when it must be where."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -38,14 +38,12 @@ class Journey(Foreign):
 
 @dataclass(frozen=True)
 class Service(FromFile):
-    """A journey as a run: its ends [m], the stops between, the maximum time [s], and the speeds at the ends [km/h]."""
+    """A journey as a run: its ends [m], the stops between, and its time and end speeds as in a scenario's timetable."""
 
     begin_m: float
     end_m: float
     stops: tuple[Stop, ...]
-    travel_time_s: float | None
-    entry_kmh: float
-    exit_kmh: float
+    timetable: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -95,16 +93,17 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
         if arrival is not departure:
             demands.append(_range("the departure", departure.earliest_s, departure.latest_s, "s"))
         _note_demands(demands, arrival, notes)
-    travel_time = _travel_time(leaves, points[-1], notes)
-    entry, leaving = _speed(points[0], "start", notes), _speed(points[-1], "end", notes)
+    timetable = {
+        "travel_time_s": _travel_time(leaves, points[-1], notes),
+        "entry_speed_kmh": _speed(points[0], "start", notes),
+        "exit_speed_kmh": _speed(points[-1], "end", notes),
+    }
     return Service(
         source.name,
         points[0].position_m,
         points[-1].position_m,
         stops_between,
-        travel_time,
-        entry,
-        leaving,
+        {key: value for key, value in timetable.items() if value},
         findings=tuple(notes.findings),
         unused=tuple(notes.unused),
     )

@@ -264,9 +264,7 @@ def read_ttobench(
     timetable: dict[str, Any] = {}
     if service is not None:
         findings, unused = [*findings, *service.findings], [*unused, *service.unused]
-        speeds = {"entry_speed_kmh": service.entry_kmh, "exit_speed_kmh": service.exit_kmh}
-        timetable = {key: speed for key, speed in speeds.items() if speed}
-        travel_time_s = service.travel_time_s if travel_time_s is None else travel_time_s
+        timetable |= service.timetable
     if travel_time_s is not None:
         timetable["travel_time_s"] = travel_time_s
     if vehicle.vehicle.resistance.curve_constant_m_n_per_kn == 0 and any(s.curve_radius_m for s in line.line.sections):
@@ -276,5 +274,11 @@ def read_ttobench(
     document: dict[str, Any] = {"title": f"{line.line.name}, {vehicle.vehicle.name}"[:200]}
     document |= {**vehicle.document, **line.document, **({"timetable": timetable} if timetable else {})}
     return ImportedScenario(
-        sources, document, line.line, vehicle.vehicle, travel_time_s, findings=tuple(findings), unused=tuple(unused)
+        sources,
+        document,
+        line.line,
+        vehicle.vehicle,
+        timetable.get("travel_time_s"),
+        findings=tuple(findings),
+        unused=tuple(unused),
     )
