@@ -89,10 +89,11 @@ class RailVehicle(Foreign):
 
 
 def _flat(table: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
-    """Return a table without tables in it; their keys follow a dot."""
+    """Return a table without tables in it, whose keys follow a dot, and without empty entries."""
     flat: dict[str, Any] = {}
     for key, value in table.items():
-        flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+        if value is not None:
+            flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
     return flat
 
 
