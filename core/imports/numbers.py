@@ -108,8 +108,7 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
             # 1.234 may be a thousand and more, 0.234 may not; nor may what no comma for decimals stands beside
             is_doubtful = THOUSANDS.search(cell) and not (points and separator == ",")
             (in_doubt if is_doubtful else sure).setdefault("." if points else ",", (number, cell))
-    mixed = sure if len(sure) == 2 else in_doubt if len(in_doubt) == 2 and not sure else None
-    if mixed is not None:
+    if (mixed := sure if len(sure) == 2 else in_doubt if len(in_doubt) == 2 and not sure else None) is not None:
         (row, cell), (other_row, other) = mixed["."], mixed[","]
         raise ScenarioError(
             f"{source}: row {row} has {show(cell)} and row {other_row} {show(other)}; name the decimal sign, . or ,."

@@ -153,8 +153,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     if not np.any(table.values["speed"] > 0):
         raise RecordingError(f"{source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
     table = _without_repeats(table, notes)
-    has_time = "time" in table.values
-    if has_time:
+    if has_time := "time" in table.values:
         require_rising(table, "time", may_stay=False)
     if "position" in table.values:
         if not has_time:

@@ -133,14 +133,20 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
         if column.is_assumed and column.unit != CLOCK and column.quantity != "brake"
     ]
     notes += [f"{column.header} is taken as that of the line." for column in columns if has_plain_name(column)]
-    unused = [name for name in cells.header if name not in [column.header for column in columns]]
-    if unused:
+    if unused := [name for name in cells.header if name not in [column.header for column in columns]]:
         notes.append(f"Columns not used: {shown_list(unused)}.")
     decimals = _decimals([one for one in columns if one.unit != CLOCK], cells)
     values = {one.quantity: _column(one, cells, decimals.get(one.quantity, ".")) for one in columns}
     table = Table(source, {one.quantity: one for one in columns}, values, tuple(number for number, _ in cells.rows), ())
     table = _whole_rows(table, notes)
-    return replace(table, values=_past_midnight(table, notes), notes=tuple(notes))
+    if table.columns.get("time", Column("", "", "")).unit == CLOCK and len(table.rows):
+        time = table.values["time"]
+        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
+        # a date makes times of its own, which never fall by half a day
+        if midnights[-1]:
+            notes.append("The clock passes midnight.")
+            table = replace(table, values={**table.values, "time": time + S_PER_DAY * midnights})
+    return replace(table, notes=tuple(notes))
 
 
 def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
@@ -191,31 +197,16 @@ def _whole_rows(table: Table, notes: list[str]) -> Table:
     """Return a table without rows that lack a time, a position or a speed, and tell what else is empty."""
     needed = [quantity for quantity in NEVER_EMPTY if quantity in table.values]
     whole = np.all([np.isfinite(table.values[quantity]) for quantity in needed], axis=0)
-    empty = np.flatnonzero(~whole).tolist()
-    if empty:
+    if empty := np.flatnonzero(~whole).tolist():
         names = " or ".join(table.columns[quantity].header for quantity in needed)
         rows = shown_list([str(table.rows[row]) for row in empty], MAX_ROWS_SHOWN)
         are = "is" if len(empty) == 1 else "are"
         notes.append(f"{counted(len(empty), 'row')} without {names} {are} left out: {rows}.")
         table = table.at(whole)
     for quantity, values in table.values.items():
-        missing = int(np.isnan(values).sum())
-        if missing:
+        if missing := int(np.isnan(values).sum()):
             notes.append(f"{table.columns[quantity].header} has no value in {missing} of {len(values)} rows.")
     return table
-
-
-def _past_midnight(table: Table, notes: list[str]) -> dict[str, FloatArray]:
-    """Return the values with times of day that rise beyond midnight."""
-    values = dict(table.values)
-    if len(table.rows) and table.columns.get("time", Column("", "", "")).unit == CLOCK:
-        time = values["time"]
-        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
-        # a date makes times of its own, which never fall by half a day
-        if midnights[-1]:
-            notes.append("The clock passes midnight.")
-            values["time"] = time + S_PER_DAY * midnights
-    return values
 
 
 def _clock(text: str) -> float:
@@ -225,12 +216,11 @@ def _clock(text: str) -> float:
     if match := DAY_FIRST.fullmatch(text):
         first, second, year, _, *clock = match.groups()
         # only differences count: which of the two is the day only matters at midnight
-        day, month = (int(first), int(second)) if int(second) <= 12 else (int(second), int(first))
-        with suppress(ValueError):
-            return (datetime(int(year), month, day, tzinfo=UTC) - EPOCH).total_seconds() + _seconds(*clock)
+        day, month = (first, second) if int(second) <= 12 else (second, first)
+        return _clock(f"{year}-{month:>02}-{day:>02}") + _seconds(*clock)
     with suppress(ValueError, OverflowError):
         moment = datetime.fromisoformat(text)
-        # only differences count, and every zone has the same
+        # every zone has the same differences
         return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
     raise ValueError("must be a time, as 10:15:30, 10:15:30 PM or 2026-01-31T10:15:30")
 
@@ -270,8 +260,7 @@ def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
 
 def impossible_change_words(table: Table, time_s: FloatArray) -> str:
     """Describe a change of speed that no train can do, as the begin of a sentence; empty if there is none."""
-    found = impossible_change(time_s, table.values["speed"])
-    if found is None:
+    if (found := impossible_change(time_s, table.values["speed"])) is None:
         return ""
     row, later = found
     return (

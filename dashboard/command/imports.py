@@ -203,10 +203,10 @@ def measured_run(options: argparse.Namespace) -> None:
     source = SourceFile.read(options.file, options.encoding)
     path = table_file(str(target), "-o")  # says what parquet needs
     run = run_table(recorder_cells(source, form, options.sheet), form)
-    write_table(pandas.DataFrame(run.to_columns()), path, index=False)
+    write_table(pandas.DataFrame(run.columns), path, index=False)
     _print_on_stderr(f"{run.source}: {note}" for note in run.notes)
-    length, time = run.position_m[-1] - run.position_m[0], run.time_s[-1] - run.time_s[0]
-    rows = counted(len(run.time_s), "row")
+    length, time = (float(run.columns[name][-1]) for name in ("position_m", "time_s"))
+    rows = counted(len(run.columns["time_s"]), "row")
     print(f"{target}: {terminal.distance(length)} km in {terminal.time(time)} s, {rows}")
 
 
