@@ -101,7 +101,8 @@ def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, spee
         if kind == LOSS_POLYNOMIAL:
             power = geared.polynomial_loss(parameters, torque, rads)
         elif kind == LOSS_MAP:
-            power = loss_map.map_loss(parameters, braking, torque, rads)
+            table = int(parameters[loss_map.BRAKING_TABLE]) if braking else loss_map.DRIVING_TABLE
+            power = loss_map.loss_at(parameters, table, torque, rads)
         else:
             # without this, a kind without a branch here would have no losses
             raise ValueError("no kernel of drives knows this kind")

@@ -174,13 +174,6 @@ def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray
 
 
 @njit(cache=True)
-def map_loss(parameters: FloatArray, braking: bool, torque: float, rads: float) -> PowerTerms:
-    """Return the loss of one motor that is on, with its inverter [W], and its derivatives by torque and speed."""
-    table = int(parameters[BRAKING_TABLE]) if braking else DRIVING_TABLE
-    return loss_at(parameters, table, torque, rads)
-
-
-@njit(cache=True)
 def piece_in(row: FloatArray, first: int, count: int, value: float) -> int:
     """Return the index of the piece of a rising sequence in which a value lies; the end pieces have no end."""
     low, high = 0, count - 1

@@ -16,15 +16,15 @@ MIN_STRENGTH_SHARE = 1e-6
 
 
 @njit(cache=True)
-def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: float) -> float:
-    """Return the largest Ix up to the rated one with which the voltage carries a torque [A].
-
-    The one of the pull-out torque if no flux carries it.
+def flux_current(machine: Machine, min_loss: bool, torque_nm: float, rotor_rads: float) -> float:
+    """Return the Ix that a torque gets [A].
 
     Parameters
     ----------
     machine : Machine
-        Its numbers.
+    min_loss : bool
+        Whether it is the one with which the torque loses least; else the largest one up to the rated one with which the
+        voltage carries the torque, or that of the pull-out torque if none does.
     torque_nm : float
         Electromagnetic torque, negative where it generates [N m].
     rotor_rads : float
@@ -33,6 +33,9 @@ def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: 
     sign = 1.0 if torque_nm >= 0.0 else -1.0
     rated2 = machine.magnetising_current_a * machine.magnetising_current_a
     strength = max(sign * torque_nm / torque_constant(machine), MIN_STRENGTH_SHARE * rated2)
+    if min_loss:
+        best, _ = best_ratio(machine, sign, strength, rotor_rads)
+        return min(math.sqrt(strength / best), machine.magnetising_current_a)
     quartic = voltage_quartic(machine, sign, rotor_rads)
     # at rated flux q = kappa / Imu^2, which the voltage carries where kappa D <= U_m^2 q, as `voltage` derives
     ratio, voltage2 = strength / rated2, machine.max_phase_voltage_v * machine.max_phase_voltage_v
@@ -46,33 +49,10 @@ def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: 
     return math.sqrt(strength / bound)
 
 
-@njit(cache=True)
-def flux_current_of_least_loss(machine: Machine, torque_nm: float, rotor_rads: float) -> float:
-    """Return the Ix with which a torque loses least [A]; arguments as in `flux_current_within_voltage`."""
-    sign = 1.0 if torque_nm >= 0.0 else -1.0
-    rated2 = machine.magnetising_current_a * machine.magnetising_current_a
-    strength = max(sign * torque_nm / torque_constant(machine), MIN_STRENGTH_SHARE * rated2)
-    ratio, _ = best_ratio(machine, sign, strength, rotor_rads)
-    return min(math.sqrt(strength / ratio), machine.magnetising_current_a)
-
-
 @njit(cache=True, nogil=True)
 def fill_flux_currents(
     machine: Machine, min_loss: bool, torque_nm: FloatArray, rotor_rads: FloatArray, flux_current_a: FloatArray
 ) -> None:
-    """Fill the currents Ix [A] for torques [N m] at frequencies [rad/s]; all of shape (n,).
-
-    Parameters
-    ----------
-    machine : Machine
-        Its numbers.
-    min_loss : bool
-        Whether they are to lose least; else they are the largest that the voltage allows.
-    torque_nm, rotor_rads, flux_current_a : array of shape (n,)
-        Torques, electrical frequencies of the rotor, and the currents.
-    """
+    """Fill the currents Ix [A] of `flux_current` for torques [N m] at frequencies [rad/s]; all of shape (n,)."""
     for i in range(torque_nm.shape[0]):
-        if min_loss:
-            flux_current_a[i] = flux_current_of_least_loss(machine, torque_nm[i], rotor_rads[i])
-        else:
-            flux_current_a[i] = flux_current_within_voltage(machine, torque_nm[i], rotor_rads[i])
+        flux_current_a[i] = flux_current(machine, min_loss, torque_nm[i], rotor_rads[i])

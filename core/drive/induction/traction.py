@@ -11,7 +11,6 @@ the stator's terminals and at the shaft. Source: Slemon 1989, "Modelling of indu
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.geared import turns_per_metre
 from railjoule.core.drive.induction.drive import machine_from
-from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
+from railjoule.core.drive.induction.flux import flux_current
 from railjoule.core.drive.induction.limits import max_torque_nm
 from railjoule.core.drive.induction.machine import Machine, phase_voltage_v, steady_state, torque_constant
 from railjoule.core.errors import ScenarioError
@@ -39,14 +38,15 @@ class InverseGammaCircuit(NamedTuple):
     leakage_inductance_h: float
 
 
-@dataclass(frozen=True)
-class TractionMachines:
+class TractionMachines(NamedTuple):
     """Equal induction machines that turn the wheels of a train.
 
     Parameters
     ----------
     machine : Machine
         One of them.
+    circuit : InverseGammaCircuit
+        The same machine with all leakage on the stator's side.
     motors : int
         Their number.
     turns_per_metre : float
@@ -60,30 +60,12 @@ class TractionMachines:
     """
 
     machine: Machine
+    circuit: InverseGammaCircuit
     motors: int
     turns_per_metre: float
     gear_efficiency: float
     driving_current_a: float
     braking_current_a: float
-
-    @property
-    def circuit(self) -> InverseGammaCircuit:
-        """Return the inverse-gamma circuit of one machine."""
-        machine = self.machine
-        k = machine.mutual_inductance_h / machine.rotor_inductance_h
-        magnetising_h = k * machine.mutual_inductance_h
-        return InverseGammaCircuit(
-            stator_resistance_ohm=machine.stator_resistance_ohm,
-            rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
-            magnetising_inductance_h=magnetising_h,
-            leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
-        )
-
-    @property
-    def rated_flux_vs(self) -> float:
-        """Return the rated flux linkage of the rotor in the T circuit [V s]."""
-        # in steady state the rotor's flux is M Ix: its current has no part along x
-        return self.machine.mutual_inductance_h * self.machine.magnetising_current_a
 
     def max_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
         """Return the greatest torque of the shaft, without sign, within current and voltage [N m].
@@ -146,7 +128,16 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     else:
         gear, parameters = 1.0, drive.machine
         currents = drive.machine.max_current_a, drive.machine.max_current_a
-    return TractionMachines(machine_from(parameters), drive.motors, turns_per_metre(drive), gear, *currents)
+    machine = machine_from(parameters)
+    k = machine.mutual_inductance_h / machine.rotor_inductance_h
+    magnetising_h = k * machine.mutual_inductance_h
+    circuit = InverseGammaCircuit(
+        stator_resistance_ohm=machine.stator_resistance_ohm,
+        rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
+        magnetising_inductance_h=magnetising_h,
+        leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
+    )
+    return TractionMachines(machine, circuit, drive.motors, turns_per_metre(drive), gear, *currents)
 
 
 @njit(cache=True, nogil=True)
@@ -165,14 +156,11 @@ def fill_efficiency(
         for i in range(torque_nm.shape[0]):
             # friction takes its torque from the shaft in both directions
             torque = torque_nm[i] + machine.mechanical_loss_torque_nm
-            if min_loss:
-                flux_current = flux_current_of_least_loss(machine, torque, rotor_rads)
-            else:
-                flux_current = flux_current_within_voltage(machine, torque, rotor_rads)
-            torque_current = torque / (torque_constant(machine) * flux_current)
-            state = steady_state(machine, flux_current, torque_current, rotor_rads)
+            flux_current_a = flux_current(machine, min_loss, torque, rotor_rads)
+            torque_current = torque / (torque_constant(machine) * flux_current_a)
+            state = steady_state(machine, flux_current_a, torque_current, rotor_rads)
             max_a = driving_current_a if torque >= 0.0 else braking_current_a
-            current, voltage = math.hypot(flux_current, torque_current) / max_a, phase_voltage_v(state)
+            current, voltage = math.hypot(flux_current_a, torque_current) / max_a, phase_voltage_v(state)
             shaft = torque_nm[i] * speed_rads[j]
             if max(current, voltage / machine.max_phase_voltage_v) > 1.0 + ALLOWED_EXCESS:
                 efficiency[i, j] = np.nan

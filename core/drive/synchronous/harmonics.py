@@ -13,10 +13,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.constants import mu_0
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.units import VACUUM_PERMEABILITY_H_PER_M
 
 # Truncation of the series, by the shipped motor: eight multiples of the carrier would add 3 to 16 % to the harmonic
 # loss, most at the lowest voltage; twice the side bands 0.06 %, four times the angles or depths 0.1 %.
@@ -60,7 +60,7 @@ class Winding(NamedTuple):
 @njit(cache=True)
 def resistance_at(winding: Winding, rads: float) -> float:
     """Return the resistance of a phase [ohm] at an angular frequency [rad/s], by Dowell's formula."""
-    depth = math.sqrt(2.0 * COPPER_RESISTIVITY_OHM_M / (max(rads, 1e-9) * mu_0))
+    depth = math.sqrt(2.0 * COPPER_RESISTIVITY_OHM_M / (max(rads, 1e-9) * VACUUM_PERMEABILITY_H_PER_M))
     x = winding.conductor_height_m / depth
     if x < THIN:
         return winding.stator_resistance_ohm

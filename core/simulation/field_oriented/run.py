@@ -70,8 +70,8 @@ class FieldOrientedRun:
     parts_j : dict of str to float
         Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, and the energy stored in the
         magnetic fields, which is no loss [J].
-    max_tracking_error_m, final_error_m : float
-        Largest distance from the planned position, and position beyond its end at the end of the run [m].
+    max_tracking_error_m, stop_error_m : float
+        Largest distance from the planned position, and position of the stop beyond the end of the plan [m].
     max_current_a : float
         Largest current of a phase [A].
     max_torque_current_a, min_torque_current_a : float
@@ -106,7 +106,7 @@ class FieldOrientedRun:
     magnetising_so_far_j: FloatArray
     parts_j: dict[str, float]
     max_tracking_error_m: float
-    final_error_m: float
+    stop_error_m: float
     max_current_a: float
     max_torque_current_a: float
     min_torque_current_a: float
@@ -134,11 +134,6 @@ class FieldOrientedRun:
     def paper_energy_kwh(self) -> float:
         """Energy as in the paper, which leaves out the magnetising loss [kWh]."""
         return self.energy_by_input_power_kwh - self.magnetising_loss_kwh
-
-    @property
-    def stop_error_m(self) -> float:
-        """Position of the stop beyond the end of the plan [m]."""
-        return self.final_error_m
 
     @property
     def overconsumption(self) -> float:
