@@ -22,7 +22,7 @@ from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, braking_
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.line import Station
 from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, leg_of
-from railjoule.core.simulation.train_state import State, change_line, nodes_ahead, rest_scenario, without_windows
+from railjoule.core.simulation.train_state import State, change_line, nodes_ahead, rest_scenario
 from railjoule.core.strategies import run_strategy
 from railjoule.core.task import prepare_task
 
@@ -82,11 +82,13 @@ class Replanner:
         try:
             return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
         except ScenarioError:
-            free = without_windows(state.scenario)
-            if free.line == state.scenario.line:
+            line, no_window = state.scenario.line, {"earliest_arrival_s": None, "latest_arrival_s": None}
+            stations = tuple(station.model_copy(update=no_window) for station in line.stations)
+            if stations == line.stations:
                 raise
             # a window of arrival that this train cannot keep any more
             self.notes.append("The windows of arrival ahead cannot be kept any more, and are given up.")
+            free = change_line(state.scenario, stations=stations)
             return replace(self.plan(replace(state, scenario=free)), scenario=state.scenario)
         except TimetableError:
             self.is_fastest = True

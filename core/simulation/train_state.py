@@ -93,12 +93,6 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
     return change_line(state.scenario, stations=ahead).model_copy(update={"timetable": timetable})
 
 
-def without_windows(scenario: Scenario) -> Scenario:
-    """Return a scenario whose stations have no windows of arrival."""
-    free = {"earliest_arrival_s": None, "latest_arrival_s": None}
-    return change_line(scenario, stations=tuple(station.model_copy(update=free) for station in scenario.line.stations))
-
-
 def _from_now(station: Station, time_s: float, is_end: bool) -> Station:
     """Return a station whose window of arrival counts from a time of the run [s]."""
     earliest, latest = station.earliest_arrival_s, station.latest_arrival_s

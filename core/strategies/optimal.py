@@ -9,6 +9,7 @@ from dataclasses import replace
 from railjoule.core.bounds import Solution, certify, minimise
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
+from railjoule.core.lower_bound import Reference, Window
 from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
@@ -23,7 +24,7 @@ from railjoule.core.strategies.line_parts import joined
 from railjoule.core.strategies.switching import DecidedRun, best_switched
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Reference, Trajectory, Window, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 
 SAID_SHARE = 1e-4
 """To which the saving of free switching is rounded up, as a share of the energy."""

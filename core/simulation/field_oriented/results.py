@@ -136,7 +136,6 @@ def make_run(
         magnetising_so_far_j=frozen_array(states[loop.MAGNETISING]),
         parts_j={name: float(energy[-1]) for name, energy in parts.items()},
         max_tracking_error_m=float(max(greatest[loop.LAG_REACHED], -least[loop.LAG_REACHED])),
-        stop_error_m=float(states[loop.POSITION, -1]) - end_m,
         max_current_a=float(greatest[loop.CURRENT_REACHED]),
         max_torque_current_a=float(greatest[loop.TORQUE_CURRENT_REACHED]),
         min_torque_current_a=float(least[loop.TORQUE_CURRENT_REACHED]),

@@ -19,6 +19,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
 from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario
@@ -28,7 +29,7 @@ from railjoule.core.studies.sweep.fields import Patch
 from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
-from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_balance, supply_energies_j
+from railjoule.core.trajectory import Trajectory, durations_s, energy_balance, supply_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 # A field that is missing here only costs time, as its part of a meshed line is rebuilt.

@@ -5,10 +5,10 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.continuous_bound.refinement import STEEPEST, refined_optimum
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.physics.between_nodes import follow_between_nodes
 from railjoule.core.strategies import prepare_task
-from railjoule.core.trajectory import LATE_SHARE
 
 SHIPPED = ("liashenko-0", "liashenko-i", "liashenko-ii", "liashenko-iii", "metro-with-limit", "ftorek-300s")
 """Those whose drive has no idle losses."""
