@@ -52,7 +52,9 @@ class TrainExtent(NamedTuple):
             return np.zeros(1)
         if self.gradient_at == "middle":
             return np.array([0.5 * self.length_m])
-        return None if self.car_count is None else car_offsets_m(self.length_m, self.car_count)
+        # the centres of equal cars
+        cars = self.car_count
+        return None if cars is None else (np.arange(cars) + 0.5) * self.length_m / cars
 
     @property
     def crossing_points(self) -> int:
@@ -226,11 +228,6 @@ def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, len
 
     over_train = (twice_integrated(position_m) - twice_integrated(position_m - length_m)) / length_m
     return np.diff(over_train) / np.diff(position_m)
-
-
-def car_offsets_m(length_m: float, car_count: int) -> FloatArray:
-    """Return how far the centres of equal cars lie behind the front of a train of `length_m` [m]; shape (cars,)."""
-    return (np.arange(car_count) + 0.5) * length_m / car_count
 
 
 def car_crossings(line: Line, offsets_m: FloatArray) -> FloatArray:

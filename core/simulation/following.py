@@ -186,19 +186,15 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:
     """Raise ScenarioError where a position error or a sensor lies beyond the distance between two stops."""
-    shortest = min(np.diff([0.0, *stops_of(scenario)]))
-    error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
-    if abs(error) >= shortest:
-        raise ScenarioError(
-            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest distance between two stops, "
-            f"{shortest:g} m."
-        )
-    for name in ("reset_sensor_m", "stop_sensor_m"):
-        place = getattr(options, name)
-        if options.target_braking and place is not None and place >= shortest:
+    shortest, options = min(np.diff([0.0, *stops_of(scenario)])), scenario.simulation
+    lengths = {"disturbance.coordinate_error_m": scenario.disturbance.coordinate_error_m}
+    if options.target_braking:
+        lengths["simulation.reset_sensor_m"] = options.reset_sensor_m or 0.0
+        lengths["simulation.stop_sensor_m"] = options.stop_sensor_m or 0.0
+    for key, length in lengths.items():
+        if abs(length) >= shortest:
             raise ScenarioError(
-                f"simulation.{name} = {place:g} must be less than the shortest distance between two stops, "
-                f"{shortest:g} m."
+                f"{key} = {length:g} must be less than the shortest distance between two stops, {shortest:g} m."
             )
 
 

@@ -129,15 +129,19 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
         gear, parameters = 1.0, drive.machine
         currents = drive.machine.max_current_a, drive.machine.max_current_a
     machine = machine_from(parameters)
+    return TractionMachines(machine, inverse_gamma(machine), drive.motors, turns_per_metre(drive), gear, *currents)
+
+
+def inverse_gamma(machine: Machine) -> InverseGammaCircuit:
+    """Return the circuit of a machine with all leakage on the stator's side."""
     k = machine.mutual_inductance_h / machine.rotor_inductance_h
     magnetising_h = k * machine.mutual_inductance_h
-    circuit = InverseGammaCircuit(
+    return InverseGammaCircuit(
         stator_resistance_ohm=machine.stator_resistance_ohm,
         rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
         magnetising_inductance_h=magnetising_h,
         leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
     )
-    return TractionMachines(machine, circuit, drive.motors, turns_per_metre(drive), gear, *currents)
 
 
 @njit(cache=True, nogil=True)

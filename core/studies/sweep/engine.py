@@ -21,7 +21,7 @@ from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
-from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.physics.account import CellAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
@@ -104,7 +104,7 @@ class MeshOptimum:
     task : Task
     optimum : Optimum
         The point and its multipliers.
-    cells : RunAccount
+    cells : CellAccount
         The accounts of its cells.
     net_j : float
         Net energy at the line [J].
@@ -114,7 +114,7 @@ class MeshOptimum:
 
     task: Task
     optimum: Optimum
-    cells: RunAccount
+    cells: CellAccount
     net_j: float
     travel_time_s: float
 
