@@ -10,8 +10,7 @@ from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array, midpoints
 from railjoule.core.check import CheckResult
 from railjoule.core.citation import bibtex
-from railjoule.core.energy import Energy, share_above
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import Energy, share_above, supply_current_a
 from railjoule.core.lower_bound import ON_TIME_S, Bound, Reference, Window
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line

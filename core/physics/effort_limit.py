@@ -14,7 +14,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
-from railjoule.core.hermite import HERMITE
+from railjoule.core.drive.loss_map import HERMITE
 
 # pieces are looked up in steps of this length: short enough to leave one or two to search, and few enough for a cache
 TABLE_STEP_MS = 0.125

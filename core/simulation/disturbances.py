@@ -34,9 +34,10 @@ from railjoule.core.scenario.disturbance import (
 )
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, notes_on, voltage_notes
 from railjoule.core.simulation.leg import SAME_PLACE_M, DrivenPlan, Leg, append_leg, join_legs, leg_of
-from railjoule.core.simulation.replanning import Replanner, dwell_at_end
-from railjoule.core.simulation.train_state import (
+from railjoule.core.simulation.replanning import (
+    Replanner,
     State,
+    dwell_at_end,
     event_words,
     knowing,
     nodes_ahead,

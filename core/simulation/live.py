@@ -32,13 +32,14 @@ from railjoule.core.simulation.disturbances import (
     unknowing_scenario,
 )
 from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
-from railjoule.core.simulation.replanning import plan_quickly, strategy_for_all_lines
-from railjoule.core.simulation.train_state import (
+from railjoule.core.simulation.replanning import (
     State,
     event_words,
     knowing,
     nodes_ahead,
+    plan_quickly,
     require_events_on_the_line,
+    strategy_for_all_lines,
 )
 from railjoule.core.trajectory import Trajectory
 

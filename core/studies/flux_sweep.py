@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.drive.induction.flux import flux_current
 from railjoule.core.drive.induction.machine import SteadyState, phase_voltage_v, steady_state, torque_constant
-from railjoule.core.drive.induction.traction import traction_machines
+from railjoule.core.drive.induction.traction import flux_current, traction_machines
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
 from railjoule.core.scenario import Vehicle

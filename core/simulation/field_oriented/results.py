@@ -8,8 +8,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.drive.line_power import line_power, resistor_power
-from railjoule.core.energy import Energy
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import Energy, supply_current_a
 from railjoule.core.motion import MeshedLine
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction

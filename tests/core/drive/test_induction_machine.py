@@ -9,9 +9,8 @@ from motulator.drive.model import InductionMachine as Peer
 from motulator.drive.utils import InductionMachineInvGammaPars, InductionMachinePars
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.drive.induction.flux import flux_current
 from railjoule.core.drive.induction.machine import phase_voltage_v, steady_state, torque_constant
-from railjoule.core.drive.induction.traction import inverse_gamma, traction_machines
+from railjoule.core.drive.induction.traction import flux_current, inverse_gamma, traction_machines
 
 FTOREK = traction_machines(load_scenario("ftorek-300s").vehicle.drive)
 TRAM = traction_machines(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
