@@ -41,9 +41,7 @@ WIDENING = 2e-8
 """Limits are widened by this share: what the product calls a run keeps them to 1e-8."""
 NARROW_MS = 1e-9
 """Over so short a range a line needs no slope."""
-COLUMNS = 5
-"""Of a table: where a piece begins, and the coefficients of 1, x, x^2, x^3 from there."""
-NO_TABLE, NO_PIECES = np.zeros((0, COLUMNS)), np.zeros(0, dtype=np.int64)
+NO_TABLE, NO_PIECES = np.zeros((0, 5)), np.zeros(0, dtype=np.int64)
 
 
 class EffortLimit(NamedTuple):

@@ -199,10 +199,6 @@ class LiveRun:
         node = self.stand_node(event)
         return float(self.plan.arrival_s[node] + self.plan.dwell_s[node])
 
-    def has_left(self, event: LiveEvent) -> bool:
-        """Return whether the train has stood for a stop and left."""
-        return not event.is_open and self.elapsed_s > self.departure_s(event)
-
 
 def start_run(scenario: Scenario) -> LiveRun:
     """Return a run before its start, on time and aware of its place; errors as `undisturbed_plan`."""
@@ -302,24 +298,21 @@ def with_events(scenario: Scenario, events: Iterable[Event]) -> Scenario:
 
 def _require_ahead(run: LiveRun, event: Event) -> None:
     """Refuse a stop or a limit that lies behind the train."""
-    here = run.position_m
+    here, state = run.position_m, run.state
     if isinstance(event, UnplannedStop) and event.position_m <= here + SAME_PLACE_M:
+        nodes = nodes_ahead(state, state.scenario.line.length_m)
+        mesh = build_meshed_line(state.scenario, state.speed_ms, position_m=nodes)
+        _, distance = brake_fully(mesh.data, state.speed2)
+        # brakes that do not stop the train leave the end of the line
+        nearest = float(nodes[-1]) if np.isnan(distance) else here + distance
         raise ScenarioError(
             f"A red signal at {event.position_m:g} m is not ahead of the train at {here:.0f} m. The nearest place "
-            f"where the train can stop is {here + _braking_distance_m(run):.0f} m."
+            f"where the train can stop is {nearest:.0f} m."
         )
     if isinstance(event, UnplannedLimit) and event.to_m <= here + SAME_PLACE_M:
         raise ScenarioError(
             f"A limit that ends at {event.to_m:g} m is not ahead of the train at {here:.0f} m. Choose an end beyond it."
         )
-
-
-def _braking_distance_m(run: LiveRun) -> float:
-    """Return the way to a stand under full braking [m], up to the end of the line at most."""
-    state = run.state
-    nodes = nodes_ahead(state, state.scenario.line.length_m)
-    _, distance = brake_fully(build_meshed_line(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
-    return float(nodes[-1] - nodes[0]) if np.isnan(distance) else distance
 
 
 def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> LiveRun:
@@ -329,7 +322,7 @@ def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> L
     cut = replace(cut, dwell_s=np.append(cut.dwell_s[:-1], max(cut.dwell_s[-1] - run.dwell_left_s, 0.0)))
     events = tuple(
         replace(one, stood_at_m=float(run.plan.position_m[run.stand_node(one)]))
-        if one in run.events and one.is_ahead and run.has_left(one)
+        if one in run.events and one.is_ahead and not one.is_open and run.elapsed_s > run.departure_s(one)
         else one
         for one in events
     )

@@ -191,7 +191,9 @@ def run_plant(
         widen(extremes, LAG_REACHED, lag)
         # a nanosecond of rounding, in a clock that is the sum of all steps
         is_over = now[CLOCK] >= reference_end_s - 1e-9
-        stands = is_over and has_stopped(now[POSITION], now[SPEED], end_m)
+        is_there = abs(now[SPEED]) < STANDING_MS and abs(now[POSITION] - end_m) < STANDING_M
+        # at its end, or beyond it, where it overran
+        stands = is_over and (is_there or (now[SPEED] <= 0.0 and now[POSITION] >= end_m))
         full = kept == states.shape[0] - 1
         if step % steps_per_sample == 0 or stands or full:
             states[kept], outputs[kept] = now, output
@@ -278,10 +280,3 @@ def widen(extremes: FloatArray, column: int, value: float) -> None:
     """Include a value in a column of least and greatest values."""
     extremes[0, column] = min(extremes[0, column], value)
     extremes[1, column] = max(extremes[1, column], value)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def has_stopped(position_m: float, speed_ms: float, end_m: float) -> bool:
-    """Return whether a train whose reference is over stands: at its end, or beyond it, where it overran."""
-    is_there = abs(speed_ms) < STANDING_MS and abs(position_m - end_m) < STANDING_M
-    return is_there or (speed_ms <= 0.0 and position_m >= end_m)
