@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import InfeasibleLineError
-from railjoule.core.motion import MeshedLine, build_meshed_line
+from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, braking_envelope, drive
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -40,7 +39,7 @@ from railjoule.core.simulation.replanning import (
     dwell_at_end,
     event_words,
     knowing,
-    nodes_ahead,
+    mesh_ahead,
     require_events_on_the_line,
 )
 from railjoule.core.strategies import run_strategy
@@ -111,18 +110,17 @@ def unknowing_scenario(scenario: Scenario) -> Scenario:
     return actual_vehicle(scenario.model_copy(update={"line": scenario.line.in_running_order()}))
 
 
-class _Simulation:
+class _Simulation(Replanner):
     """One run while it is driven: events, driven legs, notes."""
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
+        super().__init__(scenario.travel_time_s + scenario.disturbance.accepted_delay_s)
         require_events_on_the_line(scenario)
         self.scenario, self.unknowing = scenario, unknowing_scenario(scenario)
         events = scenario.disturbance.events
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
         self.notices: list[tuple[float, float, str]] = []
         voltages = any(isinstance(event, VoltageChange) for event in events)
-        self.replanner = Replanner(scenario.travel_time_s + scenario.disturbance.accepted_delay_s)
-        self.notes = self.replanner.notes
         self.notes += voltage_notes(scenario.vehicle) if voltages else notes_on(scenario)
         self.driven: tuple[Leg, ...] = ()
 
@@ -135,7 +133,7 @@ class _Simulation:
                 state = knowing(state, event, self.unknowing.vehicle)
             else:
                 ahead.append(event)
-        plan = self.replanner.plan(state) if len(ahead) < len(self.events) else leg_of(planned)
+        plan = self.plan(state) if len(ahead) < len(self.events) else leg_of(planned)
         while ahead:
             notice = self._next_notice(plan, state, ahead)
             if notice is None:
@@ -172,7 +170,7 @@ class _Simulation:
         """Return the leg from a state to the end, as driver or computer react to an event."""
         informed = knowing(state, event, self.unknowing.vehicle)
         if event.reaction != "driver":
-            return self.replanner.plan(informed)
+            return self.plan(informed)
         rest = plan.beyond(state.position_m)
         if isinstance(event, UnplannedStop):
             return self._stop_by_driver(rest, informed, event)
@@ -182,11 +180,11 @@ class _Simulation:
 
     def _stop_by_driver(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
-        mesh, envelope = _until(state, stop.position_m, 0.0)
-        nodes = mesh.position_m
+        mesh = mesh_ahead(state, stop.position_m, 0.0)
+        nodes, envelope = mesh.position_m, braking_envelope(mesh)
         # too fast even for full braking: the replanning handles that
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self.replanner.plan(state)
+            return self.plan(state)
         # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
         moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * mesh.data.traction.constant_n
@@ -200,9 +198,9 @@ class _Simulation:
         speed2[0] = state.speed2
         # one who coasts too slowly to arrive drives on
         if np.any(speed2[1:-1] <= STANDING_SPEED2):
-            return self.replanner.plan(state)
+            return self.plan(state)
         stands = dwell_at_end(nodes, stop.duration_s)
-        return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, stands), state)
+        return self.drive_and_plan(Leg(state.scenario, nodes, speed2, stands), state)
 
     def _slow_by_driver(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
@@ -211,20 +209,14 @@ class _Simulation:
         stops = rest.position_m[rest.dwell_s > 0]
         end = float(np.min(stops[stops > state.position_m + SAME_PLACE_M], initial=end))
         final = min(float(np.sqrt(np.interp(end, rest.position_m, rest.speed2))), limit.limit_kmh * MS_PER_KMH)
-        mesh, envelope = _until(state, end, final)
-        nodes = mesh.position_m
+        mesh = mesh_ahead(state, end, final)
+        nodes, envelope = mesh.position_m, braking_envelope(mesh)
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self.replanner.plan(state)
+            return self.plan(state)
         target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
         speed2, _ = drive(mesh.data, target2, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
-        return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
-
-
-def _until(state: State, end_m: float, final_ms: float) -> tuple[MeshedLine, FloatArray]:
-    """Return the meshed line from a state to a place [m], and the squares of speed from which brakes keep it."""
-    mesh = build_meshed_line(state.scenario, state.speed_ms, final_ms, nodes_ahead(state, end_m))
-    return mesh, braking_envelope(mesh)
+        return self.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
 
 
 def _kept(rest: Leg, state: State) -> Leg:

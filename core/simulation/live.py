@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -36,7 +35,7 @@ from railjoule.core.simulation.replanning import (
     State,
     event_words,
     knowing,
-    nodes_ahead,
+    mesh_ahead,
     plan_quickly,
     require_events_on_the_line,
     strategy_for_all_lines,
@@ -300,11 +299,10 @@ def _require_ahead(run: LiveRun, event: Event) -> None:
     """Refuse a stop or a limit that lies behind the train."""
     here, state = run.position_m, run.state
     if isinstance(event, UnplannedStop) and event.position_m <= here + SAME_PLACE_M:
-        nodes = nodes_ahead(state, state.scenario.line.length_m)
-        mesh = build_meshed_line(state.scenario, state.speed_ms, position_m=nodes)
+        mesh = mesh_ahead(state, state.scenario.line.length_m)
         _, distance = brake_fully(mesh.data, state.speed2)
         # brakes that do not stop the train leave the end of the line
-        nearest = float(nodes[-1]) if np.isnan(distance) else here + distance
+        nearest = float(mesh.position_m[-1]) if np.isnan(distance) else here + distance
         raise ScenarioError(
             f"A red signal at {event.position_m:g} m is not ahead of the train at {here:.0f} m. The nearest place "
             f"where the train can stop is {nearest:.0f} m."

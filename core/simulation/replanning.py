@@ -19,7 +19,7 @@ from railjoule.core.errors import (
     StrategyRefusedError,
     TimetableError,
 )
-from railjoule.core.motion import build_meshed_line
+from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, braking_envelope
 from railjoule.core.motion.mesh import line_mesh
 from railjoule.core.scenario import Scenario, Vehicle
@@ -36,6 +36,18 @@ from railjoule.core.simulation.actual_vehicle import at_voltage, changed
 from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, leg_of
 from railjoule.core.strategies import run_strategy
 from railjoule.core.task import prepare_task
+
+# A train that learns of something while it brakes fully continues on another mesh, which may miss a stop by some
+# decimetres, or a square of speed by some tenths of a percent, though it was just able to brake for them. So much
+# does not count as noticed too late; larger values would hide a notice that did come too late.
+ROUNDING_M, ROUNDING_RATIO = 0.5, 1e-2
+# An overshoot below a centimetre is not mentioned.
+NOTICEABLE_M = 0.01
+REPLAN_S = 0.05
+"""A plan ahead of an on-board computer is to take no longer [s]."""
+# Measured with the shipped scenarios: interior points take 4 microseconds a cell, phases 0.5 ms, Bellman 1 ms
+MAX_CELLS, SLOW_CELLS = 5000, {"phases": 60, "bellman": 32}
+"""Cells of the mesh ahead, beside those that stops and borders add: in general, and of slow strategies."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +140,11 @@ def nodes_ahead(state: State, end_m: float) -> FloatArray:
     return np.concatenate([[state.position_m], inside, [end_m]])
 
 
+def mesh_ahead(state: State, end_m: float, final_ms: float | None = None) -> MeshedLine:
+    """Return the meshed line from a state to a place [m], with a speed there [m/s]; by default the timetable's."""
+    return build_meshed_line(state.scenario, state.speed_ms, final_ms, nodes_ahead(state, end_m))
+
+
 def require_events_on_the_line(scenario: Scenario) -> None:
     """Raise ScenarioError for events outside the line and stops at one place."""
     disturbance, length = scenario.disturbance, scenario.line.length_m
@@ -154,19 +171,6 @@ def require_events_on_the_line(scenario: Scenario) -> None:
         raise ScenarioError(
             f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m apart from one another and from stations."
         )
-
-
-# A train that learns of something while it brakes fully continues on another mesh, which may miss a stop by some
-# decimetres, or a square of speed by some tenths of a percent, though it was just able to brake for them. So much
-# does not count as noticed too late; larger values would hide a notice that did come too late.
-ROUNDING_M, ROUNDING_RATIO = 0.5, 1e-2
-# An overshoot below a centimetre is not mentioned.
-NOTICEABLE_M = 0.01
-REPLAN_S = 0.05
-"""A plan ahead of an on-board computer is to take no longer [s]."""
-# Measured with the shipped scenarios: interior points take 4 microseconds a cell, phases 0.5 ms, Bellman 1 ms
-MAX_CELLS, SLOW_CELLS = 5000, {"phases": 60, "bellman": 32}
-"""Cells of the mesh ahead, beside those that stops and borders add: in general, and of slow strategies."""
 
 
 class Replanner:
@@ -201,14 +205,13 @@ class Replanner:
     def plan(self, state: State) -> Leg:
         """Return the best run from a state to the end, or the fastest if the time is too short."""
         rest = rest_scenario(state, self.allowed_time_s)
-        nodes = nodes_ahead(state, rest.line.length_m)
         try:
-            task = prepare_task(rest, state.speed_ms, position_m=nodes)
+            task = prepare_task(rest, state.speed_ms, position_m=nodes_ahead(state, rest.line.length_m))
         except InfeasibleLineError:
             # a standing train has nothing to brake for: its line is infeasible for good
             if state.speed2 <= STANDING_SPEED2:
                 raise
-            return self._brake_at_once(state, nodes)
+            return self._brake_at_once(state)
         try:
             return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
         except ScenarioError:
@@ -224,9 +227,10 @@ class Replanner:
             self.is_fastest = True
             return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
 
-    def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
+    def _brake_at_once(self, state: State) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
-        mesh = build_meshed_line(state.scenario, state.speed_ms, position_m=nodes)
+        mesh = mesh_ahead(state, state.scenario.line.length_m)
+        nodes = mesh.position_m
         run, distance = brake_fully(mesh.data, state.speed2)
         stands = np.inf if np.isnan(distance) else state.position_m + distance
         stations = state.scenario.line.inner_stations
