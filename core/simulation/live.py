@@ -198,6 +198,10 @@ class LiveRun:
         node = self.stand_node(event)
         return float(self.plan.arrival_s[node] + self.plan.dwell_s[node])
 
+    def has_left(self, event: LiveEvent) -> bool:
+        """Return whether the train has stood for a stop and left."""
+        return not event.is_open and self.elapsed_s > self.departure_s(event)
+
 
 def start_run(scenario: Scenario) -> LiveRun:
     """Return a run before its start, on time and aware of its place; errors as `undisturbed_plan`."""
@@ -320,7 +324,7 @@ def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> L
     cut = replace(cut, dwell_s=np.append(cut.dwell_s[:-1], max(cut.dwell_s[-1] - run.dwell_left_s, 0.0)))
     events = tuple(
         replace(one, stood_at_m=float(run.plan.position_m[run.stand_node(one)]))
-        if one in run.events and one.is_ahead and not one.is_open and run.elapsed_s > run.departure_s(one)
+        if one in run.events and one.is_ahead and run.has_left(one)
         else one
         for one in events
     )
