@@ -1,4 +1,4 @@
-"""What a run is measured against: a lower bound of the energy, and the best run that is known."""
+"""The yardsticks of a run: a lower bound of the energy, and the best known run."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -23,7 +23,7 @@ Window = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Costate:
-    """The price of force along a line, from which a lower bound is proven: what a newton over a metre is worth.
+    """The price of force along a line, from which a lower bound is proven.
 
     Parameters
     ----------
@@ -50,13 +50,13 @@ class Bound:
     travel_time_s : float
         The longest time of a run that it covers, dwells included [s].
     every_run_j : float
-        What every driving of this train needs at least [J]; less than `energy_j` where that covers runs over one mesh.
+        Minimum energy of every driving of this train [J]; less than `energy_j` where that covers runs over one mesh.
     position_m : array of shape (n + 1,) or None
         The nodes of the only mesh over which it holds [m]; None where it covers every run.
     slowest_ms : float or array of shape (n + 1,)
         The least speeds at these nodes of a run that it covers [m/s].
     premise : str
-        What the bound takes for granted of the powertrain, in a clause; empty where nothing.
+        Assumption of the bound about the powertrain, in a clause; empty where there is none.
     windows : tuple of Window
         Windows of arrival that a run that it covers keeps.
     costate : Costate or None
@@ -97,9 +97,9 @@ class Reference:
     Parameters
     ----------
     energy_j : float
-        What it needs [J].
+        Its energy [J].
     strategy : str
-        Who made it.
+        Its strategy.
     within_s : float
         The time [s].
     proven : bool
@@ -116,5 +116,5 @@ class Reference:
 
     @property
     def energy_kwh(self) -> float:
-        """What it needs [kWh]."""
+        """Its energy [kWh]."""
         return self.energy_j / J_PER_KWH

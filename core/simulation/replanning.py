@@ -169,7 +169,7 @@ def require_events_on_the_line(scenario: Scenario) -> None:
     places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
     if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):
         raise ScenarioError(
-            f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m apart from one another and from stations."
+            f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m from one another and from stations."
         )
 
 
