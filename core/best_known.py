@@ -11,7 +11,8 @@ and no bound stands beside it.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from railjoule.core.trajectory import Reference, Trajectory, Window
+from railjoule.core.lower_bound import Reference, Window
+from railjoule.core.trajectory import Trajectory
 
 ON_TIME_S = 1e-3
 """A run that arrives later than this after a time is not within it: searches for a time end this close to it."""

@@ -28,9 +28,10 @@ from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bo
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.duty import duty, safest_modes
 from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.lower_bound import Bound, Costate
 from railjoule.core.physics.account import reference_energy
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Bound, Costate, Trajectory
+from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
 LITTLE = 0.05

@@ -17,11 +17,12 @@ from railjoule.core.budget import current_budget
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
 from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError, SolverError
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import account_of_run, reference_energy
 from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
 from railjoule.core.task import Task, task_over_nodes
-from railjoule.core.trajectory import LATE_SHARE, supply_energies_j
+from railjoule.core.trajectory import supply_energies_j
 
 MAX_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""

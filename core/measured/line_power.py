@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import power_of_supply_current_w
 from railjoule.core.errors import RecordingError
-from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.recording import Recording
 
 UNIT_FACTOR = 3.0

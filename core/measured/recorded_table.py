@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import power_of_supply_current_w
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
-from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
 from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, effort_of, time_of_positions

@@ -10,7 +10,7 @@ from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_geometry import LineGeometry, TrainExtent, geometry_at, meshed_geometry
-from railjoule.core.motion.permitted_speed import curve_steps, min_permitted_deceleration_ms2, permitted_speed2
+from railjoule.core.motion.permitted_speed import curve_steps, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit
@@ -18,7 +18,6 @@ from railjoule.core.physics.mesh_data import MeshData, cells_of, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
-    quadratic_in_tunnels,
     resistance_coefficients,
     running_resistance,
 )
@@ -62,7 +61,8 @@ class MeshedLine:
     data : MeshData
         The same for compiled code.
     permitted_deceleration_ms2 : float
-        The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none.
+        The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none; braking at this rate
+        towards a place on the curve stays under the curve.
     curve_steps : array of shape (2, k)
         The steps of that curve, as `railjoule.core.motion.permitted_speed.curve_steps` returns them.
     """
@@ -245,7 +245,7 @@ def assemble_meshed_line(
     for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
         if not 0 <= speed < np.inf:
             raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
-    vehicle, line = scenario.vehicle, parts.line
+    vehicle, line, steps = scenario.vehicle, parts.line, curve_steps(scenario.vehicle)
     gradient_force = gradient_force_n(vehicle, line.gradient_permille)
     curve_force = curve_force_n(vehicle, line.curvature_per_m)
     fixed = np.full(len(line.position_m), FREE)
@@ -263,8 +263,8 @@ def assemble_meshed_line(
         dwell_s=line.dwell_s,
         drive=parts.drive,
         data=_mesh_data(scenario, parts, gradient_force + curve_force, fixed),
-        permitted_deceleration_ms2=min_permitted_deceleration_ms2(vehicle),
-        curve_steps=curve_steps(vehicle),
+        permitted_deceleration_ms2=float(steps[1].min(initial=np.inf)),
+        curve_steps=steps,
     )
 
 
@@ -296,7 +296,8 @@ def _mesh_data(
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,
         resistance_linear=linear,
-        resistance_quadratic=quadratic_in_tunnels(quadratic, line.tunnel_factor),
+        # tunnels hold up the air, not the bearings
+        resistance_quadratic=quadratic * line.tunnel_factor,
         traction=parts.traction,
         braking=parts.braking,
         friction_effort_n=friction_limit_n(scenario, parts.braking),

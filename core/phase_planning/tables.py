@@ -15,7 +15,7 @@ from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.permitted_speed import min_permitted_deceleration_ms2
+from railjoule.core.motion.permitted_speed import curve_steps
 from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
@@ -192,7 +192,7 @@ class PhaseModel:
     def _max_deceleration(self) -> tuple[float, str]:
         """The largest deceleration of braking [m/s2], infinite where there is none, and the key that sets it."""
         max_ms2 = self.vehicle.braking.max_deceleration_ms2
-        permitted_ms2 = min_permitted_deceleration_ms2(self.vehicle)
+        permitted_ms2 = curve_steps(self.vehicle)[1].min(initial=np.inf)
         if max_ms2 is not None and max_ms2 <= permitted_ms2:
             return max_ms2, f"vehicle.braking.max_deceleration_ms2 = {max_ms2:g} m/s2"
         # of several steps the smallest, which stays under the curve: a table over speed would jump between two of them

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import Numbers, njit
 from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.drive.line_power import line_power
@@ -25,30 +25,30 @@ SMALL_ENERGY_SHARE = 0.1
 
 
 class CellAccount(NamedTuple):
-    """Efforts, powers and time of one cell.
+    """Efforts, powers and time: numbers of one cell, or arrays of all cells of a run.
 
     Parameters
     ----------
-    duration_s, mean_speed_ms : float
+    duration_s, mean_speed_ms : float or array of shape (n,)
         Time [s] and mean speed over it [m/s].
-    tractive_effort_n, electric_braking_n, friction_braking_n : float
+    tractive_effort_n, electric_braking_n, friction_braking_n : float or array of shape (n,)
         Efforts at the wheels, all positive [N].
-    power_w : float
+    power_w : float or array of shape (n,)
         At the terminals of the drive, negative where it generates [W].
-    supply_power_w : float
-        Taken from the line without auxiliaries, negative where it goes back [W].
-    excess_n : float
+    supply_power_w : float or array of shape (n,)
+        From the supply without auxiliaries, negative where it goes back [W].
+    excess_n : float or array of shape (n,)
         By how much the effort exceeds the largest one [N]; below zero where there is more.
     """
 
-    duration_s: float
-    mean_speed_ms: float
-    tractive_effort_n: float
-    electric_braking_n: float
-    friction_braking_n: float
-    power_w: float
-    supply_power_w: float
-    excess_n: float
+    duration_s: Numbers
+    mean_speed_ms: Numbers
+    tractive_effort_n: Numbers
+    electric_braking_n: Numbers
+    friction_braking_n: Numbers
+    power_w: Numbers
+    supply_power_w: Numbers
+    excess_n: Numbers
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -109,29 +109,17 @@ def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     return total
 
 
-class RunAccount(NamedTuple):
-    """The accounts of all cells of a run: arrays of shape (n,), named as in `CellAccount`."""
-
-    duration_s: FloatArray
-    mean_speed_ms: FloatArray
-    tractive_effort_n: FloatArray
-    electric_braking_n: FloatArray
-    friction_braking_n: FloatArray
-    power_w: FloatArray
-    supply_power_w: FloatArray
-
-
 @njit(cache=True, error_model="numpy", nogil=True)
-def account_of_run(mesh: MeshData, speed2: FloatArray) -> RunAccount:
+def account_of_run(mesh: MeshData, speed2: FloatArray) -> CellAccount:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = mesh.cell_length_m.shape[0]
-    rows = np.empty((7, n))
+    rows = np.empty((8, n))
     train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
         account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
-        for row in range(7):
+        for row in range(8):
             rows[row, i] = account[row]
-    return RunAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6])
+    return CellAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7])
 
 
 @njit(cache=True, error_model="numpy")

@@ -137,18 +137,6 @@ def _supply_power_w(
 
 
 @njit(cache=True, error_model="numpy")
-def _share_control(
-    cell: Cell, limit: EffortLimit, beside: float, sign: float, start: float, end: float, points: FloatArray
-) -> tuple[float, float]:
-    """Return the share of the largest effort that leads from one speed to another [m/s], and the limit's corner."""
-    corner = _corner_speed(limit, min(start, end), max(start, end))
-    _place_points(cell, start, corner, end, points)
-    for i in range(points.shape[1]):
-        points[FORCE, i] = sign * (max_effort(limit, points[SPEED, i]) + beside)
-    return _find_control(points, cell.inertia * (end * end - start * start)), corner
-
-
-@njit(cache=True, error_model="numpy")
 def _limits_beside(
     train: Train, traction: EffortLimit, braking: EffortLimit, effort: float
 ) -> tuple[EffortLimit, float, float]:
@@ -184,7 +172,11 @@ def _control_cell(
     if is_uniform:
         share, corner = abs(effort) / (max_effort(limit, v) + beside), v
     else:
-        share, corner = _share_control(cell, limit, beside, sign, start, end, points)
+        corner = _corner_speed(limit, min(start, end), max(start, end))
+        _place_points(cell, start, corner, end, points)
+        for i in range(points.shape[1]):
+            points[FORCE, i] = sign * (max_effort(limit, points[SPEED, i]) + beside)
+        share = _find_control(points, cell.inertia * (end * end - start * start))
     return effort, share, max(share - 1.0, 0.0), corner
 
 

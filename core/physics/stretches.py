@@ -59,26 +59,23 @@ class RunActions(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def interruptions(mesh: MeshData) -> IntArray:
-    """Return the interruptions of the drive before each cell of a meshed line; shape (n,)."""
-    found = np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING)
-    for i in range(1, found.shape[0]):
-        if found[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:
-            found[i] = NEUTRAL_SECTION
-    return found
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
 def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
     """Return the actions of the drive in each cell of a run, given by its squares of speed [m2/s2] at n + 1 nodes."""
     n = mesh.cell_length_m.shape[0]
-    done = RunActions(np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), interruptions(mesh))
+    done = RunActions(
+        np.empty(n, np.int64),
+        np.empty(n, np.int64),
+        np.empty(n),
+        np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING),
+    )
     train, traction, braking, drive = shared_by_cells(mesh)
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
         account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s
+        if i > 0 and done.interrupted_by[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:
+            done.interrupted_by[i] = NEUTRAL_SECTION
     return done
 
 

@@ -18,7 +18,6 @@ from typing import TypeVar
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
@@ -27,7 +26,7 @@ from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
-from railjoule.core.simulation.leg import leg_of
+from railjoule.core.simulation.leg import DrivenPlan, leg_of
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -70,13 +69,11 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Following:
+class Following(DrivenPlan):
     """A plan and the run of a train that followed it.
 
     Parameters
     ----------
-    planned, actual : Trajectory
-        The run as planned, and as driven.
     stop_errors_m : tuple of float
         Overshoot at each stop, negative where the train stops short [m].
     stretches : tuple of list of Stretch
@@ -85,26 +82,14 @@ class Following:
         How much later than planned it left [s].
     """
 
-    planned: Trajectory
-    actual: Trajectory
     stop_errors_m: tuple[float, ...]
     stretches: tuple[list[Stretch], ...]
     departure_delay_s: float
 
     @property
-    def stop_error_m(self) -> float:
-        """How far beyond the last stop the train came to stand [m]."""
-        return self.stop_errors_m[-1]
-
-    @property
     def delay_s(self) -> float:
         """How much later than planned it arrived [s]."""
         return self.departure_delay_s + self.actual.travel_time_s - self.planned.travel_time_s
-
-    @property
-    def overconsumption(self) -> float:
-        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
-        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 def simulate_following(scenario: Scenario) -> Following:
@@ -201,19 +186,15 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:
     """Raise ScenarioError where a position error or a sensor lies beyond the distance between two stops."""
-    shortest = min(np.diff([0.0, *stops_of(scenario)]))
-    error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
-    if abs(error) >= shortest:
-        raise ScenarioError(
-            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest distance between two stops, "
-            f"{shortest:g} m."
-        )
-    for name in ("reset_sensor_m", "stop_sensor_m"):
-        place = getattr(options, name)
-        if options.target_braking and place is not None and place >= shortest:
+    shortest, options = min(np.diff([0.0, *stops_of(scenario)])), scenario.simulation
+    lengths = {"disturbance.coordinate_error_m": scenario.disturbance.coordinate_error_m}
+    if options.target_braking:
+        lengths["simulation.reset_sensor_m"] = options.reset_sensor_m or 0.0
+        lengths["simulation.stop_sensor_m"] = options.stop_sensor_m or 0.0
+    for key, length in lengths.items():
+        if abs(length) >= shortest:
             raise ScenarioError(
-                f"simulation.{name} = {place:g} must be less than the shortest distance between two stops, "
-                f"{shortest:g} m."
+                f"{key} = {length:g} must be less than the shortest distance between two stops, {shortest:g} m."
             )
 
 

@@ -15,6 +15,7 @@ from railjoule.core.bounds import every_run_statement, time_line, work_floor_j
 from railjoule.core.chain_proof.table import premise
 from railjoule.core.errors import ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
+from railjoule.core.lower_bound import ON_TIME_S, Bound, Window
 from railjoule.core.strategies.line_parts import (
     LineParts,
     Part,
@@ -32,7 +33,7 @@ from railjoule.core.strategies.line_parts import (
     with_auxiliaries,
 )
 from railjoule.core.task import MIN_SLACK, Task
-from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
+from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
 Windows = Mapping[int, tuple[float, float]]

@@ -21,12 +21,13 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
+from railjoule.core.lower_bound import ON_TIME_S, Bound
 from railjoule.core.motion import running_time
 from railjoule.core.motion.driving import drive
 from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Station
 from railjoule.core.task import MIN_SLACK, Task
-from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 
 Solver = Callable[[Task], Trajectory]
 """The best run of a task without windows."""

@@ -10,6 +10,7 @@ from dataclasses import replace
 from railjoule.core.bounds import Solution, bounded, certify, minimise
 from railjoule.core.continuous_bound.refinement import halved, refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
+from railjoule.core.lower_bound import LATE_SHARE, Reference, Window
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
@@ -26,7 +27,7 @@ from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.switching import DecidedRun, best_switched
 from railjoule.core.strategy import STRATEGIES, Strategy, register
 from railjoule.core.task import Task
-from railjoule.core.trajectory import LATE_SHARE, Reference, Trajectory, Window, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 
 MAX_HALVINGS = 2
 """How often the cells of a drive with idle losses are halved whose run needs less than any driving does."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.drive.formulas import constant_efficiency_power, copper_loss_power
+from railjoule.core.drive.geared import constant_efficiency_power, copper_loss_power
 from railjoule.core.drive.kernels import may_draw_while_braking
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
 from railjoule.core.drive.line_power import smooth_supply_power

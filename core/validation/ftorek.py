@@ -340,7 +340,7 @@ def closed_loops() -> Quantities:
         "lag_mm": 1e3 * lags[0],
         "free_lag_m": lags[1],
         "lag_share": lags[0] / lags[1],
-        "stop_mm": 1e3 * max(abs(run.final_error_m) for run in runs),
+        "stop_mm": 1e3 * max(abs(run.stop_error_m) for run in runs),
         # rounded up, as only the rounding of the sums is left
         "balance_ppm": np.ceil(1e6 * balance) / 100,
         "less_loss": 100 * (1 - least / rated),

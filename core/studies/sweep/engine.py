@@ -19,8 +19,9 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
-from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.physics.account import CellAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
@@ -28,7 +29,7 @@ from railjoule.core.studies.sweep.fields import Patch
 from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
-from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_balance, supply_energies_j
+from railjoule.core.trajectory import Trajectory, durations_s, energy_balance, supply_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 # A field that is missing here only costs time, as its part of a meshed line is rebuilt.
@@ -103,7 +104,7 @@ class MeshOptimum:
     task : Task
     optimum : Optimum
         The point and its multipliers.
-    cells : RunAccount
+    cells : CellAccount
         The accounts of its cells.
     net_j : float
         Net energy at the line [J].
@@ -113,7 +114,7 @@ class MeshOptimum:
 
     task: Task
     optimum: Optimum
-    cells: RunAccount
+    cells: CellAccount
     net_j: float
     travel_time_s: float
 

@@ -305,7 +305,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             f"{words.energy(run.paper_energy_kwh)} without it",
         ),
         parts.figure(
-            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.final_error_m))} at the end"
+            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.stop_error_m))} at the end"
         ),
         parts.figure(
             "Peak current",

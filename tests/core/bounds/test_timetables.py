@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from railjoule.core.bounds import bound_of, strongest_bounds
+from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import prepare_task
-from railjoule.core.trajectory import Bound
 from tests.every_drive import train
 
 NODES = np.array([0.0, 10.0, 20.0])

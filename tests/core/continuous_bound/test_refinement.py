@@ -5,11 +5,11 @@ import pytest
 
 from railjoule.core import check_run, load_scenario
 from railjoule.core.continuous_bound.refinement import STEEPEST, refined_optimum
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.physics.between_nodes import follow_between_nodes
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.trajectory import LATE_SHARE
 from tests.any_scenarios import any_time, any_wide_document
 from tests.check_many import timed_task
 
