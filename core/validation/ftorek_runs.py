@@ -20,6 +20,8 @@ from railjoule.core.validation._trapezoid import sample_trapezoid
 
 # EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
 FINE_MESH_M = 0.5
+PAPER = printed_numbers("ftorek-2025")
+"""The printed numbers; not to be changed."""
 STRATEGIES = ("eoc", "enoc")
 TIMES_S = (270, 300, 330)
 """Travel times of Tables 1 and 2 [s]."""
@@ -34,15 +36,9 @@ LONGEST_TIME_S = 20_000.0
 
 
 @cache
-def paper() -> dict[str, Any]:
-    """Return the paper's printed numbers; not to be changed."""
-    return printed_numbers("ftorek-2025")
-
-
-@cache
 def paper_scenario() -> Scenario:
     """Return the paper's run of 300 s."""
-    return load_scenario(paper()["scenario"])
+    return load_scenario(PAPER["scenario"])
 
 
 @cache
@@ -81,7 +77,7 @@ def printed_run(strategy: str, travel_time_s: float) -> SampledRun:
 
 def printed_entry(strategy: str, travel_time_s: float) -> dict[str, float]:
     """Return the entry of Table 1 (`eoc`) or Table 2 (`enoc`) for a travel time [s]."""
-    table: list[dict[str, float]] = paper()["table_1" if strategy == "eoc" else "table_2"]
+    table: list[dict[str, float]] = PAPER["table_1" if strategy == "eoc" else "table_2"]
     return next(entry for entry in table if entry["travel_time_s"] == travel_time_s)
 
 

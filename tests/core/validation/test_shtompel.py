@@ -9,7 +9,6 @@ import pytest
 from railjoule.core import solve
 from railjoule.core.citation import printed_numbers
 from railjoule.core.validation import COMPARISONS, PAPERS, shtompel
-from railjoule.core.validation.figures.shtompel import FIGURES
 
 
 @pytest.fixture(scope="module")
@@ -155,7 +154,7 @@ def test_a_heavier_train_moves_runs_and_no_map(rows, monkeypatch, forget_runs):
 
 
 def test_figures_are_those_of_the_runs(rows):
-    maps, even, simplex, schedule = (figure.compute() for figure in FIGURES)
+    maps, even, simplex, schedule = (figure.compute() for figure in COMPARISONS["shtompel"]().figures)
     peaks = [max(np.nanmax(line.y) for line in panel.lines) for panel in maps.panels]
     assert rows["motor", "greatest efficiency"] >= peaks[0] > peaks[1]
     assert rows["drive", "greatest efficiency"] >= peaks[1]
