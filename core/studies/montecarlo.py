@@ -93,7 +93,6 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
         }
         return StudyTable(scenario, {"run": range(done)}, columns, attributes, done)
 
-    yield table(np.empty((0, RESULTS)))
     work, samples = drawn_runs(planned, scenario), np.column_stack([drawn[name] for name in QUANTITIES])
     for rows in rows_in_order(work, samples, executor, RUNS_PER_STEP):
         yield table(rows.values)

@@ -115,7 +115,6 @@ def sensitivity_steps(
         labels = {"load_factor": tuple(load_factors), "coordinate_error_m": tuple(coordinate_errors_m)}
         return StudyTable(scenario, labels, columns, attributes, len(results))
 
-    yield table(np.empty((0, 1 + RESULTS)))
     work = RowByRow(_cell_run(directions, plans, knows), 1 + RESULTS, ())
     for rows in rows_in_order(work, cells, executor):
         yield table(rows.values)

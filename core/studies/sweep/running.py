@@ -205,7 +205,7 @@ def completed_chunks(
 
 
 def rows_in_order(work: Work, samples: FloatArray, executor: Executor | None, size: int = 1) -> Iterator[Rows]:
-    """Yield the rows of samples of shape (rows, fields): all completed rows from the first one on, after each step.
+    """Yield the rows of samples of shape (rows, fields): none, then all from the first one on, after each step.
 
     Parameters
     ----------
@@ -218,28 +218,23 @@ def rows_in_order(work: Work, samples: FloatArray, executor: Executor | None, si
         Rows in a step.
     """
     parts = ((first, samples[first : first + size]) for first in range(0, len(samples), size))
-    done: Rows | None = None
+    done = work(samples[:0])
+    yield done
     # a chunk that is early waits, as a part of a table is read from its beginning
     early: dict[int, Chunk] = {}
-    reached = 0
     here = (Chunk(first, part, work(part)) for first, part in parts)
     with closing(here if executor is None else completed_chunks(work, parts, executor, worker_count)) as chunks:
         for completed in chunks:
             early[completed.first] = completed
-            while (chunk := early.pop(reached, None)) is not None:
-                done = chunk.rows if done is None else _joined(done, chunk)
-                reached = chunk.end
+            while (chunk := early.pop(len(done.values), None)) is not None:
+                values = np.concatenate([done.values, chunk.rows.values])
+                done = Rows(values, done.reasons | chunk.reasons, done.seconds + chunk.rows.seconds)
                 yield done
-
-
-def _joined(done: Rows, chunk: Chunk) -> Rows:
-    values = np.concatenate([done.values, chunk.rows.values])
-    return Rows(values, done.reasons | chunk.reasons, done.seconds + chunk.rows.seconds)
 
 
 def all_rows(work: Work, samples: FloatArray, executor: Executor | None = None) -> Rows:
     """Return the rows of samples of shape (rows, fields); by default computed in this thread."""
-    if executor is None or not len(samples):
+    if executor is None:
         return work(samples)
     *_, rows = rows_in_order(work, samples, executor)
     return rows

@@ -23,7 +23,7 @@ def test_it_grows_by_a_run_a_step():
     assert table.max_current_a[2] > table.max_current_a[1]
     assert table.energy_kwh[2] > table.energy_kwh[1]
     assert table.magnetising_loss_kwh[0] > table.magnetising_loss_kwh[1] > table.magnetising_loss_kwh[2]
-    assert table.to_dataset().sizes == {"rotor_resistance_factor": 3}
+    assert table.to_xarray().sizes == {"rotor_resistance_factor": 3}
 
 
 def test_a_factor_out_of_bounds_is_refused():

@@ -153,9 +153,8 @@ def test_sensors_move_the_stop_by_their_geometry(validation):
 
 
 def test_figures_are_rebuilt_with_what_is_printed():
-    assert [figure.place for figure in COMPARISONS["liashenko"]().figures] == [
-        f"Fig. {index}" for index in range(3, 11)
-    ]
+    figures = COMPARISONS["liashenko"]().figures
+    assert [figure.place for figure in figures] == [f"Fig. {index}" for index in range(3, 11)]
     scenarios = {entry.name.removesuffix(".toml") for entry in (files("railjoule.assets") / "scenarios").iterdir()}
     printed = iter(liashenko_runs.PAPER["table"])
     for figure in figures:
