@@ -24,7 +24,7 @@ from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
-from railjoule.core.studies.sweep.fields import Patch
+from railjoule.core.studies.sweep.fields import patched
 from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
@@ -152,7 +152,7 @@ class Engine:
     """
 
     def __init__(self, study: Study) -> None:
-        self._study, self._patch = study, Patch(study.scenario, study.fields)
+        self._study = study
         names = [".".join(field.path) for field in study.fields]
         self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
         # limits by adhesion depend on the mass
@@ -179,7 +179,7 @@ class Engine:
 
     def _scenario_at(self, sample: Sequence[float]) -> Scenario:
         if self._study.is_box_valid:
-            return self._patch(sample)
+            return patched(self._study.scenario, self._study.fields, sample)
         pairs = zip(self._study.fields, sample, strict=True)
         return self._study.scenario.replace(**{field.name: field.value(value) for field, value in pairs})
 

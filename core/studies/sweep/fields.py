@@ -140,40 +140,27 @@ def corners_hold(scenario: Scenario, fields: Sequence[Field]) -> bool:
     return True
 
 
-class Patch:
-    """Put values of fields into a scenario without a check; the corners of the ranges were checked for it.
+def patched(scenario: Scenario, fields: Sequence[Field], values: Sequence[float]) -> Scenario:
+    """Return a scenario with values, one for each field, that the corners of their ranges were checked for.
 
-    Parameters
-    ----------
-    scenario : Scenario
-    fields : sequence of Field
+    Unchanged tables are the same objects. Keys that a field excludes get their defaults.
     """
+    updates: dict[str, Any] = {}
+    for field, value in zip(fields, values, strict=True):
+        *tables, key = field.path
+        update: dict[str, Any] = updates
+        table: Any = scenario
+        for name in tables:
+            update, table = update.setdefault(name, {}), getattr(table, name)
+        for other in set().union(*(group for group in EXCLUSIVE_KEYS if key in group)) & set(type(table).model_fields):
+            update[other] = type(table).model_fields[other].default
+        update[key] = field.value(value)
+    made: Scenario = _updated(scenario, updates)
+    return made
 
-    def __init__(self, scenario: Scenario, fields: Sequence[Field]) -> None:
-        self._fields = tuple(fields)
-        self._tables: dict[Path, BaseModel] = {}
-        self._defaults: dict[Path, Any] = {}
-        for field in fields:
-            table: BaseModel = scenario
-            for depth, key in enumerate(field.path):
-                self._tables[field.path[:depth]] = table
-                if depth < len(field.path) - 1:
-                    table = getattr(table, key)
-            # the field replaces keys that exclude it: they get their defaults
-            for other in set().union(*(group - {key} for group in EXCLUSIVE_KEYS if key in group)):
-                if other in type(table).model_fields:
-                    self._defaults[(*field.path[:-1], other)] = type(table).model_fields[other].default
-        self._deepest_first = sorted(self._tables, key=len, reverse=True)
 
-    def __call__(self, values: Sequence[float]) -> Scenario:
-        """Return the scenario with values, one for each field; unchanged tables are the same objects."""
-        updates: dict[Path, dict[str, Any]] = {path: {} for path in self._deepest_first}
-        numbers = {field.path: field.value(value) for field, value in zip(self._fields, values, strict=True)}
-        for path, value in {**self._defaults, **numbers}.items():
-            updates[path[:-1]][path[-1]] = value
-        for place, update in updates.items():
-            copy: Any = self._tables[place].model_copy(update=update)
-            if place:
-                updates[place[:-1]][place[-1]] = copy
-        patched: Scenario = copy
-        return patched
+def _updated(table: Any, updates: Mapping[str, Any]) -> Any:
+    """Return a copy of a table with new values; a mapping has those of a table within it."""
+    return table.model_copy(
+        update={k: _updated(getattr(table, k), new) if isinstance(new, dict) else new for k, new in updates.items()}
+    )
