@@ -18,8 +18,7 @@ from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.studies.montecarlo import SENSOR_ERRORS, draw, drawn_scenario, planned_values
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.rows import RowByRow, all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 

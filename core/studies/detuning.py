@@ -13,8 +13,7 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverErro
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import solve
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 

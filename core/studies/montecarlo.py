@@ -15,8 +15,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulation.actual_vehicle import voltage_notes
 from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 

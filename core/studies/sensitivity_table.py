@@ -15,8 +15,7 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 

@@ -22,8 +22,7 @@ from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import arrival_windows
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.rows import RowByRow, all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import Trajectory

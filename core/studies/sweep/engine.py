@@ -24,8 +24,8 @@ from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
+from railjoule.core.studies.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.fields import patched
-from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
 from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_balance, supply_energies_j

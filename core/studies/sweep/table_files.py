@@ -17,8 +17,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_table
 from railjoule.core.errors import RailjouleError
 from railjoule.core.parquet import NEEDED, has_parquet
+from railjoule.core.studies.rows import Chunk
 from railjoule.core.studies.sweep.results import StudyFileError, SweepFile, SweepTable, join_chunks
-from railjoule.core.studies.sweep.rows import Chunk
 from railjoule.core.studies.sweep.study import Study, study_from
 from railjoule.core.written import written
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.studies.rows import worker_count
 from railjoule.core.studies.sweep import Study, SweepTable, make_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.studies.sweep.table_files import write_rows
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words

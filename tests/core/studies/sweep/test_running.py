@@ -14,10 +14,9 @@ from railjoule.core.errors import SolverError
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import energy_time_frontier, monte_carlo, sensitivity
 from railjoule.core.studies.detuning import detuning
+from railjoule.core.studies.rows import RowByRow, all_rows, rows_in_order
 from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, make_study, run_study, running
 from railjoule.core.studies.sweep.engine import VersionError, solve_rows
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import all_rows, rows_in_order
 from tests.builders import HILLS, plain_scenario
 
 LOADS = {"vehicle.load_factor": (0.0, 1.0)}

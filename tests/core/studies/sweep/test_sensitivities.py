@@ -5,9 +5,9 @@ import pytest
 import scipy
 
 from railjoule.core import load_scenario
+from railjoule.core.studies.rows import Chunk, Rows
 from railjoule.core.studies.sweep import MemoryResults, SensitivityError, make_study, run_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.rows import Chunk, Rows
 from tests.builders import plain_scenario
 
 # any three numbers: what comes out is put in by hand
