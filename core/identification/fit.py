@@ -101,7 +101,7 @@ class Fit:
     expected_residual_ms: float
     noise: Noise
     step_count: int
-    mean_powers_kmh: tuple[float, float, float]
+    mean_powers_kmh: tuple[float, ...]
 
     @property
     def values(self) -> dict[str, float]:
@@ -234,11 +234,13 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
     estimate = Range(first + sizes * unknowns[:count], train * np.outer(sizes, sizes), low, high)
     quantile = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, scale_freedom(problem.steps.step_s)))
     unknown = quantile * np.sqrt(np.diag(train)) > UNDETERMINED
-    by_runs = _with_exact_gauges(covariance, count)
+    shared, gauges = covariance[:count, count:], covariance[count:, count:]
+    # of the parameters, if the gauge errors were known
+    by_runs = train - shared @ np.linalg.solve(gauges, shared.T)
     unknown_by_runs = unknown & (quantile * np.sqrt(np.diag(by_runs)) > UNDETERMINED)
     errors, steps = problem.errors(best), problem.steps
     speed_kmh, distance = steps.mean_speed_ms / MS_PER_KMH, steps.mean_speed_ms * steps.step_s
-    powers = [float(np.average(speed_kmh**power, weights=distance)) for power in (1, 2)]
+    powers = [float(np.average(speed_kmh**power, weights=distance)) for power in range(3)]
     return Fit(
         scenario=scenario,
         model=model,
@@ -256,18 +258,12 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
         expected_residual_ms=expected_residual_ms(problem.steps, problem.driven(best)),
         noise=noise,
         step_count=problem.steps.count,
-        mean_powers_kmh=(1.0, powers[0], powers[1]),
+        mean_powers_kmh=tuple(powers),
     )
 
 
 def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
     return tuple(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
-
-
-def _with_exact_gauges(covariance: FloatArray, count: int) -> FloatArray:
-    """Return the covariance of the first unknowns, the parameters, where the others, the gauge errors, are known."""
-    train, shared, gauges = covariance[:count, :count], covariance[:count, count:], covariance[count:, count:]
-    return np.asarray(train - shared @ np.linalg.solve(gauges, shared.T))
 
 
 def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:

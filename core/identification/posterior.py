@@ -43,10 +43,6 @@ def resistance_deviation(fit: Fit) -> float:
     return float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)) / max(whole, 1e-9))
 
 
-FEWEST_RUNS = 2
-"""One to fit, one to hold out."""
-
-
 @dataclass(frozen=True)
 class HeldOut:
     """A run predicted by a fit to the others.
@@ -87,7 +83,7 @@ def hold_out(
     RecordingError
         As `fit_runs`.
     """
-    if len(runs) < FEWEST_RUNS:
+    if len(runs) == 1:
         return ()
     held = []
     for run in runs:
