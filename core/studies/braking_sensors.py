@@ -54,18 +54,14 @@ class StopSpread:
 
     Parameters
     ----------
-    mean_m, deviation_m : float
-        Mean and standard deviation of the stopping error [m].
+    deviation_m : float
+        Standard deviation of the stopping error [m].
     half_width_m : float
         Distance from the stop that contains 95 % of the runs [m].
-    max_m : float
-        The largest stopping error in size [m].
     """
 
-    mean_m: float
     deviation_m: float
     half_width_m: float
-    max_m: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +161,5 @@ def _spread(errors_m: FloatArray) -> StopSpread:
     """Return the spread of stopping errors [m]; NaN where no train arrives."""
     known = errors_m[np.isfinite(errors_m)]
     if not len(known):
-        return StopSpread(np.nan, np.nan, np.nan, np.nan)
-    size = np.abs(known)
-    return StopSpread(float(known.mean()), float(known.std()), float(np.quantile(size, COVERAGE)), float(size.max()))
+        return StopSpread(np.nan, np.nan)
+    return StopSpread(float(known.std()), float(np.quantile(np.abs(known), COVERAGE)))

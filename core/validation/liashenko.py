@@ -121,20 +121,21 @@ def _without_error(table: StudyTable, key: str) -> FloatArray:
 
 def followed_plan(entry: Quantities) -> Quantities:
     """Compute the plan of one of Figures 3 to 6 and the run that follows it."""
-    one = example(entry["place"])
-    run = one.following
+    run, own_plan = example(entry["place"])
+    by_load = share_above(run.actual.energy_kwh, own_plan.energy_kwh)
+    above = [above_own_time((load_scenario(entry["scenario"]),))] if by_load < 0 else []
     return {
         "planned_kwh": run.planned.energy_kwh,
         "by_plan": 100 * run.overconsumption,
-        "by_load": 100 * one.by_load,
+        "by_load": 100 * by_load,
         "is_below_plan": run.overconsumption < 0,
-        "is_below_load": one.by_load < 0,
-        "less": -100 * (one.own_plan.energy_kwh / run.planned.energy_kwh - 1),
+        "is_below_load": by_load < 0,
+        "less": -100 * (own_plan.energy_kwh / run.planned.energy_kwh - 1),
         "delay_s": run.delay_s,
         "stop_error_m": run.stop_error_m,
         "arrival": f"{abs(run.delay_s):.1f} s {'late' if run.delay_s > 0 else 'early'}",
         "late_s": run.delay_s,
-        "above": _range([above_own_time((one.scenario,))] if one.by_load < 0 else []),
+        "above": _range(above),
     }
 
 
@@ -183,7 +184,7 @@ def recursion() -> Quantities:
 
 def scheduled_times() -> Quantities:
     """Compute the times of the plans [s]."""
-    figures = [example(entry["place"]).following.planned for entry in PAPER["figure"]]
+    figures = [example(entry["place"])[0].planned for entry in PAPER["figure"]]
     return {
         "figures": [plan.travel_time_s for plan in figures],
         "base": [plan.travel_time_s for plan in _plans()[::2]],
@@ -268,7 +269,7 @@ def cells_below_zero() -> Quantities:
     """Count the cells below zero by each measure."""
     tables = compared_tables()
     counts = {key: sum(int(np.sum(table[key] < -MIN_SHOWN)) for table in tables) for key in MEASURES}
-    fourth = 100 * example("Fig. 4").following.overconsumption
+    fourth = 100 * example("Fig. 4")[0].overconsumption
     return {**counts, "cells": sum(table.printed.size for table in tables), "fourth": fourth}
 
 

@@ -1,7 +1,7 @@
 """Runs of Liashenko, Yatsko 2025 that tables, claims and figures share; each is computed once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -22,33 +22,6 @@ BOTH_DIRECTIONS = (False, True)
 """Values of `line.reverse` over which (12) adds energies."""
 MIN_SHOWN = 0.05
 """A difference [percentage points] or delay [s] below this reads as 0.0."""
-
-
-@dataclass(frozen=True, eq=False)
-class Example:
-    """The run of one of Figures 3 to 6.
-
-    Parameters
-    ----------
-    place : str
-        Its name in the paper.
-    scenario : Scenario
-        With its disturbance.
-    following : Following
-        The plan and the actual run.
-    own_plan : Trajectory
-        The plan for the actual load.
-    """
-
-    place: str
-    scenario: Scenario
-    following: Following
-    own_plan: Trajectory
-
-    @property
-    def by_load(self) -> float:
-        """Share by which the energy lies above that of the plan for the actual load."""
-        return share_above(self.following.actual.energy_kwh, self.own_plan.energy_kwh)
 
 
 @cache
@@ -77,11 +50,11 @@ def compared_tables() -> tuple[StudyTable, ...]:
 
 
 @cache
-def example(place: str) -> Example:
-    """Return the run of one of Figures 3 to 6."""
+def example(place: str) -> tuple[Following, Trajectory]:
+    """Return the run of one of Figures 3 to 6, and the plan for its actual load."""
     entry = next(entry for entry in PAPER["figure"] if entry["place"] == place)
     scenario = load_scenario(entry["scenario"])
-    return Example(place, scenario, follow(plan_for(scenario), scenario), plan_knowing(scenario))
+    return follow(plan_for(scenario), scenario), plan_knowing(scenario)
 
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:

@@ -6,6 +6,7 @@ most functions is the recuperation factor kr.
 """
 
 from functools import cache
+from operator import attrgetter
 from typing import Any, get_args
 
 import numpy as np
@@ -164,13 +165,10 @@ def parameters() -> list[Quantities]:
     identification = identify(vehicle, PAPER)
     records = []
     for key, value in zip(identification.names, identification.values, strict=True):
-        shipped: Any = vehicle.model_dump()
-        for name in key.split("."):
-            shipped = shipped[name]
         records.append(
             {
                 "key": key,
-                "shipped": shipped,
+                "shipped": attrgetter(key)(vehicle),
                 "value": value,
                 "percent": identification.uncertainty_percent(key),
                 "flux_percent": identification.uncertainty_percent(*FLUX),

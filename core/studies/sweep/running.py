@@ -24,8 +24,6 @@ CHUNK_S = 1.0
 """Duration of a chunk [s]: short enough for progress and a stop, long against the time to submit it."""
 SHORTEST_CHUNKS = 8
 """The last chunks are shorter by at most this factor, so that all workers end at about the same time."""
-SKIPPED_AT_ONCE = 65_536
-"""Rows drawn at a time to reach a later row."""
 
 
 class InterruptedStudyError(RailjouleError):
@@ -146,11 +144,10 @@ def _samples(
     study: Study, gaps: Sequence[tuple[int, int]], chunk_size: Callable[[int], int]
 ) -> Iterator[tuple[int, FloatArray]]:
     """Yield first row and samples of each chunk in the gaps, of the size that is right when it is drawn."""
-    sampler, drawn, left = study.sampler(), 0, sum(end - first for first, end in gaps)
-    for first, end in gaps:
-        while drawn < first:
-            drawn += len(sampler.take(min(SKIPPED_AT_ONCE, first - drawn)))
-        while drawn < end:
-            samples = sampler.take(min(chunk_size(left), end - drawn))
-            yield drawn, samples
-            drawn, left = drawn + len(samples), left - len(samples)
+    left = sum(end - first for first, end in gaps)
+    for reached, end in gaps:
+        first = reached
+        while first < end:
+            count = min(chunk_size(left), end - first)
+            yield first, study.draw(first, count)
+            first, left = first + count, left - count

@@ -8,7 +8,7 @@ References: Sobol', USSR Computational Mathematics and Mathematical Physics 7, 1
 """
 
 from collections.abc import Sequence
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -24,8 +24,25 @@ MAX_ROWS = 2**30
 MAX_SEED = 2**63
 
 
-class Sampler:
-    """Draw the rows of a sweep in their order.
+def require_sample(fields: Sequence[Field], rows: int, method: str, seed: int) -> None:
+    """Check that rows can be drawn; arguments as in `draw_rows`.
+
+    Raises
+    ------
+    ScenarioError
+        If the method does not exist, a number is out of its bounds, or no grid has this number of rows.
+    """
+    for name, number, least, most in (("sample", rows, 1, MAX_ROWS), ("seed", seed, 0, MAX_SEED)):
+        if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
+            raise ScenarioError(f"{name} = {show(number)} must be a whole number from {least} to {most:,}.")
+    if method not in METHODS:
+        raise ScenarioError(f"method = {show(method)} must be one of {', '.join(METHODS)}.")
+    if method == "grid":
+        _levels(fields, rows)
+
+
+def draw_rows(fields: Sequence[Field], rows: int, method: str, seed: int, first: int, count: int) -> FloatArray:
+    """Return consecutive rows of a sample; shape (count, fields).
 
     Parameters
     ----------
@@ -36,51 +53,36 @@ class Sampler:
         One of `METHODS`.
     seed : int
         Not used by a grid.
-
-    Raises
-    ------
-    ScenarioError
-        If the method does not exist, a number is out of its bounds, or no grid has this number of rows.
+    first, count : int
+        Number of the first row, and how many.
     """
+    if method == "grid":
+        levels = _levels(fields, rows)
+        # the last field changes fastest, as in a nested loop
+        places = np.unravel_index(np.arange(first, first + count), [len(values) for values in levels])
+        return np.column_stack([values[place] for values, place in zip(levels, places, strict=True)])
+    low, high, whole = np.array([(field.low, field.high, field.whole) for field in fields]).T
+    shares = _shares(len(fields), method, seed, first, count)
+    # each whole number has an equal share; low + (high - low) may round to a value above high
+    values = np.where(whole > 0, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
+    within: FloatArray = np.minimum(values, high)
+    return within
 
-    def __init__(self, fields: Sequence[Field], rows: int, method: str, seed: int) -> None:
-        for name, number, least, most in (("sample", rows, 1, MAX_ROWS), ("seed", seed, 0, MAX_SEED)):
-            if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
-                raise ScenarioError(f"{name} = {show(number)} must be a whole number from {least} to {most:,}.")
-        if method not in METHODS:
-            raise ScenarioError(f"method = {show(method)} must be one of {', '.join(METHODS)}.")
-        self._fields, self._rows, self._drawn = tuple(fields), rows, 0
-        self._levels = _levels(fields, rows) if method == "grid" else None
-        self._generator: Any = np.random.default_rng(seed)
-        if method in {"sobol", "halton"}:
-            from scipy.stats import qmc  # noqa: PLC0415  (slow to import, and rarely needed)
 
-            # a generator, as the one that SciPy makes of a number differs between its versions
-            engine = qmc.Sobol if method == "sobol" else qmc.Halton
-            self._generator = engine(len(fields), scramble=True, seed=self._generator)
+def _shares(width: int, method: str, seed: int, first: int, count: int) -> FloatArray:
+    """Return consecutive points of the unit cube; shape (count, width)."""
+    bits = np.random.PCG64(seed)
+    if method == "random":
+        # one state of the generator for each number
+        return np.random.Generator(bits.advance(first * width)).random((count, width))
+    from scipy.stats import qmc  # noqa: PLC0415  (slow to import, and rarely needed)
 
-    def take(self, count: int) -> FloatArray:
-        """Return at most `count` further rows; shape (rows, fields)."""
-        count = min(count, self._rows - self._drawn)
-        first, self._drawn = self._drawn, self._drawn + count
-        if self._levels is not None:
-            # the last field changes fastest, as in a nested loop
-            places = np.unravel_index(np.arange(first, first + count), [len(levels) for levels in self._levels])
-            return np.column_stack([levels[place] for levels, place in zip(self._levels, places, strict=True)])
-        low, high, whole = np.array([(field.low, field.high, field.whole) for field in self._fields]).T
-        shares = self._shares(first, count)
-        # each whole number has an equal share; low + (high - low) may round to a value above high
-        values = np.where(whole > 0, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
-        within: FloatArray = np.minimum(values, high)
-        return within
-
-    def _shares(self, first: int, count: int) -> FloatArray:
-        """Return the next points of the unit cube; shape (count, fields)."""
-        if isinstance(self._generator, np.random.Generator):
-            return self._generator.random((count, len(self._fields)))
-        # SciPy warns of a first draw of Sobol' points that is not a power of two; 1 is one
-        counts = (1, count - 1) if first == 0 and count > 1 else (count,)
-        return np.concatenate([self._generator.random(part) for part in counts])
+    # a generator, as the one that SciPy makes of a number differs between its versions
+    engine = (qmc.Sobol if method == "sobol" else qmc.Halton)(width, scramble=True, seed=np.random.Generator(bits))
+    if first:
+        return np.asarray(engine.fast_forward(first).random(count))
+    # SciPy warns of a first draw of Sobol' points that is not a power of two; 1 is one
+    return np.concatenate([engine.random(part) for part in (1, count - 1)])
 
 
 def levels_per_field(rows: int, fields: int) -> int:

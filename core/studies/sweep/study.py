@@ -10,6 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import Budget, current_budget
 from railjoule.core.errors import ScenarioError
 from railjoule.core.kernel_cache import source_hash
@@ -17,7 +18,7 @@ from railjoule.core.scenario import Scenario, format_scenario, parse_scenario
 from railjoule.core.scenario._sentences import shorten, show, suggestion
 from railjoule.core.strategy import STRATEGIES
 from railjoule.core.studies.sweep.fields import Field, corners_hold, parse_fields
-from railjoule.core.studies.sweep.sampling import Method, Sampler, levels_per_field
+from railjoule.core.studies.sweep.sampling import Method, draw_rows, levels_per_field, require_sample
 from railjoule.core.units import J_PER_KWH
 
 SCENARIO_FILE = "scenario.toml"
@@ -136,9 +137,9 @@ class Study:
             return levels_per_field(self.sample, len(self.fields))
         return int(field.high - field.low) + 1 if field.whole else None
 
-    def sampler(self) -> Sampler:
-        """Return a sampler at the first row."""
-        return Sampler(self.fields, self.sample, self.method, self.seed)
+    def draw(self, first: int, count: int) -> FloatArray:
+        """Return the samples of consecutive rows; shape (count, fields)."""
+        return draw_rows(self.fields, self.sample, self.method, self.seed, first, count)
 
 
 def make_study(
@@ -178,8 +179,7 @@ def make_study(
         current_budget(),
         solver_version(),
     )
-    # checks method, seed and number of rows
-    study.sampler()
+    require_sample(study.fields, sample, method, seed)
     return study
 
 

@@ -12,7 +12,8 @@ DISTANCE = "Distance, m"
 
 def followed_plan(place: str) -> FigureData:
     """Return the planned and the actual speed of one of Figures 3 to 6, their difference, and the line's heights."""
-    run, line = example(place).following, example(place).scenario.line.in_running_order()
+    run, _ = example(place)
+    line = run.planned.scenario.line.in_running_order()
     speeds = tuple(
         Line(label, one.position_m, one.speed_ms / MS_PER_KMH)
         for label, one in (("planned", run.planned), ("actual", run.actual))

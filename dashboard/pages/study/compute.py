@@ -394,7 +394,7 @@ def compute_estimate(request: EstimateRequest) -> Estimate:
         study = request.study()
     except RailjouleError as refusal:
         return Estimate(request, None, str(refusal))
-    samples = study.sampler().take(min(TRIED, study.sample))
+    samples = study.draw(0, min(TRIED, study.sample))
     # the first run loads the kernels and makes what all others share
     solve_rows(study, samples[:1])
     started, count = time.perf_counter(), 0

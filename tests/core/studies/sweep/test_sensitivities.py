@@ -21,7 +21,7 @@ THREE = {
 def results_of(function, rows=4096, method="sobol", over=THREE):
     """Return a study whose energy is a function of the fields' places, 0 to 1 each."""
     study = make_study(plain_scenario(), over, rows, method, columns=("energy_kwh",))
-    samples = study.sampler().take(rows)
+    samples = study.draw(0, rows)
     low, high = (np.array([getattr(field, end) for field in study.fields]) for end in ("low", "high"))
     values = function(*((samples - low) / (high - low)).T)
     results = MemoryResults(study)
