@@ -13,6 +13,7 @@ this one fit (`physical_range`), with Student's quantile.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 import scipy
@@ -66,22 +67,24 @@ class Fit:
         The vehicle and the free parameters.
     parameters : tuple of Parameter
         The free parameters.
-    estimate : Range
-        The minimum of the fit without bounds with its covariance, and the range that a train can have.
+    covariance : array of shape (free, free)
+        Covariance of the free parameters.
     stated : GaugeErrors
         Assumed standard deviations of the calibration errors.
     gauge_errors : tuple of GaugeError
         Those that count in these runs, with the most likely errors.
     undetermined : tuple of str
         Names of those that the runs do not determine.
-    undetermined_by_gauges : tuple of str
-        Of these, the names that exact gauges would determine.
     confounded : tuple of tuple of str
         Which of them only a combination is known of.
-    residual_ms, expected_residual_ms : float
-        Root mean square of simulated less measured speed, and that by errors of usual size [m/s].
-    noise : Noise
-        How large the errors of measurement are.
+    residual_ms : float
+        Root mean square of simulated less measured speed [m/s].
+    contradiction : str
+        How the runs contradict the model, in a sentence; empty where they do not.
+    assumed : str
+        The assumed standard deviations of the gauges' calibration errors, in a sentence.
+    sentences : tuple of str
+        How the runs contradict the model, and which parameters they leave open and would be determined how.
     step_count : int
         Samples that were used.
     mean_powers_kmh : tuple of float
@@ -91,15 +94,15 @@ class Fit:
     scenario: Scenario
     model: Model
     parameters: tuple[Parameter, ...]
-    estimate: Range
+    covariance: FloatArray
     stated: GaugeErrors
     gauge_errors: tuple[GaugeError, ...]
     undetermined: tuple[str, ...]
-    undetermined_by_gauges: tuple[str, ...]
     confounded: tuple[tuple[str, ...], ...]
     residual_ms: float
-    expected_residual_ms: float
-    noise: Noise
+    contradiction: str
+    assumed: str
+    sentences: tuple[str, ...]
     step_count: int
     mean_powers_kmh: tuple[float, ...]
 
@@ -107,11 +110,6 @@ class Fit:
     def values(self) -> dict[str, float]:
         """The values of all parameters, free or not, by name."""
         return {**self.model.first, **{parameter.name: parameter.value for parameter in self.parameters}}
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of the free parameters; shape (free, free)."""
-        return self.estimate.covariance
 
     @property
     def correlation(self) -> FloatArray:
@@ -123,23 +121,6 @@ class Fit:
     def fitted_scenario(self) -> Scenario:
         """The scenario with the fitted vehicle."""
         return self.scenario.model_copy(update={"vehicle": self.model.fitted(self.values)})
-
-    @property
-    def contradiction(self) -> str:
-        """How the runs contradict the model, in a sentence; empty where they do not."""
-        names = tuple(parameter.name for parameter in self.parameters)
-        return contradiction(names, self.estimate, self.gauge_errors, self.residual_ms, self.expected_residual_ms)
-
-    @property
-    def assumed(self) -> str:
-        """The assumed standard deviations of the gauges' calibration errors, in a sentence."""
-        return assumed_errors(self.gauge_errors)
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """How the runs contradict the model, and which parameters they leave open and would be determined how."""
-        contradictions = (self.contradiction,) if self.contradiction else ()
-        return (*contradictions, *open_parameters(self.undetermined, self.undetermined_by_gauges, self.confounded))
 
 
 def fit_runs(
@@ -199,7 +180,7 @@ def fit_runs(
         problem.scale_power(unknowns)
         problem.weigh(unknowns, noise)
         problem.inflate(unknowns)
-    return _result(scenario, problem, unknowns, noise)
+    return _result(scenario, problem, unknowns)
 
 
 def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bool = False) -> FloatArray:
@@ -220,7 +201,7 @@ def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bo
     return problem.speed_residual(np.array([*scaled, *errors]))
 
 
-def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: Noise) -> Fit:
+def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray) -> Fit:
     model, count = problem.model, problem.free_count
     covariance = _covariance(problem, unknowns)
     sizes = np.array([model.sizes[name] for name in model.free])
@@ -238,7 +219,14 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
     # of the parameters, if the gauge errors were known
     by_runs = train - shared @ np.linalg.solve(gauges, shared.T)
     unknown_by_runs = unknown & (quantile * np.sqrt(np.diag(by_runs)) > UNDETERMINED)
+    undetermined = tuple(compress(model.free, unknown))
+    confounded = _confounded(model.free, unknown_by_runs, by_runs, quantile)
     errors, steps = problem.errors(best), problem.steps
+    gauge_errors = tuple(replace(gauge, value=errors[gauge.name]) for gauge in problem.gauges)
+    residual_ms = float(np.sqrt(np.mean(problem.speed_residual(best) ** 2)))
+    expected_ms = expected_residual_ms(steps, problem.driven(best))
+    contradicted = contradiction(model.free, estimate, gauge_errors, residual_ms, expected_ms)
+    open_by_gauges = tuple(compress(model.free, unknown & ~unknown_by_runs))
     speed_kmh, distance = steps.mean_speed_ms / MS_PER_KMH, steps.mean_speed_ms * steps.step_s
     powers = [float(np.average(speed_kmh**power, weights=distance)) for power in range(3)]
     return Fit(
@@ -248,22 +236,18 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
             Parameter(name, float(value), *estimate.interval(index, quantile), UNITS[name])
             for index, (name, value) in enumerate(zip(model.free, estimate.nearest()[0], strict=True))
         ),
-        estimate=estimate,
+        covariance=estimate.covariance,
         stated=problem.stated,
-        gauge_errors=tuple(replace(gauge, value=errors[gauge.name]) for gauge in problem.gauges),
-        undetermined=_chosen(model.free, unknown),
-        undetermined_by_gauges=_chosen(model.free, unknown & ~unknown_by_runs),
-        confounded=_confounded(model.free, unknown_by_runs, by_runs, quantile),
-        residual_ms=float(np.sqrt(np.mean(problem.speed_residual(best) ** 2))),
-        expected_residual_ms=expected_residual_ms(problem.steps, problem.driven(best)),
-        noise=noise,
-        step_count=problem.steps.count,
+        gauge_errors=gauge_errors,
+        undetermined=undetermined,
+        confounded=confounded,
+        residual_ms=residual_ms,
+        contradiction=contradicted,
+        assumed=assumed_errors(gauge_errors),
+        sentences=(*filter(None, [contradicted]), *open_parameters(undetermined, open_by_gauges, confounded)),
+        step_count=steps.count,
         mean_powers_kmh=tuple(powers),
     )
-
-
-def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
-    return tuple(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
 
 
 def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:

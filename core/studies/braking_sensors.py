@@ -90,12 +90,6 @@ class BrakingSensors:
         """The spread of the stopping position without precision braking."""
         return _spread(self.table["stop_error_without_sensors_m"])
 
-    @property
-    def reduction(self) -> float:
-        """Standard deviation of the stopping error without precision braking over that with it."""
-        deviation = self.spread_with.deviation_m
-        return self.spread_without.deviation_m / deviation if deviation else np.inf
-
 
 def study_braking_sensors(scenario: Scenario, executor: Executor | None = None) -> BrakingSensors:
     """Return the stopping errors that errors of measurement cause, with precision braking and without it.

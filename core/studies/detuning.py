@@ -22,17 +22,18 @@ FACTORS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0)
 COLUMNS = ("energy_kwh", "magnetising_loss_kwh", "max_current_a", "max_phase_voltage_v", "max_tracking_error_m")
 
 
-def detuning(
+def detuning_steps(
     scenario: Scenario,
     factors: Sequence[float] = FACTORS,
     plan: Trajectory | None = None,
     executor: Executor | None = None,
-) -> StudyTable:
-    """Return a table over the rotor resistance that the control assumes, `rotor_resistance_factor`.
+) -> Iterator[StudyTable]:
+    """Yield a table over the rotor resistance that the control assumes: empty, and again after each run.
 
-    Its columns are `energy_kwh`, the input energy of the machines, `magnetising_loss_kwh`, the part that the current of
-    the flux loses in the stator, `max_current_a`, `max_phase_voltage_v`, and `max_tracking_error_m`, the largest
-    distance from the planned place. NaN stands where the loop does not hold the train.
+    The label is `rotor_resistance_factor`. The columns are `energy_kwh`, the input energy of the machines,
+    `magnetising_loss_kwh`, the part that the current of the flux loses in the stator, `max_current_a`,
+    `max_phase_voltage_v`, and `max_tracking_error_m`, the largest distance from the planned place. NaN stands where the
+    loop does not hold the train.
 
     Parameters
     ----------
@@ -50,17 +51,6 @@ def detuning(
     RailjouleError
         As `railjoule.core.simulation.field_oriented.simulate_field_oriented`.
     """
-    *_, last = detuning_steps(scenario, factors, plan, executor)
-    return last
-
-
-def detuning_steps(
-    scenario: Scenario,
-    factors: Sequence[float] = FACTORS,
-    plan: Trajectory | None = None,
-    executor: Executor | None = None,
-) -> Iterator[StudyTable]:
-    """Yield the table of `detuning` empty, and again after each run; arguments and errors as there."""
     if not factors:
         raise ScenarioError("a table over the rotor resistance needs at least one factor.")
     # all of them before the first run: a factor out of its bounds is no result

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -107,14 +106,13 @@ def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
     scenario : Scenario
         The actual train and line; rows of random values replace its disturbance.
     """
+
+    def run(drawn: Sequence[float]) -> tuple[float, float, float]:
+        driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
+        return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+
     # a train may be too heavy for a ramp: such a run stays NaN
-    return RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
-
-
-def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> tuple[float, float, float]:
-    """Return energy [kWh], delay [s] and stopping error [m] of a run with a value of each of `QUANTITIES`."""
-    driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
-    return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+    return RowByRow(run, RESULTS, InfeasibleLineError)
 
 
 def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:

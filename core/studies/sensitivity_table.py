@@ -146,7 +146,10 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         followed = plans if knows in {"nothing", "place"} else own if complete else []
         update = {"actual_load_factor": load, "coordinate_error_m": 0.0 if knows in {"place", "both"} else error_m}
         try:
-            driven = [follow(plan, _disturbed(one, update)) for plan, one in zip(followed, directions, strict=False)]
+            actual = [
+                one.model_copy(update={"disturbance": one.disturbance.model_copy(update=update)}) for one in directions
+            ]
+            driven = [follow(plan, one) for plan, one in zip(followed, actual, strict=False)]
         except InfeasibleLineError:
             driven = []
         if not driven:
@@ -157,7 +160,3 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         return replanned, energy_kwh, delay_s, max(errors, key=abs)
 
     return run
-
-
-def _disturbed(direction: Scenario, update: dict[str, float]) -> Scenario:
-    return direction.model_copy(update={"disturbance": direction.disturbance.model_copy(update=update)})

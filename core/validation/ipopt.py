@@ -107,8 +107,11 @@ class IpoptProblem:
         # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside
         self._free = np.isnan(self._data.fixed_speed2)
         self._opti = self._casadi.Opti()
-        timetable_start = _start_of_own_method(task)
-        start = _one_speed(task) if textbook else timetable_start
+        # the start of our own method, and one speed wherever it is allowed
+        timetable_start, mean = np.empty(len(task.fastest_speed2)), task.mesh.length_m / task.running_time_s
+        start_speeds(self._data, task.fastest_speed2, task.shortest_time_s, task.running_time_s, timetable_start)
+        one_speed = np.where(self._free, np.minimum(mean**2, self._data.limit_speed2), self._data.fixed_speed2)
+        start = one_speed if textbook else timetable_start
         # the floor of our own method, so that crests taken at walking pace mean the same
         floor = np.minimum(SLOWEST_SPEED2, 0.25 * timetable_start)
         # infinite reachable speeds leave all limits over speed in, as a textbook would have them
@@ -204,7 +207,9 @@ class IpoptProblem:
 
     def _energy_per_metre(self, v: Any, traction: Any, braking: Any) -> Any:
         """Return the line energy of the cells over their length, without auxiliaries."""
-        data, power = self._data, _formula(DRIVES[self._data.drive_kind])
+        data, kernel = self._data, DRIVES[self._data.drive_kind]
+        # the Python function behind a compiled one: arithmetic, which takes symbols as well; numba keeps it
+        power: Callable[..., Any] = getattr(kernel, "py_func", kernel)
         taken = power(data.drive_parameters, False, traction * self._scale, v)[0] / v / self._scale
         generated = -power(data.drive_parameters, True, braking * self._scale, v)[0] / v / self._scale
         drawn = 0.0
@@ -231,23 +236,3 @@ class IpoptProblem:
         start, c0, c1, c2, c3 = (ca.MX(ca.DM(np.ascontiguousarray(column))).nz[piece] for column in limit.table.T)
         x = v - start
         return ((c3 * x + c2) * x + c1) * x + c0
-
-
-def _formula(kernel: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the Python function behind a compiled one: arithmetic, which takes symbols as well."""
-    # numba keeps the Python function; of a plain one there is only itself
-    formula: Callable[..., Any] = getattr(kernel, "py_func", kernel)
-    return formula
-
-
-def _start_of_own_method(task: Task) -> FloatArray:
-    """Return the start of our own method: squares of speed [m2/s2], shape (n + 1,)."""
-    speed2 = np.empty(len(task.fastest_speed2))
-    start_speeds(task.mesh.data, task.fastest_speed2, task.shortest_time_s, task.running_time_s, speed2)
-    return speed2
-
-
-def _one_speed(task: Task) -> FloatArray:
-    """Return the square of the mean speed wherever it is allowed [m2/s2], shape (n + 1,)."""
-    data, mean = task.mesh.data, task.mesh.length_m / task.running_time_s
-    return np.where(np.isnan(data.fixed_speed2), np.minimum(mean**2, data.limit_speed2), data.fixed_speed2)

@@ -13,7 +13,6 @@ import numpy as np
 
 from railjoule.core.bounds import minimise
 from railjoule.core.energy import share_above
-from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy, solve
@@ -205,12 +204,13 @@ def saving(kr: float) -> Quantities:
 
 def phase_lengths() -> Quantities:
     """Compute the lengths of cruise and coasting with kr = 0 and 1, in the whole run and in its second part [m]."""
-    lengths = {
-        name: [_length_m(kr, plan(kr), phase) for kr in RECUPERATION_FACTORS]
-        for plan, prefix in ((plan_run, ""), (plan_part_two, "second_"))
-        for phase in ("cruise", "coast")
-        for name in [prefix + phase]
-    }
+    lengths: dict[str, list[float]] = {}
+    for plan, prefix in ((plan_run, ""), (plan_part_two, "second_")):
+        for kr in RECUPERATION_FACTORS:
+            phases = make_planner(kr).phases_of(plan(kr))
+            for name in ("cruise", "coast"):
+                length_m = float(sum(one.distance_m for one in phases if one.phase == name))
+                lengths.setdefault(prefix + name, []).append(length_m)
     cruise, coast = lengths["second_cruise"], lengths["second_coast"]
     return {
         **lengths,
@@ -219,10 +219,6 @@ def phase_lengths() -> Quantities:
         "free_cruise": [plan_run(kr, free_starting_current=True).cruise_m for kr in RECUPERATION_FACTORS],
         "differs": min(cruise[1] - cruise[0], coast[0] - coast[1]),
     }
-
-
-def _length_m(kr: float, plan: PhasePlan, phase: str) -> float:
-    return float(sum(one.distance_m for one in make_planner(kr).phases_of(plan) if one.phase == phase))
 
 
 @cache
