@@ -27,8 +27,7 @@ from types import ModuleType
 from typing import Any
 
 from railjoule.core.citation import printed_numbers
-from railjoule.core.validation.figure import PaperFigure
-from railjoule.core.validation.table import Claim, Comparison, Erratum, Row, Table, Verdict
+from railjoule.core.validation.table import Claim, Comparison, Erratum, PaperFigure, Row, Table, Verdict
 
 Quantities = Mapping[str, Any]
 

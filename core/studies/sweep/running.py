@@ -14,8 +14,8 @@ from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.studies.rows import CHUNKS_PER_WORKER, completed_chunks, worker_count
 from railjoule.core.studies.sweep.engine import solve_rows
+from railjoule.core.studies.sweep.fields import Method
 from railjoule.core.studies.sweep.results import MemoryResults, SweepFile, SweepTable
-from railjoule.core.studies.sweep.sampling import Method
 from railjoule.core.studies.sweep.study import DEFAULT_COLUMNS, Study, make_study
 
 FIRST_CHUNK, MAX_CHUNK = 64, 2048

@@ -17,8 +17,15 @@ from railjoule.core.kernel_cache import source_hash
 from railjoule.core.scenario import Scenario, format_scenario, parse_scenario
 from railjoule.core.scenario._sentences import shorten, show, suggestion
 from railjoule.core.strategy import STRATEGIES
-from railjoule.core.studies.sweep.fields import Field, corners_hold, parse_fields
-from railjoule.core.studies.sweep.sampling import Method, draw_rows, levels_per_field, require_sample
+from railjoule.core.studies.sweep.fields import (
+    Field,
+    Method,
+    corners_hold,
+    draw_rows,
+    levels_per_field,
+    parse_fields,
+    require_sample,
+)
 from railjoule.core.units import J_PER_KWH
 
 SCENARIO_FILE = "scenario.toml"

@@ -10,7 +10,6 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.enoc import enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import SampledRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation.figure import FigureData, Line, Panel
 from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
     PAPER,
@@ -22,6 +21,7 @@ from railjoule.core.validation.ftorek_runs import (
     printed_entry,
     printed_run,
 )
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 NAMES = {"eoc": "EOC as printed", "enoc": "ENOC with the ramps of (15)"}
 PRINTED = "printed extremes"

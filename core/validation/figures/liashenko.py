@@ -4,8 +4,8 @@ import numpy as np
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation.figure import FigureData, Line, Panel
 from railjoule.core.validation.liashenko_runs import compared_table, example, rms
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 DISTANCE = "Distance, m"
 

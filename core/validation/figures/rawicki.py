@@ -5,7 +5,6 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
-from railjoule.core.validation.figure import FigureData, Line, Panel
 from railjoule.core.validation.rawicki_runs import (
     PAPER,
     printed_phases,
@@ -14,6 +13,7 @@ from railjoule.core.validation.rawicki_runs import (
     supply_energy_kwh,
     tram_scenario,
 )
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 DISTANCE, TIME, SPEED, ENERGY = "Distance, m", "Time, s", "Speed, m/s", "Energy, kWh"
 STAGES = {

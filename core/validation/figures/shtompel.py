@@ -6,8 +6,8 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.problem import Evaluation
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
-from railjoule.core.validation.figure import FigureData, Line, Panel
 from railjoule.core.validation.shtompel import map_efficiency, search_limits
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 SPEED_KMH = 20
 """The printed average speed."""

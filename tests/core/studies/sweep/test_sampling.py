@@ -3,8 +3,7 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.studies.sweep import METHODS
-from railjoule.core.studies.sweep.fields import Field
-from railjoule.core.studies.sweep.sampling import draw_rows, require_sample
+from railjoule.core.studies.sweep.fields import Field, draw_rows, require_sample
 
 FIELDS = (
     Field("vehicle.load_factor", ("vehicle", "load_factor"), 0.0, 1.0, whole=False),
