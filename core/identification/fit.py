@@ -21,7 +21,7 @@ import scipy
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification.gauges import GaugeError, GaugeErrors
-from railjoule.core.identification.noise import Noise, estimated_noise, expected_residual_ms, scale_freedom
+from railjoule.core.identification.noise import estimated_noise, expected_residual_ms, scale_freedom
 from railjoule.core.identification.parameters import RESISTANCE, UNITS, Model, Range, free_parameters, physical_range
 from railjoule.core.identification.problem import Problem
 from railjoule.core.identification.sentences import assumed_errors, contradiction, open_parameters
@@ -163,9 +163,7 @@ def fit_runs(
     model = Model(scenario.vehicle, names, float(np.max(steps.end_speed_ms)))
     problem = Problem(model, steps, scenario.line.head_wind_kmh * MS_PER_KMH, stated)
     unknowns = np.zeros(problem.count)
-    noise = Noise()
     for _ in range(NOISE_ROUNDS + 1):
-        problem.weigh(unknowns, noise)
         unknowns = np.asarray(
             scipy.optimize.least_squares(
                 problem.residual,

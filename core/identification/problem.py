@@ -76,9 +76,8 @@ class Problem:
         self.driving_factor = self.coasting_factor = 1.0
         self.speed_inflation, self.power_inflation = np.ones(steps.count), 1.0
         self.drive = make_drive(model.vehicle.drive)
-        self.whitener: Whitener | None = None
-        self.stated = stated
-        self.gauges = self._gauges(stated)
+        self.stated, self.gauges = stated, self._gauges(stated)
+        self.weigh(np.zeros(self.count), Noise())
 
     def _gauges(self, stated: GaugeErrors) -> tuple[GaugeError, ...]:
         """Return the gauge errors that change a residual."""
@@ -150,7 +149,7 @@ class Problem:
             effort = train.end_effort_n
             jump = np.abs(np.diff(effort, append=effort[-1]))
             steps = replace(steps, effort_jump_n=np.where(self.by_power, jump, steps.effort_jump_n))
-        self.noise, self.whitener = noise, Whitener(steps, train, noise)
+        self.whitener = Whitener(steps, train, noise)
 
     def speed_residual(self, unknowns: FloatArray) -> FloatArray:
         """Return simulated less measured speed at the ends of the steps [m/s]."""
@@ -228,7 +227,6 @@ class Problem:
 
     def residual(self, unknowns: FloatArray) -> FloatArray:
         """Return all residuals."""
-        assert self.whitener is not None
         speed = self.whitener(self.speed_residual(unknowns)) / self.speed_inflation
         power = self.power_residual(unknowns) / self.power_inflation
         # what no run tells stays near the scenario's; what they tell is ten and more times better known than that

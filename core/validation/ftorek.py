@@ -276,17 +276,13 @@ def minimum_of_eoc() -> Quantities:
 @cache
 def order_of_strategies() -> Quantities:
     """Compute by how much ENOC lies above EOC and above the optimum, with the ramps of (15) and with its best ones."""
-    peak, best, optimum, own = [], [], [], []
-    for time in TIMES_S:
-        eoc, enoc = (printed_run(strategy, time).total_energy_j for strategy in STRATEGIES)
-        least = eoc_run(time, "optimal").total_energy_j
-        by_best = float(enoc_energy(coefficients(), time, best_acceleration_time(coefficients(), time)))
-        peak.append(100 * (enoc / eoc - 1))
-        best.append(100 * (by_best / eoc - 1))
-        optimum.append(100 * (enoc / least - 1))
-        own.append(100 * (by_best / least - 1))
-    ranges = {"peak": peak, "best": best, "optimum": optimum, "own": own}
-    return {"least": min(peak + best), **{key: (min(values), max(values)) for key, values in ranges.items()}}
+    k = coefficients()
+    eoc, enoc = (np.array([printed_run(one, time).total_energy_j for time in TIMES_S]) for one in STRATEGIES)
+    least = np.array([eoc_run(time, "optimal").total_energy_j for time in TIMES_S])
+    by_best = np.array([float(enoc_energy(k, time, best_acceleration_time(k, time))) for time in TIMES_S])
+    ratios = {"peak": enoc / eoc, "best": by_best / eoc, "optimum": enoc / least, "own": by_best / least}
+    ranges = {key: (100 * (float(of.min()) - 1), 100 * (float(of.max()) - 1)) for key, of in ratios.items()}
+    return {"least": min(ranges["peak"][0], ranges["best"][0]), **ranges}
 
 
 def quintic() -> Quantities:
