@@ -17,11 +17,10 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from types import UnionType
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, get_args
 
 import numpy as np
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
@@ -105,10 +104,11 @@ def _field(scenario: Scenario, name: str, ends: tuple[float, float]) -> Field:
     parts = name.split(".")
     # the drive is a table of its own in a file
     path = ("vehicle", *parts) if parts[0] == "drive" else tuple(parts)
-    kinds = _kinds(_annotation(scenario, path, name))
-    if not kinds & {float, int} or kinds - {float, int, type(None)}:
+    schema = TypeAdapter(_annotation(scenario, path, name)).json_schema()
+    kinds = {kind.get("type") for kind in schema.get("anyOf", [schema])}
+    if not kinds & {"number", "integer"} or kinds - {"number", "integer", "null"}:
         raise ScenarioError(f"{shorten(name)} is no number: a sweep varies only numbers.")
-    whole = float not in kinds
+    whole = "number" not in kinds
     if whole and not (float(low).is_integer() and float(high).is_integer()):
         raise ScenarioError(f"{name}: the ends of the range {low:g} to {high:g} must be whole numbers.")
     return Field(name, path, float(low), float(high), whole)
@@ -128,15 +128,6 @@ def _annotation(scenario: Scenario, path: Path, name: str) -> Any:
         if not isinstance(table, BaseModel):
             raise ScenarioError(f"{shorten(name)}: {shorten(key)} is no table with numbers in this scenario.")
     return type(table).model_fields[path[-1]].annotation
-
-
-def _kinds(annotation: Any) -> set[Any]:
-    """Return the types of the values that a field takes."""
-    if get_origin(annotation) is Annotated:
-        return _kinds(get_args(annotation)[0])
-    if get_origin(annotation) in (Union, UnionType):
-        return set().union(*(_kinds(inner) for inner in get_args(annotation)))
-    return {annotation}
 
 
 def corners_hold(scenario: Scenario, fields: Sequence[Field]) -> bool:

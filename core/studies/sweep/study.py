@@ -20,7 +20,6 @@ from railjoule.core.strategy import STRATEGIES
 from railjoule.core.studies.sweep.fields import (
     Field,
     Method,
-    corners_hold,
     draw_rows,
     levels_per_field,
     parse_fields,
@@ -132,11 +131,6 @@ class Study:
         """32 hexadecimal digits that change with anything that decides a number of the table."""
         # the order of the fields counts: each has a coordinate of the sample
         return hashlib.sha256(json.dumps(self.identity).encode()).hexdigest()[:32]
-
-    @cached_property
-    def is_box_valid(self) -> bool:
-        """Whether values within the ranges need no further check."""
-        return corners_hold(self.scenario, self.fields)
 
     def level_count(self, field: Field) -> int | None:
         """Return the number of values of a field; None for a whole range."""
