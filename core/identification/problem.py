@@ -69,7 +69,7 @@ class Problem:
     def __init__(self, model: Model, steps: Steps, wind_ms: float, stated: GaugeErrors) -> None:
         self.model, self.steps, self.wind_ms = model, steps, wind_ms
         self.by_power = np.isnan(steps.effort_n)
-        # a brake takes what the drive does not, and gives back what the recuperation factor says: neither is fitted
+        # a brake takes the rest of the effort, and the recuperation factor decides how much it gives back: not fitted
         self.metered = ~np.isnan(steps.read_power_w) & (np.nan_to_num(steps.read_effort_n, nan=-1.0) >= 0)
         if not {EFFICIENCY, AUXILIARY} & set(model.free):
             self.metered[:] = False
@@ -229,7 +229,7 @@ class Problem:
         """Return all residuals."""
         speed = self.whitener(self.speed_residual(unknowns)) / self.speed_inflation
         power = self.power_residual(unknowns) / self.power_inflation
-        # what no run tells stays near the scenario's; what they tell is ten and more times better known than that
+        # parameters that no run determines stay near the scenario's; others are ten and more times better known
         prior = np.append(unknowns[: self.free_count] / WEAK, unknowns[self.free_count :])
         return np.concatenate([speed, power, prior])
 
@@ -271,7 +271,7 @@ def simulated_speed(
     start_speed_ms : array of shape (n,)
         Measured speed at the start of each step, of which only those count where a section begins [m/s].
     begins : array of bool of shape (n,)
-        Where a section begins.
+        Whether a section begins with the step.
     force_n : array of shape (n,)
         Effort less the forces of gradients and curves [N].
     tunnel_factor : array of shape (n,)
