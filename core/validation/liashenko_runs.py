@@ -18,8 +18,6 @@ from railjoule.core.trajectory import Trajectory
 
 PAPER = printed_numbers("liashenko-2025")
 """The content of the file of the paper; not to be changed."""
-BOTH_DIRECTIONS = (False, True)
-"""Values of `line.reverse` over which (12) adds energies."""
 MIN_SHOWN = 0.05
 """A difference [percentage points] or delay [s] below this reads as 0.0."""
 
@@ -58,8 +56,8 @@ def example(place: str) -> tuple[Following, Trajectory]:
 
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:
-    """Return a scenario with changes, there and back."""
-    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
+    """Return a scenario with changes, there and back: the runs over which (12) adds energies."""
+    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in (False, True))
 
 
 def above_own_time(scenarios: Sequence[Scenario]) -> float:
