@@ -25,8 +25,8 @@ from railjoule.core.physics.account import CellAccount, account_of_run
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
-from railjoule.core.studies.sweep.fields import Patch
-from railjoule.core.studies.sweep.rows import RowByRow, Rows
+from railjoule.core.studies.rows import RowByRow, Rows
+from railjoule.core.studies.sweep.fields import corners_hold, patched
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
 from railjoule.core.trajectory import Trajectory, durations_s, energy_balance, supply_energies_j
@@ -106,32 +106,25 @@ class MeshOptimum:
         The point and its multipliers.
     cells : CellAccount
         The accounts of its cells.
-    net_j : float
-        Net energy at the line [J].
+    energy_kwh : float
+        Net energy at the line, auxiliaries included [kWh].
     travel_time_s : float
         Time of the whole run, dwells included [s].
+    price_of_time_w : float
+        Decrease of the optimum if the timetable is one second longer [J/s].
     """
 
     task: Task
     optimum: Optimum
     cells: CellAccount
-    net_j: float
+    energy_kwh: float
     travel_time_s: float
+    price_of_time_w: float
 
     @cached_property
     def energy(self) -> Energy:
         """The account of the whole run, which takes longer than its net energy."""
         return energy_balance(self.task.mesh, self.optimum.speed2, self.cells)
-
-    @property
-    def energy_kwh(self) -> float:
-        """Net energy at the line, auxiliaries included [kWh]."""
-        return self.net_j / J_PER_KWH
-
-    @property
-    def price_of_time_w(self) -> float:
-        """Decrease of the optimum if the timetable is one second longer [J/s]."""
-        return self.optimum.price_of_time_w
 
     @cached_property
     def lower_bound_kwh(self) -> float:
@@ -153,7 +146,9 @@ class Engine:
     """
 
     def __init__(self, study: Study) -> None:
-        self._study, self._patch = study, Patch(study.scenario, study.fields)
+        self._study = study
+        # values within the ranges need no further check
+        self._is_box_valid = corners_hold(study.scenario, study.fields)
         names = [".".join(field.path) for field in study.fields]
         self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
         # limits by adhesion depend on the mass
@@ -179,8 +174,8 @@ class Engine:
         return solve(scenario, self._study.strategy)
 
     def _scenario_at(self, sample: Sequence[float]) -> Scenario:
-        if self._study.is_box_valid:
-            return self._patch(sample)
+        if self._is_box_valid:
+            return patched(self._study.scenario, self._study.fields, sample)
         pairs = zip(self._study.fields, sample, strict=True)
         return self._study.scenario.replace(**{field.name: field.value(value) for field, value in pairs})
 
@@ -216,4 +211,5 @@ def mesh_optimum(task: Task) -> MeshOptimum | None:
     # a bound does not cover later runs
     if time_s > task.travel_time_s * (1 + LATE_SHARE):
         return None
-    return MeshOptimum(task, optimum, cells, net_energy(*supply_energies_j(mesh, cells)), time_s)
+    energy_kwh = net_energy(*supply_energies_j(mesh, cells)) / J_PER_KWH
+    return MeshOptimum(task, optimum, cells, energy_kwh, time_s, optimum.price_of_time_w)

@@ -9,8 +9,8 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
-from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.chart import Axis, add_zero, nice_range, xy
@@ -312,18 +312,18 @@ class DetuningChart(LoneChart):
         self.line("curve", "accent", line_width=1.8)
         self.dots("curve", size=8, line_width=1.5)
 
-    def draw(self, table: DetuningTable) -> None:
+    def draw(self, table: StudyTable) -> None:
         """Draw what is known so far, against the controller that assumes the true resistance."""
         factors, more = detuning_cost(table)
         self.put("curve", **xy(factors, more))
-        ends = table.rotor_resistance_factors
+        ends = table.rotor_resistance_factor
         low, high = float(np.min(more, initial=0.0)), float(np.max(more, initial=1e-3))
         self.set_ranges((min(ends), max(ends)), nice_range(low, high, 0.1))
 
 
-def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
+def detuning_cost(table: StudyTable) -> tuple[FloatArray, FloatArray]:
     """Return the factors that are computed, rising, and how much more energy each takes than the right one [%]."""
-    factors = np.array(table.rotor_resistance_factors)
+    factors = np.array(table.rotor_resistance_factor)
     right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
     # before the right one is there, nothing can be told against it
     known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
@@ -332,11 +332,11 @@ def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
     return factors[known], 100 * share_above(table.energy_kwh[known], float(right))
 
 
-def detuning_table(table: DetuningTable) -> str:
+def detuning_table(table: StudyTable) -> str:
     """Return what each factor that is computed makes of the run."""
     rows = []
     for factor, more in zip(*detuning_cost(table), strict=True):
-        k = table.rotor_resistance_factors.index(factor)
+        k = table.rotor_resistance_factor.index(factor)
         cells = (
             f"{words.number(factor, 2)} \u00d7",
             words.share_difference(more / 100),

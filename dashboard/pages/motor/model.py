@@ -8,8 +8,8 @@ import param
 from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
-from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineMap, limit_changes, limits_of
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -63,7 +63,7 @@ class MotorModel(TypedParameters, PageModel):
     machine_map = result(MachineMap, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
     flux_sweep = result(FluxSweep, "Cruise over the flux current.")
-    detuning = result(DetuningTable, "The study so far.")
+    detuning = result(StudyTable, "The study so far.")
     studying = param.Boolean(default=False, doc="Whether the study of detuning is under way.")
     study = param.Event(doc="Start that study.")
     stop_study = param.Event(doc="Stop it; results so far are kept.")

@@ -4,8 +4,8 @@ from typing import Any
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.simulation.field_oriented import Ripple
-from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.pages.motor.compute import (
     FluxRequest,
     LoopRequest,
@@ -147,5 +147,5 @@ class Motor(PageWork[MotorModel]):
     def _take_no_flux(self, failure: RailjouleError) -> None:
         self.model.param.update(flux_sweep=None, failure=failure)
 
-    def _take_detuning(self, table: DetuningTable, last: bool) -> None:
+    def _take_detuning(self, table: StudyTable, last: bool) -> None:
         self.model.param.update(detuning=table, studying=not last)

@@ -16,7 +16,7 @@ from typing import Any
 import railjoule.core
 from railjoule.core.kernel_cache import source_hash
 from railjoule.core.validation import COMPARISONS, Claim, Row, Table, Validation
-from railjoule.core.validation.figure import FigureData
+from railjoule.core.validation.table import FigureData
 
 SHIPPED = ("papers", "computed.json")
 ASSETS = ("vehicles", "lines", "scenarios", "papers")

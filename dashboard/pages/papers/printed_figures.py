@@ -11,7 +11,7 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import format_scenario
-from railjoule.core.validation.figure import FigureData, PaperFigure
+from railjoule.core.validation.table import FigureData, PaperFigure
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.papers.names import AUTHORS

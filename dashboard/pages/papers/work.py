@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from railjoule.core.validation import COMPARISONS
-from railjoule.core.validation.figure import FigureData
+from railjoule.core.validation.table import FigureData
 from railjoule.dashboard.pages.papers.compute import PaperTables, compute_figures, compute_papers, shipped_tables
 from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.state.page_work import PageWork

@@ -93,10 +93,10 @@ def test_the_study_shows_what_came(view: MotorView) -> None:
     empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
-    view.model.detuning = replace(empty, energy_kwh=energy, done=3)
+    view.model.detuning = replace(empty, columns={**empty.columns, "energy_kwh": energy}, done=3)
     assert view.detuning.host.visible
     # in the order of the factors, against the right one
-    nearest = empty.rotor_resistance_factors[:3]
+    nearest = empty.rotor_resistance_factor[:3]
     assert view.detuning.sources["curve"].data["x"] == sorted(nearest)
     cost = dict(zip(view.detuning.sources["curve"].data["x"], view.detuning.sources["curve"].data["y"], strict=True))
     assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railjoule.core.validation import COMPARISONS, Comparison
-from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
+from railjoule.core.validation.table import FigureData, Line, Panel, PaperFigure
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.pages.papers.panels import draw_panel
