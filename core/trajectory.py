@@ -15,7 +15,7 @@ from railjoule.core.lower_bound import ON_TIME_S, Bound, Reference, Window
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
 from railjoule.core.phases import Phase, RunData, find_phases
-from railjoule.core.physics.account import SMALL_ENERGY_SHARE, CellAccount, account_of_run
+from railjoule.core.physics.energy_balance import SMALL_ENERGY_SHARE, CellBalance, run_balance
 from railjoule.core.physics.mesh_data import MeshData, electric_limit_n, tractive_limit_n
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategy import STRATEGIES
@@ -310,7 +310,7 @@ def make_trajectory(
     **details
         Further fields of the trajectory.
     """
-    data, account = mesh.data, account_of_run(mesh.data, speed2)
+    data, account = mesh.data, run_balance(mesh.data, speed2)
     # standing is a cell with time and without length, its node there twice: so all sums over cells hold, and a chart
     # over time shows the stop
     stops = np.flatnonzero(mesh.dwell_s > 0)
@@ -318,7 +318,7 @@ def make_trajectory(
     max_effort = tractive_limit_n(data, account.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
     max_braking = electric_limit_n(data, account.mean_speed_ms) + data.friction_effort_n
-    cells, durations = CellAccount(*(np.insert(values, stops, 0.0) for values in account)), durations_s(mesh, account)
+    cells, durations = CellBalance(*(np.insert(values, stops, 0.0) for values in account)), durations_s(mesh, account)
     power = cells.supply_power_w + data.auxiliary_power_w
     position, speed = (np.insert(values, stops, values[stops]) for values in (mesh.position_m, np.sqrt(speed2)))
     return Trajectory(
@@ -342,13 +342,13 @@ def make_trajectory(
     )
 
 
-def durations_s(mesh: MeshedLine, cells: CellAccount) -> FloatArray:
+def durations_s(mesh: MeshedLine, cells: CellBalance) -> FloatArray:
     """Return the times of a run's cells and dwells in their order [s]; a dwell is a cell without length."""
     stops = np.flatnonzero(mesh.dwell_s > 0)
     return np.insert(cells.duration_s, stops, mesh.dwell_s[stops])
 
 
-def supplied_effort_n(data: MeshData, cells: CellAccount) -> FloatArray:
+def supplied_effort_n(data: MeshData, cells: CellBalance) -> FloatArray:
     """Return the electric efforts that take power, braking negative [N]; shape (n,).
 
     The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
@@ -357,7 +357,7 @@ def supplied_effort_n(data: MeshData, cells: CellAccount) -> FloatArray:
     return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
-def supply_energies_j(mesh: MeshedLine, cells: CellAccount) -> tuple[float, float, float]:
+def supply_energies_j(mesh: MeshedLine, cells: CellBalance) -> tuple[float, float, float]:
     """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
     duration = cells.duration_s
     # a cell takes or gives, never both: its power is constant
@@ -366,7 +366,7 @@ def supply_energies_j(mesh: MeshedLine, cells: CellAccount) -> tuple[float, floa
     return taken, given, mesh.data.auxiliary_power_w * float(np.sum(duration) + np.sum(mesh.dwell_s))
 
 
-def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellAccount) -> Energy:
+def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellBalance) -> Energy:
     """Return the energy account of a run from those of its cells.
 
     Parameters
@@ -376,7 +376,7 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellAccount) -> 
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     cells : CellAccount
-        What `account_of_run` says of them.
+        What `run_balance` says of them.
     """
     data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {

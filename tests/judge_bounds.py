@@ -24,7 +24,7 @@ from pathlib import Path
 from railjoule.core import RailjouleError, Scenario, Trajectory, check_run, solve
 from railjoule.core.check.efforts import SWITCHING
 from railjoule.core.compilation import require_compiled
-from railjoule.core.physics.account import SMALL_ENERGY_SHARE
+from railjoule.core.physics.energy_balance import SMALL_ENERGY_SHARE
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation import ipopt

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from railjoule.core.check.account import account_findings, power_findings
 from railjoule.core.check.case import Case
 from railjoule.core.check.efforts import effort_findings, switching_findings
+from railjoule.core.check.energy_balance import balance_findings, power_findings
 from railjoule.core.check.motion import find_disorder, motion_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
 from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked
@@ -98,7 +98,7 @@ def _findings(case: Case) -> Iterator[Finding]:
         if not found.ok:
             yield Unchecked("all other rules", reason)
             return
-    for findings in (motion_findings, effort_findings, switching_findings, power_findings, account_findings):
+    for findings in (motion_findings, effort_findings, switching_findings, power_findings, balance_findings):
         yield from findings(case)
 
 

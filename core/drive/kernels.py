@@ -23,7 +23,7 @@ from railjoule.core.drive.geared import (
 )
 from railjoule.core.drive.induction import min_loss
 from railjoule.core.drive.induction.drive import make_induction
-from railjoule.core.drive.induction.machine import machine_of
+from railjoule.core.drive.induction.machine import make_machine
 from railjoule.core.drive.kinds import (
     CONCAVE,
     CONSTANT_EFFICIENCY,
@@ -93,7 +93,7 @@ def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, spee
     by_effort = share / (motors * turns)
     torque, rads = by_effort * effort, turns * speed
     if kind == INDUCTION:
-        power = min_loss.input_power_of_shaft(machine_of(parameters), torque, rads, smooth)
+        power = min_loss.input_power_of_shaft(make_machine(parameters), torque, rads, smooth)
         # the input power contains that of the shaft
         share = 0.0
     else:

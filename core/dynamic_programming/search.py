@@ -16,7 +16,7 @@ from railjoule.core.dynamic_programming.steps import Steps, tabulate_steps
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
 from railjoule.core.motion.passes import slowed_to_reach
-from railjoule.core.physics.account import run_energy
+from railjoule.core.physics.energy_balance import run_energy
 from railjoule.core.physics.mesh_data import MeshData
 
 # Each constant that shapes a run was halved and doubled over 13 shipped scenarios; parts per million (ppm) are of the

@@ -13,7 +13,7 @@ from typing import Any
 from railjoule.core.csv_text import unguarded
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import FromFile, Notes
-from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, text_of
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text
 from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
@@ -90,7 +90,7 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
         return replace(_named_table(rows, "", notes, is_header), sheets=sheets)
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
-    text, notes.findings = text_of(source)
+    text, notes.findings = read_text(source)
     separator = _separator_of(text, is_header)
     return _named_table(_csv_rows(source.name, text, separator), separator, notes, is_header)
 

@@ -184,7 +184,7 @@ def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> 
     return Heading(units[0] if units else None, doubt)
 
 
-def selectors_of(cells: CellTable, used: Collection[str]) -> list[str]:
+def line_selectors(cells: CellTable, used: Collection[str]) -> list[str]:
     """List the columns of a line or a track, except those that are `used` otherwise."""
     names = {name for role in SELECTORS for name in NAMES[role]}
     return [column for column in cells.header if column not in used and _name_words(column) in names]

@@ -16,12 +16,12 @@ from railjoule.core.imports.columns import (
     ResolvedColumns,
     TableUnits,
     direction_word,
+    line_selectors,
     resolve,
     same_name,
-    selectors_of,
 )
 from railjoule.core.imports.findings import Notes
-from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_of, position_of, text_of_cell, value_of
+from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_mark, parse_position, parse_value, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.table import (
     DIGITS_M,
@@ -112,7 +112,7 @@ def _chosen_rows(
         if not rows:
             known = shown_list(sorted(set(texts)))
             raise ScenarioError(f"{source}: no row has {column} = {show(value)}; there are {known}.")
-    selectors = selectors_of(cells, used)
+    selectors = line_selectors(cells, used)
     for column in selectors:
         values = sorted(set(_texts(cells, rows, column)))
         if len(values) > 1 and column not in chosen:
@@ -149,8 +149,8 @@ def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: Notes) -> Tab
     def read(number: int, column: str | None, cell: Cell, is_value: bool = False) -> float:
         try:
             if is_value:
-                return value_of(cell, kind, value.unit, decimal, value.stated)
-            return position_of(cell, position.unit, decimal)
+                return parse_value(cell, kind, value.unit, decimal, value.stated)
+            return parse_position(cell, position.unit, decimal)
         except ValueError as error:
             raise ScenarioError(f"{cells.source}, row {number}: {column} = {show(cell)} {error}.") from None
 
@@ -182,7 +182,7 @@ def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes:
         return cast("Decimal", wanted.decimal)
     names = [name for name in (found.begin, found.end, found.value) if name]
     with_numbers = [pair for name in names for pair in cells.column(name)]
-    decimal, in_doubt = decimal_of(with_numbers, cells.separator, cells.source)
+    decimal, in_doubt = decimal_mark(with_numbers, cells.separator, cells.source)
     if in_doubt is not None:
         sign = {".": "point", ",": "comma"}[decimal]
         use = "comma parts thousands" if cells.separator == "," else f"{sign} is for decimals"

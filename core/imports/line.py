@@ -60,7 +60,7 @@ class ImportedLine(Imported):
         return csv_of_rows([columns, *([section.get(name, "") for name in columns] for section in sections)])
 
 
-def line_of(
+def build_line(
     *,
     gradients: ImportedTable | None = None,
     limits: ImportedTable | None = None,
@@ -288,7 +288,7 @@ def line_from_tables(
     stops = [
         Stop(one.name, one.position_m, one.dwell_s, one.earliest_arrival_s, one.latest_arrival_s) for one in stations
     ]
-    found = line_of(**read, stops=stops, begin_m=begin_m, end_m=end_m, reverse=reverse, name=name)
+    found = build_line(**read, stops=stops, begin_m=begin_m, end_m=end_m, reverse=reverse, name=name)
     for sentence in (*(finding.sentence for finding in found.findings), *found.unused):
         # the reader of a table should know what was assumed, and a program has no page that lists it
         warnings.warn(sentence, stacklevel=3)

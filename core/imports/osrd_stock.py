@@ -7,7 +7,7 @@ from pydantic import Field
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.vehicle import ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import counted, validated
@@ -96,7 +96,7 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | N
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    notes, stocks = Notes(source.name), stocks_of(source)
+    notes, stocks = Notes(source.name), read_stocks(source)
     names = [str(stock.get("name", f"{number}")) for number, stock in enumerate(stocks, 1)]
     stock = validated(RollingStock, stocks[notes.chosen(names, wanted, "train")], source.name)
     notes.add_unknown_keys(stock)
@@ -122,7 +122,7 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | N
     return imported_vehicle(table, notes)
 
 
-def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
+def read_stocks(source: SourceFile) -> list[dict[str, Any]]:
     """Return the rolling stocks of a file: the one that it is, or those of its list.
 
     Raises
@@ -130,7 +130,7 @@ def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
     ScenarioError
         If it is no JSON, or a list of something else.
     """
-    document: Any = json_of(source, lists=True)
+    document: Any = read_json(source, lists=True)
     if isinstance(document, dict):
         document = next((document[key] for key in LISTS if isinstance(document.get(key), list)), [document])
     if not document or not all(isinstance(one, dict) for one in document):

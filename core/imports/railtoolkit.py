@@ -8,9 +8,9 @@ from pydantic import Field, model_validator
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
-from railjoule.core.imports.line import ImportedLine, line_of
+from railjoule.core.imports.line import ImportedLine, build_line
 from railjoule.core.imports.railtoolkit_train import read_train
-from railjoule.core.imports.source_file import SourceFile, unicode_text_of
+from railjoule.core.imports.source_file import SourceFile, read_unicode
 from railjoule.core.imports.table import ImportedTable, bounded, require_rising, stepwise
 from railjoule.core.imports.units import IntervalKind
 from railjoule.core.imports.vehicle import ImportedVehicle
@@ -70,7 +70,7 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    document = yaml_of(source)
+    document = read_yaml(source)
     schema = str(document.pop("schema", ""))
     notes = Notes(source.name)
     notes.version("schema_version", str(document.pop("schema_version", "")), VERSIONS)
@@ -81,7 +81,7 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     raise ScenarioError(f"{source.name}: schema = {show(schema)} must be that of rolling-stock or running-path.")
 
 
-def yaml_of(source: SourceFile) -> dict[str, Any]:
+def read_yaml(source: SourceFile) -> dict[str, Any]:
     """Return the table that a YAML file holds.
 
     Raises
@@ -97,7 +97,7 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
         ) from None
     if len(source.content) > MAX_YAML_BYTES:
         raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB allowed.")
-    text = unicode_text_of(source, "YAML")
+    text = read_unicode(source, "YAML")
     try:
         level = 0
         for event in yaml.parse(text, yaml.SafeLoader):
@@ -131,7 +131,7 @@ def _read_path(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
     if keys := sorted({key for row in rows for key in (row.model_extra or {})}):
         notes.add_unused(f"characteristic_sections: {shown_list(keys)}.")
     notes.add("assumption", "resistance is taken as the gradient: it may hold that of curves too.")
-    line = line_of(
+    line = build_line(
         gradients=_table("gradients", source, [(row.position, row.resistance) for row in rows]),
         limits=_table("limits", source, [(row.position, row.speed) for row in rows]),
         begin_m=rows[0].position,

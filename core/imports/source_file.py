@@ -66,7 +66,7 @@ class SourceFile:
         return cls(path.name, read_bytes(path, MAX_BYTES), encoding)
 
 
-def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
+def read_text(source: SourceFile) -> tuple[str, list[Finding]]:
     """Decode a file, with a finding about its code page if that was guessed.
 
     Raises
@@ -104,7 +104,7 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
     return text, findings
 
 
-def unicode_text_of(source: SourceFile, form: str) -> str:
+def read_unicode(source: SourceFile, form: str) -> str:
     """Decode a file in a format that is UTF-8 by definition, or in the code page that the user names.
 
     Raises
@@ -112,13 +112,13 @@ def unicode_text_of(source: SourceFile, form: str) -> str:
     ScenarioError
         If it is in neither, larger than 50 MB or no text.
     """
-    text, findings = text_of(source)
+    text, findings = read_text(source)
     if findings:
         raise EncodingError(source.name, f"which {form} is by definition")
     return text
 
 
-def json_of(source: SourceFile, lists: bool = False) -> Any:
+def read_json(source: SourceFile, lists: bool = False) -> Any:
     """Read the table of a JSON file, or if lists are accepted its list.
 
     Raises
@@ -130,7 +130,7 @@ def json_of(source: SourceFile, lists: bool = False) -> Any:
     def refuse(constant: str) -> NoReturn:
         raise ScenarioError(f"{source.name}: {constant} is not a number that can be used.")
 
-    text = unicode_text_of(source, "JSON")
+    text = read_unicode(source, "JSON")
     try:
         value = json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:

@@ -12,7 +12,6 @@ from railjoule.core.drive.line_power import smooth_supply_power
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
-from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import (
     duration,
     force_slopes,
@@ -22,7 +21,8 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
+from railjoule.core.physics.energy_balance import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -69,7 +69,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         # a fixed node may stand still: no derivative, rather than one over zero
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
-        cell = scaled_cell_of(mesh, i, scale)
+        cell = scaled_cell_at(mesh, i, scale)
         force = needed_force(cell, w[i], w[i + 1], v)
         d0, d1 = force_slopes(cell, u0, u1)
         f = cells.traction[i]

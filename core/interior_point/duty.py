@@ -20,7 +20,7 @@ from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING, NOTHING
 
 DRIVEN, COASTED = 0.98, 0.02
@@ -60,7 +60,7 @@ def duty(mesh: MeshData, optimum: Optimum) -> Duty:
         if another and optimum.braking_n[i] > touch:
             # next to a stop the effort that is needed may draw, though a smaller one would generate
             gains = gains and smooth_power_when_on(kind, parameters, True, optimum.braking_n[i], v)[0] < 0.0
-        if not gains and (another or -needed_force(cell_of(mesh, i), w[i], w[i + 1], v) <= friction):
+        if not gains and (another or -needed_force(cell_at(mesh, i), w[i], w[i + 1], v) <= friction):
             braking[i] = 0.0
     return Duty(driving, braking)
 
@@ -104,7 +104,7 @@ def coasting_exactly(mesh: MeshData, optimum: Optimum) -> FloatArray:
     for i in range(mesh.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if small and math.isnan(mesh.fixed_speed2[i + 1]) and speed2[i] > 0.0:
-            leaving = exit_speed2(cell_of(mesh, i), train, traction, braking, speed2[i], COAST)
+            leaving = exit_speed2(cell_at(mesh, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:
                 speed2[i + 1] = min(leaving, mesh.limit_speed2[i + 1])

@@ -28,7 +28,7 @@ from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, FAST, Work, a
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.mesh_data import MeshData
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1

@@ -18,10 +18,10 @@ from railjoule.core.interior_point.envelope import tabulate_envelope
 from railjoule.core.interior_point.layout import Work
 from railjoule.core.interior_point.switching import tabulate_rays
 from railjoule.core.motion.passes import running_time as running_time_of
-from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
+from railjoule.core.physics.energy_balance import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -157,7 +157,7 @@ def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
     inertia = mesh.half_inertia_kg / scale
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        cell = scaled_cell_of(mesh, i, scale)
+        cell = scaled_cell_at(mesh, i, scale)
         rise = cell.inertia * (w[i + 1] - w[i])
         force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf

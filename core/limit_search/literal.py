@@ -26,7 +26,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.regulation import Regulation, braking_curves, regulation_of
+from railjoule.core.limit_search.regulation import Regulation, braking_curves, make_regulation
 from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 from railjoule.core.physics.effort_limit import max_effort
@@ -84,7 +84,7 @@ def literal_regulation(
         How far below the line's limits it keeps [m/s].
     """
     data, left = mesh.data, 1.0 - BRAKE_RESERVE
-    regulation = regulation_of(mesh, stop_deceleration_ms2, False)
+    regulation = make_regulation(mesh, stop_deceleration_ms2, False)
     regulation = regulation._replace(
         deceleration_ms2=min(stop_deceleration_ms2, left * data.max_deceleration_ms2),
         top_speed2=np.maximum(np.sqrt(regulation.top_speed2) - dead_zone_ms, 0.0) ** 2,

@@ -17,7 +17,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.regulation import Regulation, regulation_of
+from railjoule.core.limit_search.regulation import Regulation, make_regulation
 from railjoule.core.limit_search.trip import regulated_trip
 from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.physics.mesh_data import MeshData
@@ -259,10 +259,10 @@ class LimitProblem:
 
     def over(self, mesh: MeshedLine, whole_cells: bool = False) -> "LimitProblem":
         """Return the same problem over another mesh; with `whole_cells` its trips are runs over that mesh."""
-        regulation = regulation_of(mesh, self.regulation.deceleration_ms2, self.regulation.brakes)
+        regulation = make_regulation(mesh, self.regulation.deceleration_ms2, self.regulation.brakes)
         return replace(self, mesh=mesh, regulation=regulation._replace(whole_cells=whole_cells))
 
-    def nodes_of(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def place_nodes(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return places [m] and squares of speed [m2/s2] of a trip, cut wherever its regulator changes its effort.
 
         A trip that fails ends where it does.

@@ -44,7 +44,7 @@ class Regulation(NamedTuple):
     whole_cells: bool = False
 
 
-def regulation_of(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
+def make_regulation(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
     """Return the limits of a meshed line for a regulator that `brakes` for sections or coasts."""
     data = mesh.data
     bound = data.limit_speed2.copy()

@@ -26,7 +26,7 @@ from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exi
 from railjoule.core.motion.driving import ROUNDING, reachable_speed2
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, part_of_cell, shared_by_cells
 
 # Share by which a square of speed may miss its limit and still be at it: more than what cuts and the fixed point of a
 # cell leave, or the regulator would change its effort again and again beside its mark.
@@ -175,7 +175,7 @@ def trip(
     position[0], speed2[0] = regulation.position_m[0], w
     nodes, section, time, energy = 1, 0, 0.0, 0.0
     for i in range(regulation.top_speed2.shape[0]):
-        whole = cell_of(mesh, i)
+        whole = cell_at(mesh, i)
         place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
@@ -253,7 +253,7 @@ def trip_over_cells(
     w, time, energy, section = max(mesh.fixed_speed2[0], 0.0), 0.0, 0.0, 0
     position, speed2 = regulation.position_m, np.full(regulation.position_m.shape[0], w)
     for i in range(regulation.top_speed2.shape[0]):
-        cell = cell_of(mesh, i)
+        cell = cell_at(mesh, i)
         # a border that all but falls on a node was merged with it
         middle = regulation.position_m[i] + 0.5 * cell.length_m
         while section < borders_m.shape[0] and borders_m[section] <= middle:

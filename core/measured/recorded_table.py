@@ -14,14 +14,14 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
-from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, effort_of, time_of_positions
+from railjoule.core.measured.recording import SHORTEST_RUN_S, distance_m, time_of_positions, tractive_effort_n
 from railjoule.core.measured.table import (
     FALLING,
     Table,
-    direction_of,
     impossible_change_words,
     read_table,
     require_rising,
+    running_direction,
 )
 from railjoule.core.scenario._sentences import counted
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -85,7 +85,7 @@ def run_table(cells: CellTable, form: RecorderFormat = GENERIC) -> RunTable:
     table = _with_time(table, notes)
     time = table.values["time"]
     values: dict[str, FloatArray | None] = {**table.values, "position": _positions(table, notes)}
-    values["effort"] = effort_of(table.values)
+    values["effort"] = tractive_effort_n(table.values)
     negative = np.flatnonzero(table.values["speed"] < 0)
     if len(negative):
         first = table.shown("speed", int(negative[0]))
@@ -131,7 +131,7 @@ def _positions(table: Table, notes: list[str]) -> FloatArray:
     if "position" not in table.values:
         notes.append("Positions follow from speeds and times.")
         return distance_m(time, speed)
-    direction = direction_of(table)
+    direction = running_direction(table)
     if direction < 0:
         notes.append(FALLING)
     position: FloatArray = direction * table.values["position"]

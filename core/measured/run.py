@@ -15,7 +15,7 @@ from railjoule.core.measured.recording import Recording, distance_m, load_record
 from railjoule.core.measured.speed import MIN_STEP_MS, smoothed_speed
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.mesh_data import cell_of, electric_limit_n, tractive_limit_n, train_of
+from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, tractive_limit_n, train_data
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
@@ -177,9 +177,9 @@ def _pull_ms2(own: Scenario, speed_ms: FloatArray, position_m: FloatArray) -> Fl
 def _with_coasting(mesh: MeshedLine, speed2: FloatArray, coasts: BoolArray, within_ms: float) -> FloatArray:
     """Return squares of speed at the nodes that coast exactly where the train coasts, as far as that stays close."""
     data, exact = mesh.data, np.array(speed2)
-    train = train_of(data)
+    train = train_data(data)
     for cell in np.flatnonzero(coasts).tolist():
-        after = exit_speed2(cell_of(data, cell), train, data.traction, data.braking, exact[cell], COAST)
+        after = exit_speed2(cell_at(data, cell), train, data.traction, data.braking, exact[cell], COAST)
         if after > 0 and speed2[cell + 1] > 0 and abs(np.sqrt(after) - np.sqrt(speed2[cell + 1])) <= within_ms:
             exact[cell + 1] = after
     return exact

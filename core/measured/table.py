@@ -14,7 +14,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.findings import without_name
-from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
+from railjoule.core.imports.numbers import Decimal, decimal_mark, parse_cell, parse_position, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.measured.columns import (
     CLOCK,
@@ -171,8 +171,8 @@ def _decimals(columns: Sequence[Column], cells: CellTable) -> dict[str, Decimal]
     """Find the decimal sign of each quantity: one for the file, or if it mixes them one for each column."""
     pairs = {one.quantity: cells.column(one.header) for one in columns}
     with suppress(ScenarioError):
-        return dict.fromkeys(pairs, decimal_of(chain.from_iterable(pairs.values()), cells.separator, cells.source)[0])
-    return {quantity: decimal_of(some, cells.separator, cells.source)[0] for quantity, some in pairs.items()}
+        return dict.fromkeys(pairs, decimal_mark(chain.from_iterable(pairs.values()), cells.separator, cells.source)[0])
+    return {quantity: decimal_mark(some, cells.separator, cells.source)[0] for quantity, some in pairs.items()}
 
 
 def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
@@ -185,9 +185,9 @@ def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
             if column.unit == CLOCK:
                 values[index] = _clock(text_of_cell(cell))
             elif column.quantity == "position":
-                values[index] = position_of(cell, column.unit, decimal)
+                values[index] = parse_position(cell, column.unit, decimal)
             else:
-                values[index] = number_of(cell, decimal) * column.factor
+                values[index] = parse_cell(cell, decimal) * column.factor
         except ValueError as error:
             raise RecordingError(f"{cells.source}, row {row}: {column.header} = {show(cell)} {error}.") from None
     return values
@@ -240,7 +240,7 @@ MAX_NOISE_SHARE = 0.02
 """Of the distance: positions that leave the speeds by more, as a root mean square, were reset."""
 
 
-def direction_of(table: Table) -> int:
+def running_direction(table: Table) -> int:
     """Return -1 for a train that runs in falling chainage, else 1: in falling chainage most steps fall."""
     steps = np.sign(np.diff(table.values["position"]))
     return -1 if float(np.sum(steps)) < 0 and table.values["position"][-1] < table.values["position"][0] else 1
@@ -248,7 +248,7 @@ def direction_of(table: Table) -> int:
 
 def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
     """Raise RecordingError if a time, or a position in the direction of the run, goes back."""
-    direction = direction_of(table) if quantity == "position" else 1
+    direction = running_direction(table) if quantity == "position" else 1
     difference = direction * np.diff(table.values[quantity])
     for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
         bound = ("at least" if direction > 0 else "at most") if may_stay else "above"
@@ -281,7 +281,7 @@ def readable_position(table: Table, covered_m: FloatArray, notes: list[str]) -> 
     notes : list of str
         Receives a sentence where the position goes back.
     """
-    position: FloatArray = direction_of(table) * (table.values["position"] - table.values["position"][0])
+    position: FloatArray = running_direction(table) * (table.values["position"] - table.values["position"][0])
     steps = np.diff(position)
     back = np.flatnonzero(steps < 0)
     if not len(back):

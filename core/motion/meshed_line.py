@@ -14,7 +14,7 @@ from railjoule.core.motion.permitted_speed import curve_steps, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, cells_of, data_between
+from railjoule.core.physics.mesh_data import MeshData, all_cells, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -124,7 +124,7 @@ class MeshedLine:
         All of shape (..., n).
         """
         v = mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2))
-        return needed_force(cells_of(self.data), entering_speed2, leaving_speed2, v)
+        return needed_force(all_cells(self.data), entering_speed2, leaving_speed2, v)
 
 
 def train_extent(scenario: Scenario) -> TrainExtent:
@@ -175,13 +175,13 @@ def build_meshed_line(
         If the scenario has more rows or the mesh more cells than the current budget, a limit of effort is missing, or
         an end's speed is none.
     """
-    line, drive = line_of(scenario, position_m), drive_of(scenario)
+    line, drive = build_line(scenario, position_m), build_drive(scenario)
     return assemble_meshed_line(
-        scenario, MeshedLineParts(line, drive, *limits_of(scenario, drive)), initial_speed_ms, final_speed_ms
+        scenario, MeshedLineParts(line, drive, *build_limits(scenario, drive)), initial_speed_ms, final_speed_ms
     )
 
 
-def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
+def build_line(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
     """Return a scenario's line over its mesh or over given nodes [m]; arguments and errors as `build_meshed_line`."""
     _require_few_rows(scenario)
     if position_m is None:
@@ -190,7 +190,7 @@ def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeo
     return geometry_at(scenario.line.in_running_order(), nodes, train_extent(scenario))
 
 
-def drive_of(scenario: Scenario) -> Drive:
+def build_drive(scenario: Scenario) -> Drive:
     """Return the drive of a scenario's vehicle.
 
     Raises
@@ -204,7 +204,7 @@ def drive_of(scenario: Scenario) -> Drive:
     return drive
 
 
-def limits_of(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
+def build_limits(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
     """Return the limits of tractive and of electric braking effort of a scenario with its drive.
 
     Raises

@@ -179,7 +179,7 @@ class PhasePlanner:
             times = divide(distances_m, initial_speed_ms, times, slack)
         return tuple(self.plan(*part) for part in zip(distances_m, times, speeds, strict=True))
 
-    def phases_of(self, plan: PhasePlan) -> tuple[PlannedPhase, ...]:
+    def planned_phases(self, plan: PhasePlan) -> tuple[PlannedPhase, ...]:
         """Return the phases of a plan in order, without those that have no length."""
         phases = []
         for name, before, after in plan.legs:

@@ -14,9 +14,9 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
-from railjoule.core.physics.account import CellAccount, account_of_cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
+from railjoule.core.physics.energy_balance import CellBalance, cell_balance
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
 
 NONE_BEFORE = -1
 NOTHING, STOP, NEUTRAL_SECTION = range(3)
@@ -26,7 +26,7 @@ NEXT_TO_NOTHING = 1e-5
 
 
 @njit(cache=True, error_model="numpy")
-def action_of_cell(account: CellAccount, traction: EffortLimit, has_standstill_brake: bool) -> tuple[int, int]:
+def action_of_cell(account: CellBalance, traction: EffortLimit, has_standstill_brake: bool) -> tuple[int, int]:
     """Return the action of a train in a cell, and the mode of its drive there.
 
     A standstill brake, whose effort the account holds as electric, brakes with a drive that is off.
@@ -71,7 +71,7 @@ def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
     train, traction, braking, drive = shared_by_cells(mesh)
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s
         if i > 0 and done.interrupted_by[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:

@@ -91,7 +91,7 @@ def _require_consistent(keys: Iterable[str], source: str) -> None:
             raise ScenarioError(f"{source}: {' and '.join(given)} exclude each other; give one of them.")
 
 
-def document_of(scenario: Scenario) -> Document:
+def to_document(scenario: Scenario) -> Document:
     """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
     document, vehicle, line = _dump(scenario), scenario.vehicle, scenario.line
     short = _over_preset(vehicle)
@@ -331,7 +331,7 @@ def parse_scenario(
 
 def format_scenario(scenario: Scenario) -> str:
     """Return the TOML text that gives exactly `scenario` when it is read again."""
-    return tomli_w.dumps(document_of(scenario))
+    return tomli_w.dumps(to_document(scenario))
 
 
 def save_scenario(scenario: Scenario, path: str | Path) -> None:

@@ -235,13 +235,13 @@ class Scenario(Part):
         # documents know scenarios, so they can only be asked for here
         from railjoule.core.scenario.document import (  # noqa: PLC0415
             change_document,
-            document_of,
             scenario_from_document,
+            to_document,
         )
 
         try:
             # Through the document and not `model_copy`, which checks nothing: so a change can name a preset, drop a
             # key by None and replace its alternative, as in a file.
-            return scenario_from_document(change_document(document_of(self), {**(changes or {}), **keys}))
+            return scenario_from_document(change_document(to_document(self), {**(changes or {}), **keys}))
         except RecursionError:
             raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

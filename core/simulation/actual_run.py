@@ -15,7 +15,7 @@ from railjoule.core.scenario.disturbance import Disturbance, Reaction
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulation.following import Following, follow, plan_for
-from railjoule.core.simulation.leg import DrivenPlan, leg_of
+from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
@@ -94,7 +94,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     reaction : str, optional
         The one that reacts to the events, instead of their own `reaction`.
     planned : Trajectory, optional
-        The plan, if it is known: that of `plan_of`.
+        The plan, if it is known: that of `solve_plan`.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     RailjouleError
         As `railjoule.core.solve` for the plan; InfeasibleLineError if the train comes to a stand on its way.
     """
-    plan = planned or plan_of(scenario)
+    plan = planned or solve_plan(scenario)
     run, following, disturbed = plan, None, None
     causes = []
     for name, disturbance, options in _stages(scenario):
@@ -143,7 +143,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     )
 
 
-def plan_of(scenario: Scenario) -> Trajectory:
+def solve_plan(scenario: Scenario) -> Trajectory:
     """Return the plan at the start of a run; errors as `railjoule.core.solve`.
 
     It keeps to the target braking curves of the scenario if load or position differ from the plan.
@@ -182,7 +182,7 @@ def _with_stops_made(scenario: Scenario, driven: Trajectory, following: Followin
 
     A train that stood short of a station would otherwise stop there again once its position is known.
     """
-    leg, line = leg_of(driven), scenario.line.in_running_order()
+    leg, line = make_leg(driven), scenario.line.in_running_order()
     noticed_m = min(
         leg.place_at(event.noticed_at_s) if event.noticed_at_s is not None else event.noticed_at_m or 0.0
         for event in scenario.disturbance.events

@@ -30,7 +30,7 @@ from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, ex
 from railjoule.core.motion.mesh import finer_at_stops, line_borders, with_nodes_at
 from railjoule.core.phases.labels import SHORTEST_S
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, part_of_cell, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -123,7 +123,7 @@ def _drive_cells(
     places, squares, nodes = [position_m[0]], [speed2], position_m.tolist()
     k, switched, braking = 0, False, -1.0
     for i in range(len(nodes) - 1):
-        cell, x, end_m = cell_of(mesh, i), nodes[i], nodes[i + 1]
+        cell, x, end_m = cell_at(mesh, i), nodes[i], nodes[i + 1]
         left = end_m - x
         while left > SHORTEST_M:
             reached = max((n for n in range(k, len(orders)) if begins[n] <= x + SHORTEST_M), default=k)
@@ -265,7 +265,7 @@ def _braking_fraction(mesh: MeshData, first: int, last: int, speed2: float, aim2
 def _braked(mesh: MeshData, first: int, last: int, speed2: float, fraction: float) -> float:
     """Return the square of speed after cells under part of full braking; negative where it stands before."""
     for i in range(first, last):
-        low, free, _ = _reach(mesh, cell_of(mesh, i), speed2)
+        low, free, _ = _reach(mesh, cell_at(mesh, i), speed2)
         speed2 = free + fraction * (low - free)
         if speed2 <= 0.0:
             # further below zero the earlier it stands, so that bisection sees which of two fractions is larger

@@ -32,7 +32,7 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, notes_on, voltage_notes
-from railjoule.core.simulation.leg import SAME_PLACE_M, DrivenPlan, Leg, append_leg, join_legs, leg_of
+from railjoule.core.simulation.leg import SAME_PLACE_M, DrivenPlan, Leg, append_leg, join_legs, make_leg
 from railjoule.core.simulation.replanning import (
     Replanner,
     State,
@@ -133,7 +133,7 @@ class _Simulation(Replanner):
                 state = knowing(state, event, self.unknowing.vehicle)
             else:
                 ahead.append(event)
-        plan = self.plan(state) if len(ahead) < len(self.events) else leg_of(planned)
+        plan = self.plan(state) if len(ahead) < len(self.events) else make_leg(planned)
         while ahead:
             notice = self._next_notice(plan, state, ahead)
             if notice is None:

@@ -26,7 +26,7 @@ from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
-from railjoule.core.simulation.leg import DrivenPlan, leg_of
+from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -125,7 +125,7 @@ def plannable_task(scenario: Scenario) -> Task:
     largest = mesh.data.limit_speed2
     # the target curve begins at D1, where the train learns its position; without that sensor it holds all along
     zone = options.reset_sensor_m or mesh.length_m
-    for stop in stops_of(scenario):
+    for stop in stop_positions_m(scenario):
         before = stop - mesh.position_m
         inside = (before >= 0) & (before <= zone)
         # the end of the line may be passed in motion, a station not
@@ -136,7 +136,7 @@ def plannable_task(scenario: Scenario) -> Task:
     return replace(task, can_be_remeshed=False)
 
 
-def stops_of(scenario: Scenario) -> list[float]:
+def stop_positions_m(scenario: Scenario) -> list[float]:
     """Return the stops of a run, its end included [m]."""
     line = scenario.line.in_running_order()
     return [*(station.position_m for station in line.inner_stations), line.length_m]
@@ -164,7 +164,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     entry2 = planned.speed_ms[:1] ** 2
     nodes, speeds, stop_nodes, errors, estimates = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
-    for stop in stops_of(scenario):
+    for stop in stop_positions_m(scenario):
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
         leg, speed2 = _drive_leg(planned, real, stretched, (start, planned_start, stop))
         nodes.append(leg[1:])
@@ -176,8 +176,10 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     mesh = build_meshed_line(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(mesh.cell_count + 1)
     # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
-    plan = leg_of(planned)
-    stands = [plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stops_of(scenario)[:-1])]
+    plan = make_leg(planned)
+    stands = [
+        plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stop_positions_m(scenario)[:-1])
+    ]
     dwell[[0, *stop_nodes[:-1]]] = stands
     mesh = replace(mesh, dwell_s=dwell)
     actual = make_trajectory(real, mesh, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
@@ -186,7 +188,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:
     """Raise ScenarioError where a position error or a sensor lies beyond the distance between two stops."""
-    shortest, options = min(np.diff([0.0, *stops_of(scenario)])), scenario.simulation
+    shortest, options = min(np.diff([0.0, *stop_positions_m(scenario)])), scenario.simulation
     lengths = {"disturbance.coordinate_error_m": scenario.disturbance.coordinate_error_m}
     if options.target_braking:
         lengths["simulation.reset_sensor_m"] = options.reset_sensor_m or 0.0

@@ -151,7 +151,7 @@ class Leg:
         return make_trajectory(self.scenario, mesh, strategy, self.speed2)
 
 
-def leg_of(run: Trajectory) -> Leg:
+def make_leg(run: Trajectory) -> Leg:
     """Return the leg of a trajectory."""
     # a trajectory has a dwell as a cell without length, a leg as a time at its node
     standing = np.diff(run.position_m) == 0

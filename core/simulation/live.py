@@ -30,7 +30,7 @@ from railjoule.core.simulation.disturbances import (
     undisturbed_plan,
     unknowing_scenario,
 )
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
+from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, make_leg
 from railjoule.core.simulation.replanning import (
     State,
     event_words,
@@ -210,7 +210,7 @@ def start_run(scenario: Scenario) -> LiveRun:
     nominal = unknowing_scenario(scenario).model_copy(update={"disturbance": accepted})
     planned = undisturbed_plan(nominal)
     start = State(0.0, float(planned.speed_ms[0]) ** 2, 0.0, nominal)
-    return LiveRun(nominal, planned, (), start, leg_of(planned), planned, nominal.strategy)
+    return LiveRun(nominal, planned, (), start, make_leg(planned), planned, nominal.strategy)
 
 
 def advance(run: LiveRun, seconds: float) -> LiveRun:

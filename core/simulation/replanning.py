@@ -33,7 +33,7 @@ from railjoule.core.scenario.disturbance import (
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
 from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.simulation.actual_vehicle import at_voltage, changed
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, leg_of
+from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, make_leg
 from railjoule.core.strategies import run_strategy
 from railjoule.core.task import prepare_task
 
@@ -213,7 +213,7 @@ class Replanner:
                 raise
             return self._brake_at_once(state)
         try:
-            return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
+            return replace(make_leg(run_strategy(task, rest.strategy)), scenario=state.scenario)
         except ScenarioError:
             line, no_window = state.scenario.line, {"earliest_arrival_s": None, "latest_arrival_s": None}
             stations = tuple(station.model_copy(update=no_window) for station in line.stations)
@@ -225,7 +225,7 @@ class Replanner:
             return replace(self.plan(replace(state, scenario=free)), scenario=state.scenario)
         except TimetableError:
             self.is_fastest = True
-            return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
+            return replace(make_leg(run_strategy(task, "fastest")), scenario=state.scenario)
 
     def _brake_at_once(self, state: State) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""

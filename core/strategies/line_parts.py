@@ -117,7 +117,7 @@ def longest_time_s(task: Task, stop: int) -> float:
     return running_time(data.cell_length_m, speed2)
 
 
-def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
+def cut_part(task: Task, first: int, last: int, running_time_s: float) -> Task:
     """Return the task between two nodes at which the train stands, over the same mesh.
 
     Parameters
@@ -173,7 +173,7 @@ def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ..
 
 def timed_run(task: Task, part: Part, optimum: Solver, takes_exactly: bool) -> TimedRun:
     """Return the run of least energy of a part; arguments as for `TimedRun`, errors as `optimum`."""
-    whole = part_of(task, *part)
+    whole = cut_part(task, *part)
     if not takes_exactly:
         run = optimum(whole)
         return TimedRun(part, run, False, 0.0, run.price_of_time_w, run.bound)
@@ -224,7 +224,7 @@ def _in_time(task: Task, optimum: Solver) -> Trajectory:
     return run
 
 
-def arrivals_of(task: Task, line: LineParts) -> list[float]:
+def arrival_times_s(task: Task, line: LineParts) -> list[float]:
     """Return when the train arrives at each station behind the start, and at the end [s]."""
     arrivals, departed_s = [], 0.0
     stops = stop_nodes(task)

@@ -12,7 +12,7 @@ from railjoule.core.continuous_bound.refinement import halved, refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.lower_bound import LATE_SHARE, Reference, Window
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
     arrival_windows,

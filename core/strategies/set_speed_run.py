@@ -16,12 +16,12 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, SetSpeedRun
-from railjoule.core.limit_search.regulation import regulation_of
+from railjoule.core.limit_search.regulation import make_regulation
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.limit_search.trip import SHORTEST_PART_M
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.mesh import finer_at_stops
-from railjoule.core.strategies.line_parts import arrival_name, inner_stations, part_of, parts_between, stop_nodes
+from railjoule.core.strategies.line_parts import arrival_name, cut_part, inner_stations, parts_between, stop_nodes
 from railjoule.core.strategies.literal_regulator import literal_cost, literal_run, require_literal
 from railjoule.core.strategies.plain_line import require_line_without
 from railjoule.core.task import Task
@@ -61,7 +61,7 @@ def problem_within(task: Task, running_time_s: float) -> LimitProblem:
     options, vehicle = task.scenario.search, task.scenario.vehicle
     stops = task.mesh.position_m[task.mesh.data.fixed_speed2 == 0].tolist()
     mesh = mesh_over(task, finer_at_stops(task.mesh.position_m, stops, HALVINGS_AT_STOPS))
-    regulation = regulation_of(mesh, options.stop_deceleration_ms2, options.regulator != "coast")
+    regulation = make_regulation(mesh, options.stop_deceleration_ms2, options.regulator != "coast")
     most_ms = vehicle.traction.max_speed_kmh * MS_PER_KMH
     return LimitProblem(mesh, regulation, MIN_LIMIT_KMH * MS_PER_KMH, most_ms, running_time_s)
 
@@ -88,7 +88,7 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
     # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
     finer, best = _over_corners(task, problem, best, whole_cells=False)
     cells, best = _over_corners(task, finer, best, whole_cells=True)
-    places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
+    places, speed2 = cells.place_nodes(best.limits_ms, best.boundaries_m)
     if not np.isfinite(best.running_time_s):
         raise StrategyRefusedError(_failure(cells, places, speed2))
     if not np.isfinite(best.energy_j):
@@ -100,7 +100,7 @@ def _over_corners(
     task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
 ) -> tuple[LimitProblem, Evaluation]:
     """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
-    places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
+    places, speed2 = problem.place_nodes(best.limits_ms, best.boundaries_m)
     # the second time those cells are short already
     fast = [] if whole_cells else _within_fast_changes(places, speed2)
     nodes = _merged(problem.mesh.position_m, np.concatenate([places, fast]))
@@ -146,7 +146,7 @@ def no_limits_reason(task: Task, problem: LimitProblem, found: LimitSearch) -> s
     if np.isfinite(fastest.running_time_s):
         return _too_late(task, problem, fastest.running_time_s)
     cells = problem.over(problem.mesh, whole_cells=True)
-    return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
+    return _failure(cells, *cells.place_nodes(fastest.limits_ms, fastest.boundaries_m))
 
 
 def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) -> str:
@@ -208,7 +208,7 @@ def inter_station_runs(task: Task, needs_slack: bool = False) -> tuple[Task, ...
         inside = [stop for stop in stops if first <= stop <= last]
         length_m = np.diff(task.mesh.position_m[inside]) - task.scenario.deducted_m
         for (a, b), share in zip(pairwise(inside), length_m / length_m.sum(), strict=True):
-            run = part_of(task, a, b, float(share * running_s))
+            run = cut_part(task, a, b, float(share * running_s))
             if needs_slack and not run.has_slack:
                 raise StrategyRefusedError(
                     f"{run_words(task, len(runs))} needs more than the shortest {run.shortest_time_s:.1f} s: at the "

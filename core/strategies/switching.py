@@ -34,7 +34,7 @@ from railjoule.core.interior_point.duty import (
 )
 from railjoule.core.interior_point.solver import CONVERGED, Optimum
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.mesh_data import BRAKE, DRIVE, MeshData
 from railjoule.core.physics.stretches import actions_of_run, shortest_stretch_s
 from railjoule.core.strategies.plain_line import broken_accelerations, broken_efforts
@@ -43,7 +43,7 @@ from railjoule.core.task import Task
 # A swing between stretches is some km/h wide and has to lie within the first band; the second, around the best run of
 # the first, corrects its coarse grid. Of 12 metros and trams no run needs 0.05 % more than with further roundings and
 # the bands around Bellman's run, which took five times as long. One band of 61 speeds takes longer than these two
-# Which local optimum the second one ends in hangs on last digits, so that it goes on around the best run: that saves a
+# Which local optimum the second one ends in depends on last digits, so that it goes on around the best run: that saves a
 # metro that averages 20 km/h 0.05 % more, and takes little, as most of its decisions are known
 WIDE, NARROW = OnOffBand(0.2, 31, 1.1), OnOffBand(0.06, 31, 1.02)
 BANDS = ((WIDE, 1), (NARROW, 2), (NARROW, 2), (NARROW, 2))

@@ -13,7 +13,7 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulation.actual_vehicle import voltage_notes
-from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stop_positions_m
 from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
@@ -164,7 +164,7 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
             np.random.default_rng((options.seed, 1)).random((options.runs, len(QUANTITIES) - len(CONDITIONS))),
         ]
     )
-    shortest_distance_m = float(min(np.diff([0.0, *stops_of(scenario)])))
+    shortest_distance_m = float(min(np.diff([0.0, *stop_positions_m(scenario)])))
     # an error of a whole section would put the train at another stop; the bound itself is excluded
     places = np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)
     bounds = {

@@ -23,7 +23,7 @@ from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import cells_of
+from railjoule.core.physics.mesh_data import all_cells
 from railjoule.core.task import Task
 
 # Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
@@ -162,7 +162,7 @@ class IpoptProblem:
         w = self._speed2_at_nodes()
         speed = self._casadi.sqrt(w)
         v = mean_speed(speed[:-1], speed[1:])
-        cells = cells_of(data)
+        cells = all_cells(data)
         acceleration_force = cells.inertia / scale * (w[1:] - w[:-1])
         force = needed_force(cells, w[:-1], w[1:], v) / scale
         top_speed = 0.5 * (reachable_speed[1:] + reachable_speed[:-1])

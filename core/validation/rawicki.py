@@ -88,7 +88,7 @@ def printed_part_two(kr: float) -> float:
 
 def planned_phases(kr: float) -> list[Quantities]:
     """Compute the phases of part II in the best run with the same distance and time."""
-    planned = {phase.phase: phase for phase in make_planner(kr).phases_of(plan_part_two(kr))}
+    planned = {phase.phase: phase for phase in make_planner(kr).planned_phases(plan_part_two(kr))}
     return [{"printed": one, "own": planned[one["phase"]]} for one in printed_phases(f"part II, kr = {kr:g}")]
 
 
@@ -207,7 +207,7 @@ def phase_lengths() -> Quantities:
     lengths: dict[str, list[float]] = {}
     for plan, prefix in ((plan_run, ""), (plan_part_two, "second_")):
         for kr in RECUPERATION_FACTORS:
-            phases = make_planner(kr).phases_of(plan(kr))
+            phases = make_planner(kr).planned_phases(plan(kr))
             for name in ("cruise", "coast"):
                 length_m = float(sum(one.distance_m for one in phases if one.phase == name))
                 lengths.setdefault(prefix + name, []).append(length_m)
@@ -290,7 +290,7 @@ def second_part() -> Quantities:
     undisturbed, second, later = plan_run(0.0), plan_part_two(0.0), plan_part_two(0.0, LATER_S)
     starts = [
         sum(phase.energy_j for phase in phases if phase.phase == "start") / J_PER_KWH
-        for phases in (drive_part_one(0.0), make_planner(0.0).phases_of(second))
+        for phases in (drive_part_one(0.0), make_planner(0.0).planned_phases(second))
     ]
     return {
         "speed_ms": [undisturbed.cruise_speed_ms, second.cruise_speed_ms],

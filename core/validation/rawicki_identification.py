@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import make_drive
-from railjoule.core.drive.induction.machine import machine_of, phase_voltage_v, steady_state
+from railjoule.core.drive.induction.machine import make_machine, phase_voltage_v, steady_state
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
@@ -172,7 +172,7 @@ def nameplate_values(plate: Printed) -> FloatArray:
 
 def machine_values(vehicle: Vehicle, plate: Printed) -> FloatArray:
     """Return the same of a vehicle's motor at rated flux, frequency and speed."""
-    machine = machine_of(make_drive(vehicle.drive).parameters)
+    machine = make_machine(make_drive(vehicle.drive).parameters)
     shaft_rads = plate["speed_rpm"] * 2 * math.pi / 60
     rotor_rads = machine.pole_pairs * shaft_rads
     slip = 2 * math.pi * plate["frequency_hz"] - rotor_rads

@@ -64,7 +64,7 @@ def drive_part_one(kr: float) -> tuple[PlannedPhase, ...]:
     start, cruise, _ = printed_phases("part I")
     speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
     driven = replace(plan_part_two(kr), cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
-    return make_planner(kr).phases_of(driven)
+    return make_planner(kr).planned_phases(driven)
 
 
 @cache

@@ -17,10 +17,10 @@ from railjoule.core.imports import (
     ImportedLine,
     IntervalKind,
     SourceFile,
-    line_of,
+    build_line,
     read_intervals,
 )
-from railjoule.core.imports.numbers import position_of
+from railjoule.core.imports.numbers import parse_position
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
 from railjoule.core.scenario._sentences import counted
 from railjoule.core.scenario.text_file import read_text, read_toml
@@ -72,7 +72,7 @@ def intervals(options: argparse.Namespace) -> None:
         kind: read_intervals(SourceFile.read(file, options.encoding), kind, maps.get(kind))
         for kind, file in files.items()
     }
-    line = line_of(
+    line = build_line(
         **tables,
         begin_m=_place("--begin", options.begin),
         end_m=_place("--end", options.end),
@@ -261,7 +261,7 @@ def _place(option: str, text: str | None) -> float | None:
     if text is None:
         return None
     try:
-        return position_of(text, "m", ".")
+        return parse_position(text, "m", ".")
     except ValueError as error:
         raise CommandError(f"{option} {shortened(text)} {error}.") from None
 

@@ -25,7 +25,7 @@ from railjoule.core.drive.geared import (
     turns_per_metre,
 )
 from railjoule.core.drive.induction.limits import corner_speed, fill_efforts, fill_full_current
-from railjoule.core.drive.induction.machine import Machine, machine_of, steady_state, torque_constant
+from railjoule.core.drive.induction.machine import Machine, make_machine, steady_state, torque_constant
 from railjoule.core.drive.induction.min_loss import best_ratio
 from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.drive.line_power import resistor_power
@@ -176,7 +176,7 @@ def _fill_losses(parameters: FloatArray, effort: FloatArray, speed: FloatArray, 
 
     Efforts are signed [N], speeds in [m/s]; shapes (n,) and (6, n).
     """
-    machine, motors, turns = machine_of(parameters), parameters[MOTORS], parameters[TURNS]
+    machine, motors, turns = make_machine(parameters), parameters[MOTORS], parameters[TURNS]
     for i in range(effort.shape[0]):
         work, share = effort[i] * speed[i], parameters[DRIVING_SHARE if effort[i] > 0.0 else BRAKING_SHARE]
         torque = parameters[FRICTION] + effort[i] * share / (motors * turns)

@@ -82,7 +82,7 @@ class SteadyState(NamedTuple):
 
 
 @njit(cache=True)
-def machine_of(parameters: FloatArray) -> Machine:
+def make_machine(parameters: FloatArray) -> Machine:
     """Return the machine in the parameters of a drive: they follow those of all geared drives."""
     m = parameters[LOSSES:]
     return Machine(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10])

@@ -10,7 +10,7 @@ from pydantic import Field
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, FromFile, Notes
 from railjoule.core.imports.line import Stop
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.table import place
 from railjoule.core.imports.ttobench.train import Columns, Metadata, notes_on
 from railjoule.core.scenario._base import Number
@@ -72,7 +72,7 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     ScenarioError
         If anything is wrong with the file.
     """
-    journey = validated(Journey, json_of(source), source.name)
+    journey = validated(Journey, read_json(source), source.name)
     notes = notes_on(journey, source.name)
     points = _points(journey.timing_points, f"{source.name}: timing points")
     halts, passed = _halts_and_passed(points)

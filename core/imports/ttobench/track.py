@@ -8,9 +8,9 @@ from pydantic import Field
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Finding, Foreign, Imported, Notes
-from railjoule.core.imports.line import ImportedLine, Stop, line_of
+from railjoule.core.imports.line import ImportedLine, Stop, build_line
 from railjoule.core.imports.numbers import STRAIGHT
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.table import (
     ImportedTable,
     Interval,
@@ -100,7 +100,7 @@ def read_track(
     ScenarioError
         If anything is wrong with the file.
     """
-    track = validated(Track, json_of(source), source.name)
+    track = validated(Track, read_json(source), source.name)
     name, slopes = source.name, track.gradients
     notes = notes_on(track, name)
     metre = unit_factor(track.stops.unit, "m", f"{name}: stops.unit")
@@ -112,7 +112,7 @@ def read_track(
             f"{service.source}: runs from {place(begin)} to {place(end)} m, and must stay within {place(places[0])} to "
             f"{place(places[-1])} m of {name}."
         )
-    line = line_of(
+    line = build_line(
         limits=_steps(track.speed_limits, "limits", "speed limits", "velocity", "km/h", name),
         gradients=_steps(slopes, "gradients", "gradients", "slope", "permille", name) if slopes else None,
         curves=_curves(track.curvatures, notes) if track.curvatures else None,

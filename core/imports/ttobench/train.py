@@ -8,7 +8,7 @@ from pydantic import Field, create_model
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, Notes
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.vehicle import ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import show, validated
@@ -163,7 +163,7 @@ def read_train(source: SourceFile) -> ImportedTrain:
     ScenarioError
         If anything is wrong with the file.
     """
-    train = validated(Train, json_of(source), source.name)
+    train = validated(Train, read_json(source), source.name)
     notes = notes_on(train, source.name)
     table: dict[str, Any] = {"name": train.metadata.id, "resistance": {}, "traction": {}, "braking": {}}
     table["drive"] = {"model": "constant_efficiency"}

@@ -20,8 +20,14 @@ from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.lower_bound import LATE_SHARE
-from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
-from railjoule.core.physics.account import CellAccount, account_of_run
+from railjoule.core.motion.meshed_line import (
+    MeshedLineParts,
+    assemble_meshed_line,
+    build_drive,
+    build_limits,
+    build_line,
+)
+from railjoule.core.physics.energy_balance import CellBalance, run_balance
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
@@ -116,7 +122,7 @@ class MeshOptimum:
 
     task: Task
     optimum: Optimum
-    cells: CellAccount
+    cells: CellBalance
     energy_kwh: float
     travel_time_s: float
     price_of_time_w: float
@@ -182,13 +188,13 @@ class Engine:
     def _parts(self, scenario: Scenario) -> MeshedLineParts:
         """Return the parts of the meshed line of a scenario: earlier ones where no field changes them."""
         kept = self._kept
-        line = kept.line if kept is not None and self._keeps_line else line_of(scenario)
+        line = kept.line if kept is not None and self._keeps_line else build_line(scenario)
         if kept is not None and self._keeps_limits:
             # no limit depends on the recuperation factor
             drive = replace(kept.drive, recuperation_factor=scenario.vehicle.drive.recuperation_factor)
             return MeshedLineParts(line, drive, kept.traction, kept.braking)
-        drive = drive_of(scenario)
-        parts = MeshedLineParts(line, drive, *limits_of(scenario, drive))
+        drive = build_drive(scenario)
+        parts = MeshedLineParts(line, drive, *build_limits(scenario, drive))
         self._kept = kept or parts
         return parts
 
@@ -206,7 +212,7 @@ def mesh_optimum(task: Task) -> MeshOptimum | None:
     except SolverError:
         return None
     mesh = task.mesh
-    cells = account_of_run(mesh.data, optimum.speed2)
+    cells = run_balance(mesh.data, optimum.speed2)
     time_s = float(np.cumsum(durations_s(mesh, cells))[-1])
     # a bound does not cover later runs
     if time_s > task.travel_time_s * (1 + LATE_SHARE):

@@ -195,7 +195,7 @@ def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
     trip = problem.as_given(*given)
     if not np.isfinite(trip.running_time_s):
         return None
-    position, speed2 = problem.nodes_of(*given)
+    position, speed2 = problem.place_nodes(*given)
     return LimitTrip(position, np.sqrt(speed2), trip.energy_j / J_PER_KWH, trip.running_time_s + task.dwell_s)
 
 

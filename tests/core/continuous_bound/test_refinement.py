@@ -68,7 +68,7 @@ def test_cells_of_a_drive_with_idle_losses_are_halved_whose_run_is_below_the_bou
     assert run.all_notes == run.notes
 
 
-def test_a_run_of_a_mesh_that_stays_too_coarse_says_so():
+def test_a_run_of_a_mesh_that_stays_too_coarse_has_a_note():
     # over finer meshes, the timetable of this one cannot be kept
     run = optimal(random_task(604))
     assert run.is_below_bound

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError, load_scenario, solve
-from railjoule.core.simulation.actual_run import CAUSES, FREE_REST, actual_run, plan_of
+from railjoule.core.simulation.actual_run import CAUSES, FREE_REST, actual_run, solve_plan
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.simulation.following import simulate_following
 
@@ -114,7 +114,7 @@ def test_a_target_curve_that_ends_with_the_first_event_is_told():
 
 def test_the_plan_can_be_given():
     scenario = disturbed(coordinate_error_m=5.0)
-    plan = plan_of(scenario)
+    plan = solve_plan(scenario)
     assert actual_run(scenario, planned=plan).planned is plan
 
 

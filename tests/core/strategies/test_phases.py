@@ -107,7 +107,7 @@ def test_from_a_moving_state():
     assert energy + rest.energy_j == pytest.approx(whole.energy_j, rel=1e-7)
     assert rest.cruise_speed_ms == pytest.approx(whole.cruise_speed_ms, rel=1e-3)
     # and while it coasts, coasting goes on
-    coasting = next(phase for phase in own.phases_of(whole) if phase.phase == "coast")
+    coasting = next(phase for phase in own.planned_phases(whole) if phase.phase == "coast")
     brake = between(own.model.braking, 0.0, whole.brake_speed_ms)
     late = own.plan(coasting.distance_m + brake[1], coasting.duration_s + brake[0], coasting.start_ms)
     assert late.energy_j == pytest.approx(brake[2], abs=1e-5 * KWH)

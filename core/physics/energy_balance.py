@@ -17,14 +17,14 @@ from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
 
 # downhill a run may need no energy at all: differences are then small beside the kinetic energy, not beside zero
 SMALL_ENERGY_SHARE = 0.1
 """Energies near zero are compared with this share of the kinetic energy at the mean speed."""
 
 
-class CellAccount(NamedTuple):
+class CellBalance(NamedTuple):
     """Efforts, powers and time: numbers of one cell, or arrays of all cells of a run.
 
     Parameters
@@ -52,7 +52,7 @@ class CellAccount(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def account_of_cell(
+def cell_balance(
     cell: Cell,
     train: Train,
     traction: EffortLimit,
@@ -60,7 +60,7 @@ def account_of_cell(
     drive: FloatArray,
     start_speed2: float,
     end_speed2: float,
-) -> CellAccount:
+) -> CellBalance:
     """Return the account of a cell from one square of speed [m2/s2] to another, not both zero.
 
     Parameters
@@ -95,7 +95,7 @@ def account_of_cell(
         # by both brakes together: how they share does not matter to the limit
         excess = -force - strongest - train.friction_effort_n
     taken = line_power(power, train.recuperation_factor)
-    return CellAccount(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
+    return CellBalance(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -104,22 +104,22 @@ def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     train, traction, braking, drive = shared_by_cells(mesh)
     total = 0.0
     for i in range(mesh.cell_length_m.shape[0]):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         total += account.supply_power_w * account.duration_s
     return total
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def account_of_run(mesh: MeshData, speed2: FloatArray) -> CellAccount:
+def run_balance(mesh: MeshData, speed2: FloatArray) -> CellBalance:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = mesh.cell_length_m.shape[0]
     rows = np.empty((8, n))
     train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         for row in range(8):
             rows[row, i] = account[row]
-    return CellAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7])
+    return CellBalance(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7])
 
 
 @njit(cache=True, error_model="numpy")

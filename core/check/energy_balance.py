@@ -119,7 +119,7 @@ def _current(case: Case) -> Iterator[Finding]:
     yield find_largest("motor current", "the largest current", ROUNDED_CURRENT, misses, case.middle_m)
 
 
-def account_findings(case: Case) -> Iterator[Finding]:
+def balance_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's energies."""
     record, energies, losses = case.record, case.record.energies_j, case.record.losses_j
     if record.supply_energy_j is None or record.supply_power_w is None:
