@@ -43,8 +43,8 @@ from railjoule.core.task import Task
 # A swing between stretches is some km/h wide and has to lie within the first band; the second, around the best run of
 # the first, corrects its coarse grid. Of 12 metros and trams no run needs 0.05 % more than with further roundings and
 # the bands around Bellman's run, which took five times as long. One band of 61 speeds takes longer than these two
-# Which local optimum the second one ends in depends on last digits, so that it goes on around the best run: that saves a
-# metro that averages 20 km/h 0.05 % more, and takes little, as most of its decisions are known
+# In which local optimum the second one ends depends on last digits, so that it goes on around the best run: that saves
+# a metro that averages 20 km/h 0.05 % more, and takes little, as most of its decisions are known
 WIDE, NARROW = OnOffBand(0.2, 31, 1.1), OnOffBand(0.06, 31, 1.02)
 BANDS = ((WIDE, 1), (NARROW, 2), (NARROW, 2), (NARROW, 2))
 """Bands of speed that are searched, and how many decisions of the two that bracket the timetable are solved. The price
