@@ -20,6 +20,7 @@ from railjoule.core.errors import (
     StrategyRefusedError,
     TimetableError,
 )
+from railjoule.core.lower_bound import Bound
 from railjoule.core.phases import Phase
 from railjoule.core.scenario import (
     Braking,
@@ -38,7 +39,7 @@ from railjoule.core.scenario import (
 )
 from railjoule.core.strategies import STRATEGIES, Comparison, Strategy, compare, register, solve
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Bound, Trajectory
+from railjoule.core.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from railjoule.core.identification import fit_runs as fit

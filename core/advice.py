@@ -104,7 +104,8 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
         # the run itself may swing faster and less far, as its mesh lets it; the energy of turns hardly depends on that
         high = min(speed + SWING_KMH, limit_kmh)
         between = round(high - 2 * SWING_KMH, 1), round(high, 1)
-        return Instruction(action, from_m, speed, None, between, _hundredths(phase.effort_share))
+        share = 1.0 if phase.effort_share >= FULL_SHARE else round(phase.effort_share, 2)
+        return Instruction(action, from_m, speed, None, between, share)
     if action == "coast" and phase.end_ms > AT_REST_MS:
         return Instruction(action, from_m)
     speed = _printed_kmh(phase.end_ms, _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M))
@@ -129,10 +130,6 @@ def _limit_kmh(data: RunData, start_m: float, end_m: float) -> float:
 def _printed_kmh(speed_ms: float, limit_kmh: float) -> float:
     # rounded up, a speed could exceed a limit that is no tenth; the limit is rounded down for the same reason
     return min(round(speed_ms / MS_PER_KMH, 1), limit_kmh)
-
-
-def _hundredths(share: float) -> float:
-    return 1.0 if share >= FULL_SHARE else round(share, 2)
 
 
 def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, float], reserve_ms: float) -> float:

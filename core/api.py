@@ -73,6 +73,4 @@ def frontier(
 
     task = prepare_task(as_scenario(scenario))
     times = tradeoff.frontier_times(task, count) if travel_times_s is None else np.asarray(travel_times_s, dtype=float)
-    if strategy == "optimal":
-        return tradeoff.energy_time_frontier(task, times)
-    return tradeoff.strategy_frontier(task, times, strategy)
+    return tradeoff.energy_time_frontier(task, times, strategy)

@@ -11,7 +11,8 @@ and no bound stands beside it.
 from collections.abc import Sequence
 from dataclasses import replace
 
-from railjoule.core.trajectory import Reference, Trajectory, Window
+from railjoule.core.lower_bound import Reference, Window
+from railjoule.core.trajectory import Trajectory
 
 ON_TIME_S = 1e-3
 """A run that arrives later than this after a time is not within it: searches for a time end this close to it."""
@@ -40,10 +41,15 @@ def _reference(run: Trajectory, runs: Sequence[Trajectory], windows: tuple[Windo
     if own is not None and own.within_s > within + ON_TIME_S:
         # a late run is not measured by the timetable, which it does not keep
         within = own.within_s
+
+    def is_optimum(other: Trajectory) -> bool:
+        # the bound of a run may be that of a shorter time
+        return other.is_proven and other.reference is not None and other.reference.within_s >= within - ON_TIME_S
+
     # the optimum over less time than the timetable's is none over all of it
     known = [] if own is None or own.within_s < within - ON_TIME_S else [own]
     known += [
-        Reference(other.energy.net_j, other.strategy, within, _is_optimum_within(within, other), windows)
+        Reference(other.energy.net_j, other.strategy, within, is_optimum(other), windows)
         for other in runs
         if other.travel_time_s <= within + ON_TIME_S
     ]
@@ -51,8 +57,3 @@ def _reference(run: Trajectory, runs: Sequence[Trajectory], windows: tuple[Windo
     # run "above the best known" by a difference that is none.
     proven = next((reference for reference in known if reference.proven), None)
     return proven or min(known, key=lambda reference: reference.energy_j, default=None)
-
-
-def _is_optimum_within(time_s: float, run: Trajectory) -> bool:
-    """Return whether a run is proven to be the optimum within a time: its bound may be that of a shorter one."""
-    return run.is_proven and run.reference is not None and run.reference.within_s >= time_s - ON_TIME_S

@@ -46,8 +46,7 @@ def csv_of_table(table: "pandas.DataFrame", header: bool = True) -> str:
 
 def write_csv(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """Write a table to a file as CSV, with its index if asked for; OSError where that fails."""
-    table = _mapped(table.reset_index() if index else table, guarded)
-    table.to_csv(path, index=False, lineterminator=_line_end(_texts(table)))
+    path.write_text(csv_of_table(table.reset_index() if index else table), encoding="utf-8", newline="")
 
 
 def plain_table(table: "pandas.DataFrame") -> "pandas.DataFrame":

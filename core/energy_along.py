@@ -52,7 +52,7 @@ class EnergyAlong:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Energies of one phase of a run, and the value of its time [J].
+    """Energies of one phase of a run [J].
 
     Parameters
     ----------
@@ -62,9 +62,6 @@ class Stretch:
         Difference between its end and its start.
     resistance_j, losses_j, returned_j, drawn_j : float
         As in `EnergyAlong`, only of the stretch.
-    time_worth_j : float or None
-        Its time multiplied by the price of time, where the run has one: the energy that a timetable longer by this time
-        would save at that price.
     """
 
     phase: Phase
@@ -74,7 +71,6 @@ class Stretch:
     losses_j: float
     returned_j: float
     drawn_j: float
-    time_worth_j: float | None
 
 
 def energy_along(run: Trajectory) -> EnergyAlong:
@@ -99,29 +95,14 @@ def energy_along(run: Trajectory) -> EnergyAlong:
     )
 
 
-def stretches(run: Trajectory, price_of_time_w: float | None = None) -> tuple[Stretch, ...]:
-    """Return the energies of each phase of a run.
-
-    Parameters
-    ----------
-    run : Trajectory
-        A run without intermediate stops.
-    price_of_time_w : float, optional
-        Price of time [J/s]; by default the one of the run.
-    """
-    along = energy_along(run)
-    price = run.price_of_time_w if price_of_time_w is None else price_of_time_w
-
-    def gained(energy: FloatArray, phase: Phase) -> float:
-        start, end = np.interp([phase.start_m, phase.end_m], along.position_m, energy)
-        return float(end - start)
-
-    def stretch(phase: Phase) -> Stretch:
-        energies = {name: gained(getattr(along, name), phase) for name in STRETCH_ENERGIES}
-        worth_j = None if price is None else price * (phase.end_s - phase.start_s)
-        return Stretch(phase=phase, time_worth_j=worth_j, **energies)
-
-    return tuple(map(stretch, run.phases))
+def stretches(run: Trajectory) -> tuple[Stretch, ...]:
+    """Return the energies of each phase of a run without intermediate stops."""
+    along, phases = energy_along(run), run.phases
+    ends = [(phase.start_m, phase.end_m) for phase in phases]
+    gained = {name: np.diff(np.interp(ends, along.position_m, getattr(along, name)))[:, 0] for name in STRETCH_ENERGIES}
+    return tuple(
+        Stretch(phase, **{name: float(values[k]) for name, values in gained.items()}) for k, phase in enumerate(phases)
+    )
 
 
 def _so_far(of_cells: FloatArray) -> FloatArray:

@@ -173,6 +173,7 @@ def _source(path: Path) -> Source:
     return _store().source(path.read_bytes())
 
 
+@cache
 def _path(module: str) -> Path | None:
     """Return the file of a module of the core; None for a name within one."""
     parts = module.split(".")[PACKAGE.count(".") + 1 :]

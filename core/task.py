@@ -178,44 +178,28 @@ def _require_speeds_within_limits(mesh: MeshedLine) -> None:
 
 
 def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
-    if mesh.data.supply_share[cell] < 1:
-        return _neutral_sentence(mesh, cell, braking)
-    place, gradient = mesh.position_m[cell], mesh.gradient_permille[cell]
+    """Return why no run passes a cell."""
+    data, curve = mesh.data, mesh.curve_force_n[cell] / N_PER_KN
+    where = f"At {mesh.position_m[cell]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille"
+    too_fast = "cannot slow the train down for what lies ahead."
+    friction_kn = data.friction_effort_n / N_PER_KN
+    if data.supply_share[cell] < 1:
+        powered = np.flatnonzero(data.supply_share >= 1)
+        # nodes: after the last cell before it that has power, and before the first one behind it
+        start = mesh.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
+        end = mesh.position_m[int(np.min(powered[powered > cell], initial=mesh.cell_count))]
+        where += f" in the neutral section from {start:.0f} to {end:.0f} m (line.neutral_sections)"
+        if braking:
+            return f"{where}, friction brakes of at most {round(friction_kn, 3):.4g} kN alone {too_fast}"
+        if data.fixed_speed2[cell] == 0:
+            return f"{where}, the train stands and cannot start: it has no traction power there."
+        return f"{where}, the train comes to a stand: it has no traction power there, and its momentum is not enough."
     if braking:
-        effort = round((mesh.data.braking.constant_n + mesh.data.friction_effort_n) / N_PER_KN, 3)
-        return (
-            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
-            "cannot slow the train down for what lies ahead."
-        )
-    effort, curve = mesh.data.traction.constant_n / N_PER_KN, mesh.curve_force_n[cell] / N_PER_KN
+        effort = round(data.braking.constant_n / N_PER_KN + friction_kn, 3)
+        return f"{where}, the brakes of at most {effort:.4g} kN {too_fast}"
     # the curve alone may be what stops it
     resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (
-        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille{resisting}, the train comes to a stand: its "
-        f"effort of at most {effort:.4g} kN and its momentum are not enough."
-    )
-
-
-def _neutral_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
-    """Return why no run passes a cell without traction power."""
-    place, gradient = mesh.position_m[cell], mesh.gradient_permille[cell]
-    powered = np.flatnonzero(mesh.data.supply_share >= 1)
-    # nodes: after the last cell before it that has power, and before the first one behind it
-    start = mesh.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
-    end = mesh.position_m[int(np.min(powered[powered > cell], initial=mesh.cell_count))]
-    section = f"the neutral section from {start:.0f} to {end:.0f} m (line.neutral_sections)"
-    if braking:
-        effort = round(mesh.data.friction_effort_n / N_PER_KN, 3)
-        return (
-            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, friction brakes of at most "
-            f"{effort:.4g} kN alone cannot slow the train down for what lies ahead."
-        )
-    if mesh.data.fixed_speed2[cell] == 0:
-        return (
-            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, the train stands and cannot "
-            "start: it has no traction power there."
-        )
-    return (
-        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, the train comes to a stand: it has "
-        "no traction power there, and its momentum is not enough."
+        f"{where}{resisting}, the train comes to a stand: its effort of at most "
+        f"{data.traction.constant_n / N_PER_KN:.4g} kN and its momentum are not enough."
     )

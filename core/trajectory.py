@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.advice import Instruction, advise
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array, midpoints
 from railjoule.core.check import CheckResult
 from railjoule.core.citation import bibtex
-from railjoule.core.energy import Energy, share_above
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import Energy, share_above, supply_current_a
+from railjoule.core.lower_bound import ON_TIME_S, Bound, Reference, Window
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.meshed_line import MeshedLine, build_meshed_line
 from railjoule.core.phases import Phase, RunData, find_phases
-from railjoule.core.physics.account import SMALL_ENERGY_SHARE, RunAccount, account_of_run
+from railjoule.core.physics.energy_balance import SMALL_ENERGY_SHARE, CellBalance, run_balance
 from railjoule.core.physics.mesh_data import MeshData, electric_limit_n, tractive_limit_n
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategy import STRATEGIES
@@ -26,113 +26,6 @@ if TYPE_CHECKING:
 
 MEASURED, BY_HAND = "measured", "by hand"
 """Who made a run that a recorder wrote, where others name a strategy."""
-# a millisecond in a quarter of an hour
-LATE_SHARE = 1e-6
-"""A run that is later than a bound's time by less than this share of it is in time but for rounding."""
-# the rest that a solver leaves of its time
-ON_TIME_S = 1e-5
-"""An arrival this close to its window keeps it."""
-Window = tuple[float, float, float]
-"""A window of arrival: position of the station [m], earliest and latest arrival [s]."""
-
-
-@dataclass(frozen=True, eq=False)
-class Costate:
-    """The price of force along a line, from which a lower bound is proven: what a newton over a metre is worth.
-
-    Parameters
-    ----------
-    position_m : array of shape (m,)
-        Places [m], rising; where the price jumps, one place comes twice.
-    force_price : array of shape (m,)
-        Energy at the line over work at the wheels [J/J]. Next to a stop it grows without limit.
-    """
-
-    position_m: FloatArray
-    force_price: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """A lower bound of the energy of a scenario.
-
-    Parameters
-    ----------
-    energy_j : float
-        No run that it covers needs less [J].
-    statement : str
-        The same in one sentence, with what it assumes.
-    travel_time_s : float
-        The longest time of a run that it covers, dwells included [s].
-    every_run_j : float
-        What every driving of this train needs at least [J]; less than `energy_j` where that covers runs over one mesh.
-    position_m : array of shape (n + 1,) or None
-        The nodes of the only mesh over which it holds [m]; None where it covers every run.
-    slowest_ms : float or array of shape (n + 1,)
-        The least speeds at these nodes of a run that it covers [m/s].
-    premise : str
-        What the bound takes for granted of the powertrain, in a clause; empty where nothing.
-    windows : tuple of Window
-        Windows of arrival that a run that it covers keeps.
-    costate : Costate or None
-        The price of force that proves `every_run_j`, where there is one along the whole line.
-    """
-
-    energy_j: float
-    statement: str
-    travel_time_s: float
-    every_run_j: float
-    position_m: FloatArray | None = None
-    slowest_ms: FloatArray | float = 0.0
-    premise: str = ""
-    windows: tuple[Window, ...] = ()
-    costate: Costate | None = None
-
-    @property
-    def covers_every_run(self) -> bool:
-        """Whether it holds for every driving of the train, not only for runs over one mesh."""
-        return self.position_m is None
-
-    def covers(self, run: "Trajectory") -> bool:
-        """Return whether a run is no later, keeps the bound's windows, and is over its mesh, if it has one."""
-        if run.travel_time_s > self.travel_time_s * (1 + LATE_SHARE):
-            return False
-        if self.position_m is not None:
-            if not np.array_equal(run.nodes_m, self.position_m):
-                return False
-            if np.any(run.node_speed_ms < self.slowest_ms * (1 - LATE_SHARE)):
-                return False
-        return all(run.keeps(window) for window in self.windows)
-
-
-@dataclass(frozen=True)
-class Reference:
-    """The best run that is known of a scenario among those that arrive within a time.
-
-    Parameters
-    ----------
-    energy_j : float
-        What it needs [J].
-    strategy : str
-        Who made it.
-    within_s : float
-        The time [s].
-    proven : bool
-        Whether its bound proves that it is the optimum.
-    windows : tuple of Window
-        Windows of arrival that bind it, and that runs measured against it keep.
-    """
-
-    energy_j: float
-    strategy: str
-    within_s: float
-    proven: bool
-    windows: tuple[Window, ...] = ()
-
-    @property
-    def energy_kwh(self) -> float:
-        """What it needs [kWh]."""
-        return self.energy_j / J_PER_KWH
 
 
 @dataclass(frozen=True, eq=False)
@@ -306,9 +199,7 @@ class Trajectory:
     @property
     def above_share(self) -> float | None:
         """The same as a share of what the best known run needs; None where that is next to nothing or negative."""
-        if self.reference is None:
-            return None
-        share = share_above(self.energy.net_j, self.reference.energy_j)
+        share = np.nan if self.reference is None else share_above(self.energy.net_j, self.reference.energy_j)
         return None if np.isnan(share) else share
 
     @cached_property
@@ -316,8 +207,7 @@ class Trajectory:
         """The run's arrays as its phases and its advice take them."""
         line, vehicle = self.scenario.line.in_running_order(), self.scenario.vehicle
         # at the middle of each cell: at a node the limits of both sides meet
-        middle = 0.5 * (self.position_m[1:] + self.position_m[:-1])
-        limit_kmh = speed_limit_at(line, middle, self.scenario.limits_last_m)
+        limit_kmh = speed_limit_at(line, midpoints(self.position_m), self.scenario.limits_last_m)
         # constant over the whole run, so the mean is the power itself, dwells included
         auxiliary_w = self.energy.auxiliary_j / self.travel_time_s
         return RunData(
@@ -420,44 +310,45 @@ def make_trajectory(
     **details
         Further fields of the trajectory.
     """
-    data, cells = mesh.data, account_of_run(mesh.data, speed2)
+    data, account = mesh.data, run_balance(mesh.data, speed2)
+    # standing is a cell with time and without length, its node there twice: so all sums over cells hold, and a chart
+    # over time shows the stop
     stops = np.flatnonzero(mesh.dwell_s > 0)
-    with_dwell = _DwellInserter(stops)
-    durations = durations_s(mesh, cells)
-    power = with_dwell.cells(cells.supply_power_w) + data.auxiliary_power_w
-    current = mesh.drive.current_a(supplied_effort_n(data, cells), cells.mean_speed_ms)
+    current = mesh.drive.current_a(supplied_effort_n(data, account), account.mean_speed_ms)
+    max_effort = tractive_limit_n(data, account.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
-    max_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
+    max_braking = electric_limit_n(data, account.mean_speed_ms) + data.friction_effort_n
+    cells, durations = CellBalance(*(np.insert(values, stops, 0.0) for values in account)), durations_s(mesh, account)
+    power = cells.supply_power_w + data.auxiliary_power_w
+    position, speed = (np.insert(values, stops, values[stops]) for values in (mesh.position_m, np.sqrt(speed2)))
     return Trajectory(
         scenario=scenario,
         strategy=strategy,
-        position_m=frozen_array(with_dwell.nodes(mesh.position_m)),
-        speed_ms=frozen_array(with_dwell.nodes(np.sqrt(speed2))),
+        position_m=frozen_array(position),
+        speed_ms=frozen_array(speed),
         time_s=frozen_array(np.append(0.0, np.cumsum(durations))),
         supply_energy_j=frozen_array(np.append(0.0, np.cumsum(power * durations))),
-        tractive_effort_n=frozen_array(with_dwell.cells(cells.tractive_effort_n)),
-        electric_braking_n=frozen_array(with_dwell.cells(cells.electric_braking_n)),
-        friction_braking_n=frozen_array(with_dwell.cells(cells.friction_braking_n)),
-        max_effort_n=frozen_array(with_dwell.cells(tractive_limit_n(data, cells.mean_speed_ms))),
-        max_braking_n=frozen_array(with_dwell.cells(max_braking)),
+        tractive_effort_n=frozen_array(cells.tractive_effort_n),
+        electric_braking_n=frozen_array(cells.electric_braking_n),
+        friction_braking_n=frozen_array(cells.friction_braking_n),
+        max_effort_n=frozen_array(np.insert(max_effort, stops, 0.0)),
+        max_braking_n=frozen_array(np.insert(max_braking, stops, 0.0)),
         supply_power_w=frozen_array(power),
-        current_a=None if current is None else frozen_array(with_dwell.cells(current)),
-        gradient_permille=frozen_array(with_dwell.cells(mesh.gradient_permille)),
-        energy=energy_balance(mesh, speed2, cells),
+        current_a=None if current is None else frozen_array(np.insert(current, stops, 0.0)),
+        gradient_permille=frozen_array(np.insert(mesh.gradient_permille, stops, 0.0)),
+        energy=energy_balance(mesh, speed2, account),
         supply_current_a=supply_current_a(power, scenario.vehicle.line_voltage_v),
         **details,
     )
 
 
-def durations_s(mesh: MeshedLine, cells: RunAccount) -> FloatArray:
+def durations_s(mesh: MeshedLine, cells: CellBalance) -> FloatArray:
     """Return the times of a run's cells and dwells in their order [s]; a dwell is a cell without length."""
-    # Efforts and powers are of cells, and standing is one with time and without length: so all sums over cells hold,
-    # and a chart over time shows the stop.
     stops = np.flatnonzero(mesh.dwell_s > 0)
-    return _DwellInserter(stops).cells(cells.duration_s, mesh.dwell_s[stops])
+    return np.insert(cells.duration_s, stops, mesh.dwell_s[stops])
 
 
-def supplied_effort_n(data: MeshData, cells: RunAccount) -> FloatArray:
+def supplied_effort_n(data: MeshData, cells: CellBalance) -> FloatArray:
     """Return the electric efforts that take power, braking negative [N]; shape (n,).
 
     The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
@@ -466,7 +357,7 @@ def supplied_effort_n(data: MeshData, cells: RunAccount) -> FloatArray:
     return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
-def supply_energies_j(mesh: MeshedLine, cells: RunAccount) -> tuple[float, float, float]:
+def supply_energies_j(mesh: MeshedLine, cells: CellBalance) -> tuple[float, float, float]:
     """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
     duration = cells.duration_s
     # a cell takes or gives, never both: its power is constant
@@ -475,7 +366,7 @@ def supply_energies_j(mesh: MeshedLine, cells: RunAccount) -> tuple[float, float
     return taken, given, mesh.data.auxiliary_power_w * float(np.sum(duration) + np.sum(mesh.dwell_s))
 
 
-def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: RunAccount) -> Energy:
+def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellBalance) -> Energy:
     """Return the energy account of a run from those of its cells.
 
     Parameters
@@ -484,8 +375,8 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: RunAccount) -> E
         The mesh and what holds on it.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
-    cells : RunAccount
-        What `account_of_run` says of them.
+    cells : CellAccount
+        What `run_balance` says of them.
     """
     data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {
@@ -505,17 +396,3 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: RunAccount) -> E
         kinetic_j=float(data.half_inertia_kg * (speed2[-1] - speed2[0])),
         potential_j=float(mesh.gradient_force_n @ length),
     )
-
-
-class _DwellInserter:
-    """Puts a node and a cell without length where a train stands."""
-
-    def __init__(self, stops: IntArray) -> None:
-        self.stops = stops
-
-    def nodes(self, values: FloatArray) -> FloatArray:
-        # the node itself once more: place and speed stay while the train stands
-        return np.insert(values, self.stops, values[self.stops]) if len(self.stops) else values
-
-    def cells(self, values: FloatArray, inserted: FloatArray | float = 0.0) -> FloatArray:
-        return np.insert(values, self.stops, inserted) if len(self.stops) else values

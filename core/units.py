@@ -24,6 +24,9 @@ M_PER_MM = 1e-3
 MAX_DIGITS = 12
 """By which two numbers that rounding has not made equal can be told apart."""
 
+VACUUM_PERMEABILITY_H_PER_M = 1.25663706127e-6
+"""Magnetic constant mu_0 [H/m], CODATA 2022."""
+
 # not 9.80665, so that results can be compared with the papers: 0.03 per cent of the weight
 STANDARD_GRAVITY_MS2 = 9.81
 """Acceleration of gravity [m/s2], the value that all four papers use."""

@@ -30,7 +30,7 @@ import numpy as np
 
 from railjoule.core import InfeasibleLineError, RailjouleError, Trajectory, check_run
 from railjoule.core.bounds import bounded
-from railjoule.core.check import switching
+from railjoule.core.check.efforts import SWITCHING
 from railjoule.core.kernel_cache import source_hash
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy, with_bounds
@@ -157,7 +157,7 @@ def checked(run: Trajectory) -> Row:
         "time_s": run.travel_time_s,
         "cells": len(run.supply_power_w),
         "broken": [[check.name, check.largest, check.allowed, check.at_m] for check in broken],
-        "told": [check.name for check in broken] == [switching.NAME] and says_so,
+        "told": [check.name for check in broken] == [SWITCHING] and says_so,
     }
 
 

@@ -18,8 +18,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.drives import loss_model
-from railjoule.core.check.limits import adhesion_limits_n, stated_limits_n
-from railjoule.core.check.train import Route, build_route, build_train
+from railjoule.core.check.train import Route, adhesion_limits_n, build_route, build_train, stated_limits_n
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.motion import build_meshed_line

@@ -22,9 +22,9 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
 from railjoule.core import RailjouleError, Scenario, Trajectory, check_run, solve
-from railjoule.core.check import switching
+from railjoule.core.check.efforts import SWITCHING
 from railjoule.core.compilation import require_compiled
-from railjoule.core.physics.account import SMALL_ENERGY_SHARE
+from railjoule.core.physics.energy_balance import SMALL_ENERGY_SHARE
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation import ipopt
@@ -138,7 +138,7 @@ def _strategy_rival(best: Trajectory, task: Task, name: str) -> Iterator[Row]:
     if run.travel_time_s - best.scenario.travel_time_s > LATE_S:
         return
     # a bound for free switching is one for all
-    broken = [check.name for check in check_run(task.scenario, run).broken if check.name != switching.NAME]
+    broken = [check.name for check in check_run(task.scenario, run).broken if check.name != SWITCHING]
     mesh_m, below = task.scenario.solver.mesh_m, below_share(best, run.energy.net_j)
     row = {"strategy": name, "mesh_m": mesh_m, "cells": len(run.nodes_m) - 1, "below": below, "broken": broken}
     yield row | {"driven": driven_rival(best, name, mesh_m) if below > BELOW_SHARE and not broken else None}

@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.chain_proof.prices import node_prices
 from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from tests.every_drive import train
 
 IDLING = ("loss polynomial", "efficiency map", "induction", "induction with a standstill brake", "synchronous")

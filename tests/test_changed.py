@@ -32,7 +32,7 @@ def test_a_change_reaches_its_tests_and_not_all(path: str) -> None:
 
 def test_a_package_that_hands_on_names_separates_its_modules() -> None:
     # `from railjoule.core import load_scenario` needs nothing of the check of runs
-    assert "tests/core/scenario/test_sections_csv.py" not in reached_tests(["core/check/account.py"])
+    assert "tests/core/scenario/test_sections_csv.py" not in reached_tests(["core/check/energy_balance.py"])
     assert "tests/core/scenario/test_sections_csv.py" in reached_tests(["core/scenario/document.py"])
 
 

@@ -9,10 +9,10 @@ Read `minimum.minimise` first, then `certified.certify`; the method itself is in
 """
 
 from railjoule.core.bounds.certified import (
-    bound_of,
     bounded,
     certify,
     every_run_statement,
+    find_bound,
     strongest_bounds,
     time_line,
     work_floor_j,
@@ -37,12 +37,12 @@ __all__ = [
     "OPTIMUM",
     "ProofStep",
     "Solution",
-    "bound_of",
     "bounded",
     "can_tighten",
     "certify",
     "check_seconds",
     "every_run_statement",
+    "find_bound",
     "minimise",
     "minimise_decided",
     "run_to_prove",

@@ -28,9 +28,10 @@ from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bo
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.duty import duty, safest_modes
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.lower_bound import Bound, Costate
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Bound, Costate, Trajectory
+from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
 LITTLE = 0.05
@@ -41,7 +42,7 @@ SAID_KWH = 1e-4
 """To which a sentence rounds a bound [kWh]."""
 
 
-def bound_of(task: Task) -> Bound | None:
+def find_bound(task: Task) -> Bound | None:
     """Return the bound of a task, or None where there is no slack, its optimum is not found or takes too many cells.
 
     A bound is an extra: that it is missing is no reason to throw a finished run away.
@@ -88,7 +89,7 @@ def bounded(task: Task, run: Trajectory, known: Bound | None = None) -> Trajecto
     if known is not None and not all(run.keeps(window) for window in known.windows):
         return run
     longer = replace(task, running_time_s=max(task.running_time_s, run.travel_time_s - task.dwell_s))
-    return run.with_bound(bound_of(longer))
+    return run.with_bound(find_bound(longer))
 
 
 def certify(task: Task, optimum: Optimum, proven: ContinuousBound | None = None) -> Bound:

@@ -22,9 +22,10 @@ from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.chain_proof.table import premise
 from railjoule.core.errors import ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.lower_bound import Bound
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.task import Task, task_over_nodes
-from railjoule.core.trajectory import Bound, Trajectory
+from railjoule.core.trajectory import Trajectory
 
 ROUNDED_GAP = 1e-6
 """A proof by chains aims at the tolerance less this share of it: no proof finds more than it aims at."""

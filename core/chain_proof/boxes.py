@@ -25,7 +25,7 @@ from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.effort_limit import WIDENING, EffortLimit, effort_range, upper_line
-from railjoule.core.physics.mesh_data import MeshData, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, shared_by_cells
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -109,7 +109,7 @@ class CellMotion(NamedTuple):
 @njit(cache=True, error_model="numpy")
 def cell_motion(mesh: MeshData, number: int) -> CellMotion:
     """Return the motion through one cell of a meshed line."""
-    cell = cell_of(mesh, number)
+    cell = cell_at(mesh, number)
     half, wide = 0.5 * cell.quadratic, 2.0 * cell.length_m * (1.0 + WIDENING)
     return CellMotion(
         cell.length_m,

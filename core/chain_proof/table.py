@@ -29,13 +29,21 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import Value, njit
-from railjoule.core.drive.formulas import LOSS_COEFFICIENT
-from railjoule.core.drive.geared import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, MOTORS, NO_LOAD, TURNS
+from railjoule.core.drive.geared import (
+    BY_SPEED,
+    BY_SPEED2,
+    BY_TORQUE,
+    BY_TORQUE2,
+    LOSS_COEFFICIENT,
+    MOTORS,
+    NO_LOAD,
+    TURNS,
+)
 from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL, PowerTerms
 from railjoule.core.drive.loss_map import BRAKING_TABLE, DRIVING_TABLE, HEAD, PATCH, piece_in
-from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
+from railjoule.core.physics.energy_balance import energy_per_metre
 from railjoule.core.physics.mesh_data import MeshData
 
 EFFORTS, SPEEDS = 128, 256

@@ -2,9 +2,9 @@
 
 It checks whether motion, efforts, powers, times and sums of a run are consistent, and keep every limit of scenario,
 vehicle and motors. Each rule has its largest deviation, as a share of a stated scale, and its tolerance. The equations
-and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `switching`,
-`powers`, `account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter
-verifies that none of it imports a drive, a solver or the energy balance that it checks.
+and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`,
+`account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter verifies
+that none of it imports a drive, a solver or the energy balance that it checks.
 
 It cannot judge whether the vehicle's data are right, nor whether a run could be cheaper; the bound is only compared
 with the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree only
@@ -16,14 +16,12 @@ from typing import Any
 
 import numpy as np
 
-from railjoule.core.check.account import account_findings
 from railjoule.core.check.case import Case
-from railjoule.core.check.efforts import effort_findings
+from railjoule.core.check.efforts import effort_findings, switching_findings
+from railjoule.core.check.energy_balance import balance_findings, power_findings
 from railjoule.core.check.motion import find_disorder, motion_findings
-from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
-from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, find_largest
-from railjoule.core.check.switching import switching_findings
+from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH
 
@@ -100,26 +98,15 @@ def _findings(case: Case) -> Iterator[Finding]:
         if not found.ok:
             yield Unchecked("all other rules", reason)
             return
-    for findings in (motion_findings, effort_findings, switching_findings, power_findings, account_findings):
+    for findings in (motion_findings, effort_findings, switching_findings, power_findings, balance_findings):
         yield from findings(case)
 
 
 def _count_not_finite(case: Case) -> Check:
-    """Count the numbers that are not finite."""
-    record = case.record
-    # one number a node: an array of cells counts at the node where its cell begins
-    nodes = np.zeros(len(record.position_m))
-    whole = 0
-    for values in record.numbers():
-        wrong = ~np.isfinite(values)
-        if len(values) == 1:
-            whole += int(wrong[0])
-        else:
-            nodes[: len(values)] += wrong
-    if not nodes.any():
-        return find_largest("finite numbers", "one number", 0.0, float(whole))
-    # the place of the first, as the places themselves may be none
-    first = int(np.argmax(nodes > 0))
-    place = record.position_m[first]
-    total = float(nodes.sum() + whole)
-    return Check("finite numbers", total, 0.0, float(place) if np.isfinite(place) else None, "one number")
+    """Count the numbers that are not finite; an array of cells counts at the nodes where its cells begin."""
+    wrong = [~np.isfinite(values) for values in case.record.numbers()]
+    nodes = [int(np.argmax(one)) for one in wrong if len(one) > 1 and one.any()]
+    # the places themselves may be none
+    place = float(case.record.position_m[min(nodes)]) if nodes else np.nan
+    total = float(sum(one.sum() for one in wrong))
+    return Check("finite numbers", total, 0.0, place if np.isfinite(place) else None, "one number")

@@ -50,8 +50,7 @@ class CopperModel(LossModel, model="copper_loss"):
         drive = self.parameters
         # the gear has no loss in this model, as its source has none
         lever = drive.gear_ratio / (0.5 * drive.wheel_diameter_m)
-        current: FloatArray = effort_n / (drive.motors * drive.torque_per_amp_nm * lever)
-        return current
+        return np.asarray(effort_n / (drive.motors * drive.torque_per_amp_nm * lever))
 
 
 class PolynomialModel(GearedModel, model="loss_polynomial"):

@@ -20,13 +20,11 @@ Source: Rawicki, "New software for energy saving control of a tram vehicle", (1)
 """
 
 import math
-from functools import cached_property
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
-from railjoule.core.check.polynomials import product, real_roots, values
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses, product, real_roots, values
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.units import H_PER_MH
 
@@ -37,14 +35,27 @@ OVERLOAD = 2e-3
 
 
 class InductionModel(GearedModel, model="induction"):
-    """The machines of a train, each with the flux of least loss, and their gears."""
+    """The machines of a train, each with the flux of least loss, and their gears.
+
+    Torques [N m] of one machine are negative where it generates, speeds those of its shaft [rad/s].
+    """
 
     parameters: Induction
 
-    @cached_property
-    def machine(self) -> "Machine":
-        """One of the machines."""
-        return Machine(self.parameters)
+    def __init__(self, parameters: Induction) -> None:
+        super().__init__(parameters)
+        rotor, mutual = parameters.rotor_inductance_mh * H_PER_MH, parameters.mutual_inductance_mh * H_PER_MH
+        rated = 2 * math.pi * parameters.rated_frequency_hz
+        self.pole_pairs = parameters.pole_pairs
+        self.stator_ohm = parameters.stator_resistance_ohm
+        self.stator_h = parameters.stator_inductance_mh * H_PER_MH
+        self.leakage_h = self.stator_h - mutual**2 / rotor
+        self.slip_rate = parameters.rotor_resistance_ohm / rotor
+        self.torque_constant = 1.5 * parameters.pole_pairs * mutual**2 / rotor
+        self.flux2 = parameters.rated_magnetising_current_a**2
+        self.voltage2 = parameters.max_phase_voltage_v**2
+        self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
+        self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
 
     def shaft_over_wheel(self) -> tuple[float, float]:
         """Return 1 / eta for driving, in which the motor also gives the gear's loss, and eta for braking."""
@@ -61,7 +72,7 @@ class InductionModel(GearedModel, model="induction"):
         """
         drive, work = self.parameters, effort_n * speed_ms
         torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
-        copper, iron, _ = self.machine.min_losses(torque, speed)
+        copper, iron, _ = self._min_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
             "iron": drive.motors * iron,
@@ -80,7 +91,7 @@ class InductionModel(GearedModel, model="induction"):
         """Return the greatest torque of a shaft within current, voltage and rated flux [N m]."""
         drive = self.parameters
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.max_torque(speed_rads, current, braking)
+        torque = self._max_torque(speed_rads, current, braking)
         # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
         sign = -1.0 if braking else 1.0
         return np.maximum(torque - sign * drive.mechanical_loss_torque_nm, 0.0)
@@ -89,28 +100,10 @@ class InductionModel(GearedModel, model="induction"):
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.min_losses(torque, self.turns_per_metre * speed_ms)[2]
+        current = self._min_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
-
-class Machine:
-    """One machine, for arrays of torque [N m], negative where it generates, and speed of the shaft [rad/s]."""
-
-    def __init__(self, parameters: Induction) -> None:
-        rotor, mutual = parameters.rotor_inductance_mh * H_PER_MH, parameters.mutual_inductance_mh * H_PER_MH
-        rated = 2 * math.pi * parameters.rated_frequency_hz
-        self.pole_pairs = parameters.pole_pairs
-        self.stator_ohm = parameters.stator_resistance_ohm
-        self.stator_h = parameters.stator_inductance_mh * H_PER_MH
-        self.leakage_h = self.stator_h - mutual**2 / rotor
-        self.slip_rate = parameters.rotor_resistance_ohm / rotor
-        self.torque_constant = 1.5 * parameters.pole_pairs * mutual**2 / rotor
-        self.flux2 = parameters.rated_magnetising_current_a**2
-        self.voltage2 = parameters.max_phase_voltage_v**2
-        self.hysteresis = parameters.hysteresis_loss_w / rated / self.flux2
-        self.eddy = parameters.eddy_loss_w / rated**2 / self.flux2
-
-    def min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def _min_losses(self, torque: FloatArray, speed: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return copper and iron loss [W] and the current [A] with the flux of least loss; NaN where there is none."""
         sign, strength = np.where(torque < 0, -1.0, 1.0), np.abs(torque) / self.torque_constant
         rotor = self.pole_pairs * speed
@@ -125,7 +118,7 @@ class Machine:
         copper_w, iron_w, current = (np.where(none, np.nan, these[rows, least]) for these in found)
         return copper_w, iron_w, current
 
-    def max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
+    def _max_torque(self, speed: FloatArray, current_a: float, braking: bool) -> FloatArray:
         """Return the greatest torque without sign [N m] that a current, the voltage and the rated flux allow."""
         quartic = self._quartic(np.full(len(speed), -1.0 if braking else 1.0), self.pole_pairs * speed)
         flux_meets_voltage = self.flux2 * quartic - self.voltage2 * np.eye(5)[0]
@@ -142,15 +135,18 @@ class Machine:
         by_current = current_a**2 / (1 + ratios**2)
         by_voltage = self.voltage2 / values(quartic, ratios)
         strength = ratios * np.minimum(np.minimum(self.flux2, by_current), by_voltage)
-        torque: FloatArray = self.torque_constant * np.nanmax(strength, axis=1)
-        return torque
+        return np.asarray(self.torque_constant * np.nanmax(strength, axis=1))
 
     def _candidates(self, sign: FloatArray, strength: FloatArray, rotor: FloatArray) -> FloatArray:
         """Return ratios of the currents among which the one of least loss is; NaN where not allowed; (k, 9)."""
         quartic = self._quartic(sign, rotor)
         rated = strength / self.flux2
+        # a and b of the losses kappa (a / q + b q + c), a for a field that turns forwards and for one backwards
+        rising = [1.5 * self.stator_ohm + (side * self.hysteresis + self.eddy * rotor) * rotor for side in (1.0, -1.0)]
+        rotor_copper = self.torque_constant * self.slip_rate / self.pole_pairs
+        falling = 1.5 * self.stator_ohm + rotor_copper + self.eddy * self.slip_rate**2
         with np.errstate(invalid="ignore"):
-            free = [np.sqrt(self._rising_weight(rotor, turning) / self._falling_weight()) for turning in (1.0, -1.0)]
+            free = [np.sqrt(weight / falling) for weight in rising]
         inside = np.column_stack([*free, rotor / self.slip_rate, rated])
         # at its ends the voltage is full
         full_voltage = strength[:, None] * quartic - self.voltage2 * np.eye(5)[1]
@@ -161,15 +157,6 @@ class Machine:
             voltage2 = strength[:, None] * values(quartic, ratios) / ratios
             allowed = (ratios > 0) & (ratios >= rated[:, None] * (1 - EDGE)) & (voltage2 <= self.voltage2 * (1 + slack))
         return np.where(allowed, ratios, np.nan)
-
-    def _rising_weight(self, rotor: FloatArray, turning: float) -> FloatArray:
-        """Return a of the losses kappa (a / q + b q + c), for a field that turns forwards, 1, or backwards, -1."""
-        return 1.5 * self.stator_ohm + (turning * self.hysteresis + self.eddy * rotor) * rotor
-
-    def _falling_weight(self) -> float:
-        """Return b of them."""
-        rotor_copper = self.torque_constant * self.slip_rate / self.pole_pairs
-        return 1.5 * self.stator_ohm + rotor_copper + self.eddy * self.slip_rate**2
 
     def _losses(
         self, sign: FloatArray, ratio: FloatArray, flux: FloatArray, rotor: FloatArray

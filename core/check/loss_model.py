@@ -1,4 +1,7 @@
-"""The losses and limits of one kind of drive in the check, and the gear between motors and wheels."""
+"""The losses and limits of one kind of drive in the check, and the gear between motors and wheels.
+
+Beside them functions of arrays of polynomials, with coefficients of shape (k, m), constant first.
+"""
 
 from typing import Any
 
@@ -6,10 +9,13 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 
-EXACT = 0.0
 # far above the rounding of a torque from an effort, far below the accuracy of any limit
 EDGE = 1e-9
 """How far rounding may exceed the end of a map, or a limit of current or voltage, as a share."""
+
+# two equal roots separate by the square root of the rounding, 1e-8, into the complex plane; 1e-6 keeps them
+SPLIT_ROOT = 1e-6
+"""Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
 
 Losses = dict[str, FloatArray]
 
@@ -30,8 +36,8 @@ class LossModel:
         Of the scenario.
     """
 
-    accuracy = EXACT
-    """The allowed difference of the product's losses, as a share of them and of a tenth of the run's largest: `EXACT`
+    accuracy = 0.0
+    """The allowed difference of the product's losses, as a share of them and of a tenth of the run's largest: 0
     where the product evaluates the same formula, more where it tabulates one."""
 
     def __init__(self, parameters: Any) -> None:
@@ -73,14 +79,7 @@ class GearedModel(LossModel):
     def shaft_torque_nm(self, effort_n: FloatArray) -> FloatArray:
         """Return the torque of each shaft, braking negative [N m]."""
         share = np.where(effort_n > 0, self.driving_share, self.braking_share)
-        torque: FloatArray = effort_n * share / (self.parameters.motors * self.turns_per_metre)
-        return torque
-
-    def effort_of_torque_n(self, torque_nm: FloatArray, braking: bool) -> FloatArray:
-        """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
-        share = self.braking_share if braking else self.driving_share
-        effort: FloatArray = self.parameters.motors * self.turns_per_metre * torque_nm / share
-        return effort
+        return np.asarray(effort_n * share / (self.parameters.motors * self.turns_per_metre))
 
     def gear_loss_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the loss of the gears [W]."""
@@ -89,8 +88,40 @@ class GearedModel(LossModel):
 
     def max_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the effort of the greatest torque [N]."""
-        return self.effort_of_torque_n(self.max_torque_nm(self.turns_per_metre * speed_ms, braking), braking)
+        torque = self.max_torque_nm(self.turns_per_metre * speed_ms, braking)
+        share = self.braking_share if braking else self.driving_share
+        return np.asarray(self.parameters.motors * self.turns_per_metre * torque / share)
 
     def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of a shaft, without sign [N m]."""
         return np.full(len(speed_rads), np.inf)
+
+
+def values(polynomial: FloatArray, at: FloatArray) -> FloatArray:
+    """Return the values of polynomials of shape (k, m) at arguments of shape (k, l)."""
+    return np.asarray(np.polynomial.polynomial.polyval(at, polynomial.T[:, :, None], tensor=False))
+
+
+def product(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return the products of polynomials of shape (k, m) and (k, l); shape (k, m + l - 1)."""
+    result = np.zeros((len(first), first.shape[1] + second.shape[1] - 1))
+    for power, coefficient in enumerate(first.T):
+        result[:, power : power + second.shape[1]] += coefficient[:, None] * second
+    return result
+
+
+def real_roots(polynomial: FloatArray) -> FloatArray:
+    """Return the real roots of polynomials of shape (k, m), NaN in the place of others; shape (k, m - 1).
+
+    They are the eigenvalues of companion matrices. Polynomials whose last coefficient is 0 have none here.
+    """
+    degree = polynomial.shape[1] - 1
+    companion = np.zeros((len(polynomial), degree, degree))
+    companion[:, 1:, :-1] = np.eye(degree - 1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
+    # eigvals refuses a whole stack for one NaN, so polynomials of lower degree are replaced and their roots dropped
+    known = np.isfinite(companion.sum(axis=(1, 2)))
+    roots = np.linalg.eigvals(np.where(known[:, None, None], companion, 0.0))
+    real = known[:, None] & (np.abs(roots.imag) <= SPLIT_ROOT * np.abs(roots.real))
+    return np.where(real, roots.real, np.nan)

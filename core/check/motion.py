@@ -34,22 +34,13 @@ EARLY_ARRIVAL_COST = 1e-5
 # of the weight: where a train coasts at its steady speed both forces are nearly 0, and their ratio means nothing
 FORCE_SCALE_SHARE = 1e-6
 TOP_SPEED = "the vehicle's top speed"
-Rule = tuple[str, str, float, FloatArray, FloatArray]
-"""Name, scale, tolerance, deviations as shares of the scale, and their places [m]."""
 
 
 def motion_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's motion."""
     yield from starmap(find_largest, _cell_rules(case))
-    yield from _stops(case)
-    yield from _windows(case)
-    yield from _arrival(case)
-    yield _speed_limit(case)
-    yield from _braking_curve(case)
-    if case.record.gradient_permille is None:
-        yield Unchecked("gradient", "the table has no column gradient_permille")
-    if case.record.effort_n is None:
-        yield Unchecked("balance of forces", "the table has no column effort_kn")
+    for findings in (_forces, _stops, _windows, _arrival, _speed_limit, _braking_curve):
+        yield from findings(case)
 
 
 def find_disorder(case: Case) -> Check:
@@ -73,9 +64,9 @@ def find_disorder(case: Case) -> Check:
     )
 
 
-def _cell_rules(case: Case) -> Iterator[Rule]:
-    """Yield the rules of places, speeds, times and forces of cells and ends."""
-    record, vehicle, length, middle = case.record, case.scenario.vehicle, case.route.length_m, case.record.middle_m
+def _cell_rules(case: Case) -> Iterator[tuple[str, str, float, FloatArray, FloatArray]]:
+    """Yield the rules of places, speeds and times of cells and ends, as arguments of `find_largest`."""
+    record, vehicle, length, middle = case.record, case.scenario.vehicle, case.route.length_m, case.middle_m
     ends = record.position_m[[0, -1]]
     yield "whole line driven", "the line", ROUNDING, np.abs(ends - [0.0, length]) / length, ends
     misses = np.abs(record.speed_ms[[0, -1]] - [case.initial_speed_ms, case.final_speed_ms]) / case.top_speed_ms
@@ -83,9 +74,7 @@ def _cell_rules(case: Case) -> Iterator[Rule]:
     # in a shorter cell forces are nothing but rounding
     share = case.rounding_share
     yield "cells long enough for their places", "the cell, its ends' last digit", ROUNDED_FORCE, share, middle
-    with np.errstate(divide="ignore"):
-        times = record.length_m / record.mean_speed_ms
-    misses = np.abs(record.duration_s - times) / np.maximum(record.duration_s, 1.0)
+    misses = np.abs(case.duration_s - case.length_m / case.mean_speed_ms) / np.maximum(case.duration_s, 1.0)
     yield "time of each cell", "the cell's time, at least 1 s", ROUNDING, misses, middle
     for name, change, limit in (
         ("acceleration", case.acceleration_ms2, vehicle.traction.max_acceleration_ms2),
@@ -94,59 +83,59 @@ def _cell_rules(case: Case) -> Iterator[Rule]:
         if limit is not None:
             # the rounding is subtracted as an acceleration of its own, as it grows without bound in short cells
             yield name, "the limit", ROUNDED_ACCELERATION, (change - case.rounding_ms2) / limit - 1, middle
-    if record.gradient_permille is not None:
-        difference = np.abs(record.moving(record.gradient_permille) - case.gradient_permille)
-        misses = np.maximum(difference - case.rounding_permille, 0.0)
-        yield "gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, middle
-    if record.effort_n is not None:
-        # inertia, running resistance, gradient and curve against the efforts
-        reported, required = record.moving(record.effort_n), case.required_effort_n
-        least = FORCE_SCALE_SHARE * N_PER_KN * case.train.weight_kn
-        # Of the rounding of the speeds only a thousandth: the whole would excuse any force in cells of a millimetre.
-        # The efforts of a run are computed from its speeds, so both agree better than either is exact.
-        rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
-        misses = np.maximum(np.abs(reported - required) - rounding, 0.0)
-        scale = np.maximum(np.abs(reported), np.abs(required)) + least
-        yield "balance of forces", "the force", ROUNDED_FORCE, misses / scale, middle
+
+
+def _forces(case: Case) -> Iterator[Finding]:
+    """Compare gradients and efforts with those of the line and of the motion."""
+    record, weight_kn = case.record, case.train.weight_kn
+    if record.gradient_permille is None:
+        yield Unchecked("gradient", "the table has no column gradient_permille")
+    else:
+        difference = np.abs(case.moving(record.gradient_permille) - case.gradient_permille)
+        misses = 1e-3 * np.maximum(difference - case.rounding_permille, 0.0)
+        yield find_largest("gradient", "the weight", ROUNDED_GRADIENT, misses, case.middle_m)
+    if record.effort_n is None:
+        yield Unchecked("balance of forces", "the table has no column effort_kn")
+        return
+    # inertia, running resistance, gradient and curve against the efforts
+    reported, required = case.moving(record.effort_n), case.required_effort_n
+    # Of the rounding of the speeds only a thousandth: the whole would excuse any force in cells of a millimetre.
+    # The efforts of a run are computed from its speeds, so both agree better than either is exact.
+    rounding = 1e-3 * case.rounding_n + weight_kn * case.rounding_permille
+    misses = np.maximum(np.abs(reported - required) - rounding, 0.0)
+    scale = np.maximum(np.abs(reported), np.abs(required)) + FORCE_SCALE_SHARE * N_PER_KN * weight_kn
+    yield find_largest("balance of forces", "the force", ROUNDED_FORCE, misses / scale, case.middle_m)
 
 
 def _stops(case: Case) -> Iterator[Check]:
     """Stand at each station for its dwell, or longer before a window, and nowhere else but before the start."""
-    record, stops = case.record, case.route.stops
-    waits = np.where(record.moves, 0.0, np.diff(record.time_s))
+    record, passes = case.record, case.route.passes
+    at, dwell_s = (np.array([getattr(stop, key) for stop in case.route.stops]) for key in ("position_m", "dwell_s"))
+    waits = np.where(case.moves, 0.0, np.diff(record.time_s))
     places = record.position_m[:-1]
     # standing before the start is a late departure and no stop
     waits[places <= places[0]] = 0.0
-    most = case.top_speed_ms
+    here = np.abs(places - at[:, None]) < SAME_PLACE_M
+    longer_s = here @ waits - dwell_s
     # before a window the best run may have to wait
     may_wait = record.strategy == "optimal" and bool(_arrival_windows(case))
-    passing, misses = [], []
-    for stop in stops:
-        passing.append(_speed_at(case, stop.position_m) / most)
-        here = np.abs(places - stop.position_m) < SAME_PLACE_M
-        longer_s = float(waits[here].sum()) - stop.dwell_s
-        misses.append((max(-longer_s, 0.0) if may_wait else abs(longer_s)) / max(stop.dwell_s, 1.0))
-        # taken off, so that what is left in the end is standing where no station is
-        waits[here] = 0.0
-    at = np.array([stop.position_m for stop in stops])
-    if case.route.passes:
-        places_m = np.array([place for place, _ in case.route.passes])
-        off = [abs(_speed_at(case, place) - speed) / most for place, speed in case.route.passes]
-        yield find_largest("passing speeds", TOP_SPEED, ROUNDING, np.array(off), places_m)
-    still = ~record.moves
+    misses = (np.maximum(-longer_s, 0.0) if may_wait else np.abs(longer_s)) / np.maximum(dwell_s, 1.0)
+    # what is left is standing where no station is
+    waits[here.any(axis=0)] = 0.0
+    if passes:
+        passed_m, speeds = np.array(passes).T
+        off = np.abs(_speed_at(case, passed_m) - speeds) / case.top_speed_ms
+        yield find_largest("passing speeds", TOP_SPEED, ROUNDING, off, passed_m)
+    still = ~case.moves
     before, after = record.speed_ms[:-1][still], record.speed_ms[1:][still]
     # A cell without length is a dwell, at speed 0, or with no time either a node that is written twice, at one speed.
-    rolling = np.where(np.diff(record.time_s)[still] > 0, np.maximum(before, after), np.abs(after - before)) / most
+    rolling = np.where(np.diff(record.time_s)[still] > 0, np.maximum(before, after), np.abs(after - before))
+    rolling = rolling / case.top_speed_ms
     yield find_largest("stands still where it stands", TOP_SPEED, ROUNDING, rolling, places[still])
-    if stops:
-        yield find_largest("stops", TOP_SPEED, ROUNDING, np.array(passing), at)
-    yield find_largest(
-        "standing times",
-        "the dwell, at least 1 s",
-        ROUNDING,
-        np.concatenate([np.array(misses), waits]),
-        np.concatenate([at, places]),
-    )
+    if len(at):
+        yield find_largest("stops", TOP_SPEED, ROUNDING, _speed_at(case, at) / case.top_speed_ms, at)
+    misses, places = np.append(misses, waits), np.append(at, places)
+    yield find_largest("standing times", "the dwell, at least 1 s", ROUNDING, misses, places)
 
 
 def _windows(case: Case) -> Iterator[Finding]:
@@ -171,22 +160,20 @@ def _arrival_windows(case: Case) -> dict[float, tuple[float, float]]:
     return {place: window for place, window in windows.items() if window != (0.0, np.inf)}
 
 
-def _speed_at(case: Case, position_m: float) -> float:
-    """Return the least speed at a place [m/s]: that of its node, or between two."""
+def _speed_at(case: Case, places_m: FloatArray) -> FloatArray:
+    """Return the least speeds at places [m/s]: those of nodes there, or between two."""
     record = case.record
-    here = np.abs(record.position_m - position_m) < SAME_PLACE_M
-    if here.any():
-        return float(record.speed_ms[here].min())
+    here = np.abs(record.position_m - places_m[:, None]) < SAME_PLACE_M
     # a mesh of somebody else need not have a node at the station: v^2 is linear between two
-    return float(np.sqrt(np.interp(position_m, record.position_m, record.speed_ms**2)))
+    between = np.sqrt(np.interp(places_m, record.position_m, record.speed_ms**2))
+    return np.where(here.any(axis=1), np.where(here, record.speed_ms, np.inf).min(axis=1), between)
 
 
 def _arrival(case: Case) -> Iterator[Finding]:
     record, scenario = case.record, case.scenario
     taken, due = float(record.time_s[-1] - record.time_s[0]), scenario.travel_time_s
     allowed = max(LATE_S / due, LATE_SHARE)
-    reason = _untimed(case)
-    if reason:
+    if reason := _untimed(case):
         yield Unchecked("late arrival", reason)
     else:
         # only this strategy may be late, by a share of the running time: dwells are not driven
@@ -213,7 +200,7 @@ def _untimed(case: Case) -> str:
     return ""
 
 
-def _speed_limit(case: Case) -> Check:
+def _speed_limit(case: Case) -> Iterator[Check]:
     """Compare speeds within cells: between two nodes v^2 is linear, so the greatest is at a border of a limit."""
     record, route = case.record, case.route
     # A comparison at the nodes would miss a limit that begins inside of a cell: a run with nodes of its own need not
@@ -226,7 +213,7 @@ def _speed_limit(case: Case) -> Check:
     middle = (0.5 * (places[1:] + places[:-1]))[whole]
     fastest = np.sqrt(np.maximum(speed2[1:], speed2[:-1])[whole])
     limit = np.minimum(route.speed_limit_ms(middle), case.top_speed_ms)
-    return find_largest("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
+    yield find_largest("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
 
 
 def _braking_curve(case: Case) -> Iterator[Check]:
@@ -235,8 +222,7 @@ def _braking_curve(case: Case) -> Iterator[Check]:
     With s(v), the distance from v to rest at the decelerations of the curve, a train at x is under the curve that ends
     at X with V where s(v) - s(V) <= X - x. So s(v) + x is held against the least s(V) + X ahead.
     """
-    steps = case.scenario.vehicle.braking.permitted_deceleration
-    if steps is None:
+    if (steps := case.scenario.vehicle.braking.permitted_deceleration) is None:
         return
     record, route = case.record, case.route
     kmh, deceleration = np.array(steps).T
@@ -245,17 +231,15 @@ def _braking_curve(case: Case) -> Iterator[Check]:
 
     def to_rest_m(speed2: FloatArray) -> FloatArray:
         step = np.searchsorted(step_speed2, speed2, side="right") - 1
-        distance: FloatArray = at_steps[step] + (speed2 - step_speed2[step]) / (2 * deceleration[step])
-        return distance
+        return np.asarray(at_steps[step] + (speed2 - step_speed2[step]) / (2 * deceleration[step]))
 
     targets, speeds = _curve_ends(case)
     least = np.append(np.minimum.accumulate((to_rest_m(speeds**2) + targets)[::-1])[::-1], np.inf)
-    places, speed2 = _corners_of_distance(case, step_speed2)
-    places = np.concatenate([places, record.position_m, route.limit_borders_m])
-    speed2 = np.concatenate([speed2, record.speed_ms**2, np.zeros(len(route.limit_borders_m))])
+    corners, corner_speed2 = _corners_of_distance(case, step_speed2)
+    places = np.concatenate([corners, record.position_m, route.limit_borders_m])
     # a limit may begin within a cell of a run that has nodes of its own
-    borders = slice(len(places) - len(route.limit_borders_m), None)
-    speed2[borders] = np.interp(places[borders], record.position_m, record.speed_ms**2)
+    at_borders = np.interp(route.limit_borders_m, record.position_m, record.speed_ms**2)
+    speed2 = np.concatenate([corner_speed2, record.speed_ms**2, at_borders])
     distance = to_rest_m(speed2)
     # rounding of a place must not put a train that stands at its stop before or behind it
     excess = distance + places - least[np.searchsorted(targets, places - SAME_PLACE_M)]
@@ -281,13 +265,8 @@ def _curve_ends(case: Case) -> tuple[FloatArray, FloatArray]:
 
 def _corners_of_distance(case: Case, step_speed2: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the places [m] within cells, and squares of speed, at which the deceleration of the curve steps."""
-    record = case.record
-    before, after = record.entering_speed2, record.leaving_speed2
-    start = record.moving(record.position_m[:-1])
-    places, squares = [np.zeros(0)], [np.zeros(0)]
-    for step2 in step_speed2[1:]:
-        passes = (before - step2) * (after - step2) < 0
-        share = (step2 - before[passes]) / (after - before)[passes]
-        places.append(start[passes] + share * record.length_m[passes])
-        squares.append(np.full(int(passes.sum()), step2))
-    return np.concatenate(places), np.concatenate(squares)
+    before, after, steps = case.entering_speed2, case.leaving_speed2, step_speed2[1:, None]
+    step, cell = np.nonzero((before - steps) * (after - steps) < 0)
+    speed2 = step_speed2[1:][step]
+    share = (speed2 - before[cell]) / (after - before)[cell]
+    return case.start_m[cell] + share * case.length_m[cell], speed2

@@ -2,24 +2,17 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
 FEWEST_NODES = 2
-# by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
-ENERGIES = (
-    *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
-    *("kinetic_j", "potential_j", "magnetic_field_j"),
-)
-"""The entries of an energy account but its losses by kind."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +38,7 @@ class Record:
     current_a : array of cells or None
         Current of one motor [A].
     energies_j, losses_j : mapping of str to float, or None
-        The account [J]: the entries of `ENERGIES`, and losses by kind.
+        The account [J]: its entries but losses, and losses by kind.
     bound_j, gap, price_of_time_w : float or None
         Lower bound of the energy [J], energy over it less 1, and what a second more would save [W].
     """
@@ -68,46 +61,6 @@ class Record:
     gap: float | None = None
     price_of_time_w: float | None = None
 
-    @cached_property
-    def moves(self) -> BoolArray:
-        """Whether the train moves on in each cell; shape (n,). The properties below are of these k cells."""
-        moves: BoolArray = np.diff(self.position_m) > 0
-        return moves
-
-    @cached_property
-    def middle_m(self) -> FloatArray:
-        """Places of the middles of the cells [m]; shape (k,)."""
-        return self.moving(0.5 * (self.position_m[1:] + self.position_m[:-1]))
-
-    @cached_property
-    def length_m(self) -> FloatArray:
-        """Lengths of the cells [m]; shape (k,)."""
-        return self.moving(np.diff(self.position_m))
-
-    @cached_property
-    def duration_s(self) -> FloatArray:
-        """Times of the cells [s]; shape (k,)."""
-        return self.moving(np.diff(self.time_s))
-
-    @cached_property
-    def entering_speed2(self) -> FloatArray:
-        """Squares of speed at their starts [m2/s2]; shape (k,)."""
-        return self.moving(self.speed_ms[:-1] ** 2)
-
-    @cached_property
-    def leaving_speed2(self) -> FloatArray:
-        """Squares of speed at their ends [m2/s2]; shape (k,)."""
-        return self.moving(self.speed_ms[1:] ** 2)
-
-    @cached_property
-    def mean_speed_ms(self) -> FloatArray:
-        """Means of the speeds at their ends, which are their lengths over their times [m/s]; shape (k,)."""
-        return self.moving(0.5 * (self.speed_ms[:-1] + self.speed_ms[1:]))
-
-    def moving(self, values: FloatArray) -> FloatArray:
-        """Return the values of the cells in which the train moves on; shape (k,)."""
-        return values[self.moves]
-
     def numbers(self) -> Iterator[FloatArray]:
         """Yield all numbers of the run; those of the run as a whole as arrays of shape (1,)."""
         for value in (getattr(self, field.name) for field in fields(self)):
@@ -120,6 +73,8 @@ class Record:
 def record_of_run(run: Any) -> Record:
     """Return the record of a `railjoule.core.Trajectory`, or of anything with its fields."""
     bound = run.bound
+    # by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
+    energies = {name: float(value) for name, value in vars(run.energy).items() if name != "losses_j"}
     return Record(
         strategy=run.strategy,
         position_m=np.asarray(run.position_m, dtype=float),
@@ -133,7 +88,7 @@ def record_of_run(run: Any) -> Record:
         supply_energy_j=run.supply_energy_j,
         gradient_permille=run.gradient_permille,
         current_a=run.current_a,
-        energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
+        energies_j=energies,
         losses_j=dict(run.energy.losses_j),
         # a bound whose proof has yet to run has no gap
         bound_j=None if bound is None or run.gap is None else float(bound.energy_j),
@@ -159,8 +114,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     ScenarioError
         If a column is missing or holds no numbers, or there are fewer than two nodes.
     """
-    missing = [name for name in NEEDED_COLUMNS if name not in table]
-    if missing:
+    if missing := [name for name in NEEDED_COLUMNS if name not in table]:
         raise ScenarioError(f"has no column {missing[0]}; a run needs at least {', '.join(NEEDED_COLUMNS)}.")
     position, time, speed = (_column(table, name) for name in NEEDED_COLUMNS)
     if len(position) < FEWEST_NODES:

@@ -24,13 +24,12 @@ Sources: Morimoto, Sanada, Takeda, IEEE Transactions on Industry Applications 30
 """
 
 import math
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.loss_model import EDGE, GearedModel, Losses
-from railjoule.core.check.polynomials import product, real_roots
+from railjoule.core.check.loss_model import EDGE, GearedModel, Losses, product, real_roots
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
 
@@ -52,32 +51,13 @@ ZOOMS, POINTS = 6, 49
 
 
 class SynchronousModel(GearedModel, model="synchronous"):
-    """The motors of a train with their inverters and gears."""
+    """The motors of a train with their inverters and gears; torques of a shaft [N m] and its speeds [rad/s]."""
 
     parameters: Synchronous
     accuracy = TABLE_ACCURACY
 
-    @cached_property
-    def machine(self) -> "Machine":
-        """One of the machines."""
-        return Machine(self.parameters)
-
-    def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
-        """Return the losses by kind [W]; NaN beyond current or voltage."""
-        of_one = self.machine.losses_w(self.shaft_torque_nm(effort_n), self.turns_per_metre * speed_ms)
-        of_all = {kind: self.parameters.motors * loss_w for kind, loss_w in of_one.items()}
-        return {**of_all, "gear": self.gear_loss_w(effort_n, speed_ms)}
-
-    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
-        """Return the greatest torque of a shaft within current and voltage [N m]."""
-        return self.machine.max_torque(speed_rads, braking)
-
-
-class Machine:
-    """One machine with its inverter, for arrays of shape (k,) of torque [N m] and speed of the shaft [rad/s]."""
-
     def __init__(self, parameters: Synchronous) -> None:
-        self.parameters = parameters
+        super().__init__(parameters)
         self.direct_h = parameters.direct_inductance_mh * H_PER_MH
         self.quadrature_h = parameters.quadrature_inductance_mh * H_PER_MH
         self.saliency_h = self.quadrature_h - self.direct_h
@@ -86,22 +66,18 @@ class Machine:
         six_steps = parameters.modulation == "six_step"
         self.max_voltage_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.space_vector_voltage_v
 
-    def losses_w(self, torque: FloatArray, speed: FloatArray) -> Losses:
-        """Return the losses by kind at torques of the shaft, negative in braking [W]; NaN beyond current or voltage."""
-        p, rads = self.parameters, self.parameters.pole_pairs * speed
-        drag = p.mechanical_loss_torque_nm + p.ventilation_loss_w_per_rads3 * speed**2
-        along, across = self._currents(torque + drag, rads)
+    def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
+        """Return the losses by kind [W]; NaN beyond current or voltage."""
+        p, speed = self.parameters, self.turns_per_metre * speed_ms
+        rads = p.pole_pairs * speed
+        drag = self._drag(speed)
+        along, across = self._currents(self.shaft_torque_nm(effort_n) + drag, rads)
         current = np.hypot(along, across)
         flux_d, flux_q = p.magnet_flux_vs + self.direct_h * along, self.quadrature_h * across
         resistance = p.stator_resistance_ohm
         voltage = np.hypot(resistance * along - rads * flux_q, resistance * across + rads * flux_d)
         share = rads / (2 * math.pi * p.rated_frequency_hz)
-        iron = (
-            (p.hysteresis_loss_w * share + p.eddy_loss_w * share**2)
-            * np.hypot(flux_d, flux_q) ** 2
-            / p.rated_flux_vs**2
-        )
-        copper = 1.5 * self._resistance(rads) * current**2
+        iron = p.hysteresis_loss_w * share + p.eddy_loss_w * share**2
         # beyond the inscribed circle of the hexagon no space vector reaches, and the inverter goes over to blocks
         blocks = voltage > self.space_vector_voltage_v
         # the mean of a rectified sine: conduction at a threshold and switching losses go with it
@@ -110,15 +86,24 @@ class Machine:
         frequency = np.where(blocks, rads / (2 * math.pi), p.switching_frequency_hz)
         energy = p.switching_energy_j * mean / p.switching_current_a * p.link_voltage_v / p.switching_voltage_v
         harmonics = np.where(blocks, self._six_step_loss_w(rads, voltage), self._space_vector_loss_w(rads, voltage))
-        if not p.harmonic_losses:
-            harmonics = 0.0 * current
-        inverter = conduction + 3 * frequency * energy
-        kinds = {"copper": copper, "iron": iron, "mechanical": drag * speed, "harmonics": harmonics}
-        return {**kinds, "inverter": inverter}
+        of_one = {
+            "copper": 1.5 * self._resistance(rads) * current**2,
+            "iron": iron * (flux_d**2 + flux_q**2) / p.rated_flux_vs**2,
+            "mechanical": drag * speed,
+            "harmonics": harmonics if p.harmonic_losses else 0.0 * current,
+            "inverter": conduction + 3 * frequency * energy,
+        }
+        of_all = {kind: p.motors * loss_w for kind, loss_w in of_one.items()}
+        return {**of_all, "gear": self.gear_loss_w(effort_n, speed_ms)}
 
-    def max_torque(self, speed: FloatArray, braking: bool) -> FloatArray:
+    def _drag(self, speed: FloatArray) -> FloatArray:
+        """Return the torque that friction and ventilation take [N m]."""
+        p = self.parameters
+        return p.mechanical_loss_torque_nm + p.ventilation_loss_w_per_rads3 * speed**2
+
+    def max_torque_nm(self, speed_rads: FloatArray, braking: bool) -> FloatArray:
         """Return the greatest torque of the shaft within current and voltage, without sign [N m]."""
-        p, rads, sign = self.parameters, self.parameters.pole_pairs * speed[:, None], -1.0 if braking else 1.0
+        p, rads, sign = self.parameters, self.parameters.pole_pairs * speed_rads[:, None], -1.0 if braking else 1.0
 
         def torque(along: FloatArray) -> FloatArray:
             by_current = np.sqrt(np.maximum(p.max_current_a**2 - along**2, 0.0))
@@ -130,18 +115,15 @@ class Machine:
             with np.errstate(invalid="ignore"):
                 by_voltage = (-b + np.sqrt(b * b - a * c)) / a
             across = np.where(np.isnan(by_voltage), -np.inf, np.minimum(by_current, by_voltage))
-            found: FloatArray = 1.5 * p.pole_pairs * across * (p.magnet_flux_vs - self.saliency_h * along)
-            return found
+            return 1.5 * p.pole_pairs * across * (p.magnet_flux_vs - self.saliency_h * along)
 
-        middle, width = np.full((len(speed), 1), -0.5 * p.max_current_a), p.max_current_a
+        middle, width = np.full((len(speed_rads), 1), -0.5 * p.max_current_a), p.max_current_a
         for _ in range(ZOOMS):
             along = np.clip(middle + width * np.linspace(-0.5, 0.5, POINTS), -p.max_current_a, 0.0)
             found = torque(along)
             best = np.argmax(found, axis=1)[:, None]
             middle, width = np.take_along_axis(along, best, axis=1), width * 4 / (POINTS - 1)
-        drag = p.mechanical_loss_torque_nm + p.ventilation_loss_w_per_rads3 * speed**2
-        greatest: FloatArray = np.maximum(found.max(axis=1) - sign * drag, 0.0)
-        return greatest
+        return np.asarray(np.maximum(found.max(axis=1) - sign * self._drag(speed_rads), 0.0))
 
     def _currents(self, torque: FloatArray, rads: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the currents along and across the magnets [A]; NaN where current or voltage do not allow them."""
@@ -178,15 +160,13 @@ class Machine:
         x = np.clip(p.conductor_height_mm * M_PER_MM / depth, 1e-2, 50.0)
         skin = x * (np.sinh(2 * x) + np.sin(2 * x)) / (np.cosh(2 * x) - np.cos(2 * x))
         proximity = 2 * x * (np.sinh(x) - np.sin(x)) / (np.cosh(x) + np.cos(x))
-        resistance: FloatArray = p.stator_resistance_ohm * (skin + (p.conductor_layers**2 - 1) / 3 * proximity)
-        return resistance
+        return np.asarray(p.stator_resistance_ohm * (skin + (p.conductor_layers**2 - 1) / 3 * proximity))
 
     def _six_step_loss_w(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
         orders = np.array([6 * k + side for k in range(1, STEPS + 1) for side in (-1, 1)])
         frequency = np.maximum(rads, 1e-6)[:, None] * orders
         current = voltage[:, None] / orders / (frequency * self.harmonic_h)
-        loss: FloatArray = np.sum(1.5 * self._resistance(frequency) * current**2, axis=1)
-        return loss
+        return np.asarray(np.sum(1.5 * self._resistance(frequency) * current**2, axis=1))
 
     def _space_vector_loss_w(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
         half = 0.5 * self.parameters.link_voltage_v
@@ -200,8 +180,7 @@ class Machine:
         # what is slower than the fundamental is no harmonic
         counts = frequency > rads[:, None, None]
         current = np.where(counts, amplitude / (np.where(counts, frequency, 1.0) * self.harmonic_h), 0.0)
-        loss: FloatArray = np.sum(1.5 * self._resistance(frequency) * current**2, axis=(1, 2))
-        return loss
+        return np.asarray(np.sum(1.5 * self._resistance(frequency) * current**2, axis=(1, 2)))
 
 
 @lru_cache(maxsize=1)

@@ -1,4 +1,4 @@
-"""The train and its line: masses, resistances of running, gradients, curves and tunnels, speed limits, stops.
+"""The train and its line: masses, running resistance, largest efforts, gradients, curves, speed limits, stops.
 
 All from a scenario's own keys, in the conventions that its file format states:
 
@@ -13,9 +13,13 @@ tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, an
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
 of its cars, or at its front or its middle where the vehicle asks for that. Before the start the first value continues.
 A limit holds for the front of the train, or until its rear has left it. A neutral section is where its front is.
+
+With `line.rail_condition`, the driven axles transmit at most mu(v) times their weight, in driving and in electric
+braking, and all brakes together at most mu(v) times the weight of the braked axles. On dry rails (Curtius, Kniffler,
+1944), with v in km/h, mu(v) = 7.5 / (v + 44) + 0.161; on wet rails it is `wet_share` of that.
 """
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,8 +27,11 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, Section, Vehicle
-from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
+from railjoule.core.scenario.vehicle import Braking, Traction
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2, W_PER_KW
 
+# at standstill power limits nothing; this only avoids the division by zero
+STANDSTILL_MS = 1e-9
 END_M = 1e-6
 """A station this close to an end of the line is that end."""
 
@@ -67,10 +74,10 @@ class Route:
         Places [m] that are passed at a given speed [m/s].
     neutral : tuple of (float, float)
         Stretches without traction power: from [m], to [m].
-    train_m, cars
-        Length of the train [m] and number of its cars, or None.
-    at_point_m : float or None
-        Distance behind the front of the point for gradient, curve and tunnel [m]; None for all of the train.
+    train_m : float or None
+        Length of the train [m].
+    points_m : sequence of float or None
+        Distances behind the front of the points for gradient, curve and tunnel [m]; None for all of the train.
     limits_last_m : float
         Distance beyond its end at which a limit still holds for the front [m].
     """
@@ -83,8 +90,7 @@ class Route:
     passes: tuple[tuple[float, float], ...]
     neutral: tuple[tuple[float, float], ...]
     train_m: float | None
-    cars: int | None
-    at_point_m: float | None
+    points_m: Sequence[float] | None
     limits_last_m: float
 
     @cached_property
@@ -97,71 +103,50 @@ class Route:
         """Length of the line [m]."""
         return float(self.borders_m[-1])
 
-    @property
-    def spreads_evenly(self) -> bool:
-        """Whether values of the line are means over the length of the train."""
-        return self.train_m is not None and self.cars is None and self.at_point_m is None
-
     def gradient_permille(self, start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean gradient under the train in cells [per mille]; shape (k,)."""
-        return self._under_train(lambda section: self.gradient_sign * section.gradient_permille, start_m, end_m)
+        return self._under_train([self.gradient_sign * one.gradient_permille for one in self.sections], start_m, end_m)
 
     def curvature_per_m(self, start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean of 1 / radius under the train in cells [1/m]; shape (k,)."""
-        return self._under_train(
-            lambda section: 1 / section.curve_radius_m if section.curve_radius_m > 0 else 0.0, start_m, end_m
-        )
+        radii = (section.curve_radius_m for section in self.sections)
+        return self._under_train([1 / radius if radius > 0 else 0.0 for radius in radii], start_m, end_m)
 
     def tunnel_factor(self, start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean factor of tunnels under the train in cells; shape (k,)."""
-        return self._under_train(lambda section: section.tunnel_factor, start_m, end_m)
+        return self._under_train([section.tunnel_factor for section in self.sections], start_m, end_m)
 
-    def _under_train(self, value: Callable[[Section], float], start_m: FloatArray, end_m: FloatArray) -> FloatArray:
-        """Return the mean of a value of the sections over each cell and over the train; shape (k,)."""
+    def _under_train(self, values: Sequence[float], start_m: FloatArray, end_m: FloatArray) -> FloatArray:
+        """Return the mean of values of the sections over each cell and over the train; shape (k,)."""
         # A mean over a stretch is a difference of integrals over its length. So one function serves points, cars and
         # trains with a length, and the product's own profile of the line is not needed.
-        values = np.array([value(section) for section in self.sections])
         if not np.ptp(values):
             return np.full(len(start_m), values[0])
-        area = self._integral(values)
-        means: FloatArray = (area(end_m) - area(start_m)) / (end_m - start_m)
-        return means
-
-    def _integral(self, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Return the integral over the position of the front of a mean under the train."""
-        # the first section continues before the start for the length of the train
-        # one metre more, as the train's end is then never outside, whatever rounding does
-        borders = np.append(-1.0 - (self.train_m or 0.0), self.borders_m)
+        train = self.train_m or 0.0
+        # the first section continues before the start for the length of the train, and for one metre more, as the
+        # train's end is then never outside, whatever rounding does
+        borders = np.append(-1.0 - train, self.borders_m)
         once = np.append(0.0, np.cumsum(np.append(values[0], values) * np.diff(borders)))
-
-        def first(places: FloatArray) -> FloatArray:
-            area: FloatArray = np.interp(places, borders, once)
-            return area
-
-        train, cars = self.train_m, self.cars
-        if self.at_point_m is not None:
-            point_m = self.at_point_m
-            return lambda places: first(places - point_m)
-        if train is None:
-            return first
-        if cars is not None:
-            behind = (np.arange(cars) + 0.5) * train / cars
-            return lambda places: np.mean([first(places - offset) for offset in behind], axis=0)
         # between borders the integral is linear, so its own integral is one of trapezoids
         twice = np.append(0.0, np.cumsum(0.5 * (once[1:] + once[:-1]) * np.diff(borders)))
 
         def second(places: FloatArray) -> FloatArray:
             before = np.clip(np.searchsorted(borders, places, side="right") - 1, 0, len(borders) - 2)
-            trapezoid: FloatArray = 0.5 * (once[before] + first(places)) * (places - borders[before])
-            return twice[before] + trapezoid
+            trapezoid = 0.5 * (once[before] + np.interp(places, borders, once)) * (places - borders[before])
+            return np.asarray(twice[before] + trapezoid)
 
-        return lambda places: (second(places) - second(places - train)) / train
+        def area(places: FloatArray) -> FloatArray:
+            if self.points_m is None:
+                return (second(places) - second(places - train)) / train
+            return np.asarray(np.mean([np.interp(places - point, borders, once) for point in self.points_m], axis=0))
+
+        return (area(end_m) - area(start_m)) / (end_m - start_m)
 
     def speed_limit_ms(self, position_m: FloatArray) -> FloatArray:
         """Return the limit of the line at places that lie on no border [m/s], infinite without one; same shape."""
         number = np.clip(np.searchsorted(self.borders_m, position_m) - 1, 0, len(self.sections) - 1)
         by_section = np.array([(section.speed_limit_kmh or np.inf) * MS_PER_KMH for section in self.sections])
-        limit: FloatArray = by_section[number]
+        limit = np.asarray(by_section[number])
         # a limit that lasts for the cars behind is one more stretch after its section
         behind = [(end, end, speed) for end, speed in zip(self.borders_m[1:], by_section, strict=True)]
         for start, end, speed in [*self.limits, *behind]:
@@ -181,17 +166,7 @@ def build_route(scenario: Scenario) -> Route:
     line, vehicle = scenario.line, scenario.vehicle
     length = sum(section.length_m for section in line.sections)
     limits = [(limit.from_m, limit.to_m, limit.limit_kmh * MS_PER_KMH) for limit in line.speed_limits]
-    stations = [
-        (
-            station.position_m,
-            station.dwell_s,
-            (
-                station.earliest_arrival_s or 0.0,
-                np.inf if station.latest_arrival_s is None else station.latest_arrival_s,
-            ),
-        )
-        for station in line.stations
-    ]
+    stations = [(station.position_m, station.dwell_s, station.window_s) for station in line.stations]
     passes = [(point.position_m, point.speed_kmh * MS_PER_KMH) for point in line.passing_points]
     neutral = [(section.from_m, section.to_m) for section in line.neutral_sections]
     if line.reverse:
@@ -208,10 +183,19 @@ def build_route(scenario: Scenario) -> Route:
         passes=tuple(passes),
         neutral=tuple(neutral),
         train_m=vehicle.length_m,
-        cars=vehicle.car_count,
-        at_point_m={"front": 0.0, "middle": 0.5 * (vehicle.length_m or 0.0)}.get(vehicle.gradient_at),
+        points_m=_points_m(vehicle),
         limits_last_m=(vehicle.length_m or 0.0) if line.limits_hold_for == "whole_train" else 0.0,
     )
+
+
+def _points_m(vehicle: Vehicle) -> Sequence[float] | None:
+    """Return the places behind the front at which a train takes the line [m]; None for its whole length."""
+    if vehicle.length_m is None or vehicle.gradient_at == "front":
+        return (0.0,)
+    if vehicle.gradient_at == "middle":
+        return (0.5 * vehicle.length_m,)
+    cars = vehicle.car_count
+    return None if cars is None else [(car + 0.5) * vehicle.length_m / cars for car in range(cars)]
 
 
 @dataclass(frozen=True)
@@ -266,3 +250,40 @@ def build_train(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
         quadratic=air,
         curve_constant_m_n_per_kn=resistance.curve_constant_m_n_per_kn,
     )
+
+
+def stated_limits_n(limits: Traction | Braking, speed_ms: FloatArray) -> dict[str, FloatArray]:
+    """Return the largest efforts [N] by what states them: effort, power, curve, breakdown; shape as the speeds'.
+
+    Beyond the last point of a curve its power stays, F v = F_last v_last. Beyond the breakdown speed F v^2 stays as it
+    is there, and the limit is infinite below.
+    """
+    speed, stated = np.maximum(speed_ms, STANDSTILL_MS), {}
+    if limits.max_effort_kn is not None:
+        stated["effort"] = np.full(np.shape(speed_ms), limits.max_effort_kn * N_PER_KN)
+    if limits.max_power_kw is not None:
+        stated["power"] = limits.max_power_kw * W_PER_KW / speed
+    if limits.curve is not None:
+        kmh, kn = np.array(limits.curve).T
+        inside = np.interp(speed, kmh * MS_PER_KMH, N_PER_KN * kn)
+        last_ms = kmh[-1] * MS_PER_KMH
+        stated["curve"] = np.where(speed > last_ms, N_PER_KN * kn[-1] * last_ms / speed, inside)
+    if limits.breakdown_speed_kmh is not None:
+        breakdown = np.array([limits.breakdown_speed_kmh * MS_PER_KMH])
+        without = stated_limits_n(limits.model_copy(update={"breakdown_speed_kmh": None}), breakdown)
+        constant = min(float(limit[0]) for limit in without.values()) * breakdown**2
+        stated["breakdown"] = np.where(speed_ms > breakdown, constant / speed**2, np.inf)
+    return stated
+
+
+def adhesion_limits_n(scenario: Scenario, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the largest forces of the driven and of the braked axles [N] at speeds [m/s]; infinite without a limit."""
+    vehicle, condition = scenario.vehicle, scenario.line.rail_condition
+    adhesion = vehicle.adhesion
+    if condition is None or adhesion.driven_mass_share is None:
+        unlimited = np.full(len(speed_ms), np.inf)
+        return unlimited, unlimited
+    mass_kg = vehicle.tare_kg + vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
+    wet = adhesion.wet_share if condition == "wet" else 1.0
+    force_n = wet * (7.5 / (speed_ms / MS_PER_KMH + 44) + 0.161) * mass_kg * STANDARD_GRAVITY_MS2
+    return adhesion.driven_mass_share * force_n, adhesion.braked_mass_share * force_n

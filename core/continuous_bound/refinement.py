@@ -17,11 +17,12 @@ from railjoule.core.budget import current_budget
 from railjoule.core.continuous_bound.bound import ContinuousBound, continuous_bound
 from railjoule.core.energy import net_energy
 from railjoule.core.errors import RailjouleError, SolverError
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import account_of_run, reference_energy
 from railjoule.core.physics.between_nodes import RunBetweenNodes, follow_between_nodes, slow_to_possible
+from railjoule.core.physics.energy_balance import reference_energy, run_balance
 from railjoule.core.task import Task, task_over_nodes
-from railjoule.core.trajectory import LATE_SHARE, supply_energies_j
+from railjoule.core.trajectory import supply_energies_j
 
 MAX_ROUNDS = 6
 """Solutions at most; nearly all scenarios need one to three."""
@@ -132,7 +133,7 @@ def cell_gaps_j(found: RefinedOptimum) -> FloatArray:
     """Return the cost of the run in each cell less the share of the bound [J]; shape (n,)."""
     data, optimum, pieces = found.task.mesh.data, found.solution.optimum, found.bound.pieces
     price_w = data.auxiliary_power_w + max(optimum.price_of_time_w, 0.0)
-    account = account_of_run(data, optimum.speed2)
+    account = run_balance(data, optimum.speed2)
     count = len(data.cell_length_m)
     numbers = np.arange(count)
     first = np.searchsorted(pieces.cell, numbers)
@@ -173,7 +174,7 @@ def possible_optimum(found: RefinedOptimum) -> RefinedOptimum:
         speed2 = slow_to_possible(data, optimum.speed2)
     if running_time(data.cell_length_m, speed2) > task.running_time_s * (1 + LATE_SHARE):
         return found
-    net_j = net_energy(*supply_energies_j(task.mesh, account_of_run(data, speed2)))
+    net_j = net_energy(*supply_energies_j(task.mesh, run_balance(data, speed2)))
     moved = optimum._replace(speed2=speed2, energy_j=net_j - task.dwell_energy_j)
     solution = Solution(moved, found.solution.iterations + optimum.iterations, net_j)
     return replace(found, solution=solution, followed=follow_between_nodes(data, speed2))

@@ -1,4 +1,7 @@
-"""Drives of several motors behind gears, each with its own inverter; and motors whose loss is a polynomial.
+"""Drives of several motors behind gears, each with its own inverter; and drives whose power or loss is one formula.
+
+Power by a formula: constant efficiency, and copper loss. Source of the copper loss: Ftorek et al. 2025, (11), with
+i_q = effort / (motors * torque per ampere * gear ratio / wheel radius).
 
 A shaft has the share of the effort and of the power at the wheels that its gear needs in driving, F v (1 + g) / motors,
 and the share that the gear leaves in braking, F v (1 - g) / motors. Without effort the inverters are off: no power, no
@@ -17,9 +20,9 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.compiled import njit
 from railjoule.core.drive.drive import Drive
-from railjoule.core.drive.kinds import LOSS_POLYNOMIAL, PowerTerms
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, PowerTerms
 from railjoule.core.drive.line_power import resistor_power
-from railjoule.core.scenario.drive import CopperLoss, GearedMotors, Induction, LossPolynomial
+from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss, GearedMotors, Induction, LossPolynomial
 
 MOTORS, TURNS, DRIVING_SHARE, BRAKING_SHARE, NEGLIGIBLE, FRICTION, STANDSTILL_BRAKE, LOSSES = range(8)
 """The parameters of all these drives begin so; those of a motor's losses follow from `LOSSES` on.
@@ -91,4 +94,49 @@ def make_loss_polynomial(parameters: LossPolynomial) -> GearedDrive:
         parameters=frozen_array([*geared_head(parameters, large_effort_n), *losses]),
         recuperation_factor=parameters.recuperation_factor,
         loss_kind="motors_and_inverters",
+    )
+
+
+TRACTION_EFFICIENCY, BRAKING_EFFICIENCY = range(2)
+LOSS_COEFFICIENT = 0
+
+
+@njit(cache=True)
+def constant_efficiency_power(parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
+    """Return F v / efficiency in driving, - F v * efficiency in braking [W], and the derivatives."""
+    share = -parameters[BRAKING_EFFICIENCY] if braking else 1.0 / parameters[TRACTION_EFFICIENCY]
+    return share * effort * speed, share * speed, share * effort, 0.0, share, 0.0
+
+
+def make_constant_efficiency(parameters: ConstantEfficiency) -> Drive:
+    """Return a drive of constant efficiency; braking has the efficiency of driving if its own is not given."""
+    driving, braking = parameters.traction_efficiency, parameters.braking_efficiency
+    return Drive(
+        kind=CONSTANT_EFFICIENCY,
+        parameters=frozen_array([driving, driving if braking is None else braking]),
+        recuperation_factor=parameters.recuperation_factor,
+        loss_kind="drive",
+    )
+
+
+@njit(cache=True)
+def copper_loss_power(parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
+    """Return F v in driving, - F v in braking, and coefficient * F^2 on top [W], with the derivatives.
+
+    Near standstill, braking needs more for the windings than the wheels give.
+    """
+    sign, loss = -1.0 if braking else 1.0, parameters[LOSS_COEFFICIENT] * effort
+    power = (sign * speed + loss) * effort
+    return power, sign * speed + 2.0 * loss, sign * effort, 2.0 * parameters[LOSS_COEFFICIENT], sign, 0.0
+
+
+def make_copper_loss(parameters: CopperLoss) -> Drive:
+    """Return a drive whose motors lose R i^2 each, with F = motors * torque per ampere * turns * i."""
+    amperes_per_newton = 1 / (parameters.motors * parameters.torque_per_amp_nm * turns_per_metre(parameters))
+    return Drive(
+        kind=COPPER_LOSS,
+        parameters=frozen_array([parameters.motors * parameters.resistance_ohm * amperes_per_newton**2]),
+        recuperation_factor=parameters.recuperation_factor,
+        loss_kind="copper",
+        amperes_per_newton=amperes_per_newton,
     )

@@ -10,7 +10,7 @@ from typing import Any
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive import efficiency_map, formulas, geared, loss_map
+from railjoule.core.drive import efficiency_map, geared, loss_map
 from railjoule.core.drive.drive import Drive
 from railjoule.core.drive.geared import (
     BRAKING_SHARE,
@@ -23,7 +23,7 @@ from railjoule.core.drive.geared import (
 )
 from railjoule.core.drive.induction import min_loss
 from railjoule.core.drive.induction.drive import make_induction
-from railjoule.core.drive.induction.machine import machine_of
+from railjoule.core.drive.induction.machine import make_machine
 from railjoule.core.drive.kinds import (
     CONCAVE,
     CONSTANT_EFFICIENCY,
@@ -47,8 +47,8 @@ from railjoule.core.scenario.drive import (
 )
 
 MAKERS: dict[type[DriveParameters], Callable[[Any], Drive]] = {
-    ConstantEfficiency: formulas.make_constant_efficiency,
-    CopperLoss: formulas.make_copper_loss,
+    ConstantEfficiency: geared.make_constant_efficiency,
+    CopperLoss: geared.make_copper_loss,
     Induction: make_induction,
     LossPolynomial: geared.make_loss_polynomial,
     EfficiencyMap: efficiency_map.make_efficiency_map,
@@ -84,16 +84,16 @@ def may_draw_while_braking(kind: int) -> bool:
 @njit(cache=True)
 def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, speed: float, smooth: bool) -> PowerTerms:
     if kind == CONSTANT_EFFICIENCY:
-        return formulas.constant_efficiency_power(parameters, braking, effort, speed)
+        return geared.constant_efficiency_power(parameters, braking, effort, speed)
     if kind == COPPER_LOSS:
-        return formulas.copper_loss_power(parameters, braking, effort, speed)
+        return geared.copper_loss_power(parameters, braking, effort, speed)
     motors, turns = parameters[MOTORS], parameters[TURNS]
     share = -parameters[BRAKING_SHARE] if braking else parameters[DRIVING_SHARE]
     # torque of one motor over effort of the train, and speed of the motor over that of the train: chain rule below
     by_effort = share / (motors * turns)
     torque, rads = by_effort * effort, turns * speed
     if kind == INDUCTION:
-        power = min_loss.input_power_of_shaft(machine_of(parameters), torque, rads, smooth)
+        power = min_loss.input_power_of_shaft(make_machine(parameters), torque, rads, smooth)
         # the input power contains that of the shaft
         share = 0.0
     else:
@@ -101,7 +101,8 @@ def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, spee
         if kind == LOSS_POLYNOMIAL:
             power = geared.polynomial_loss(parameters, torque, rads)
         elif kind == LOSS_MAP:
-            power = loss_map.map_loss(parameters, braking, torque, rads)
+            table = int(parameters[loss_map.BRAKING_TABLE]) if braking else loss_map.DRIVING_TABLE
+            power = loss_map.loss_at(parameters, table, torque, rads)
         else:
             # without this, a kind without a branch here would have no losses
             raise ValueError("no kernel of drives knows this kind")
@@ -170,7 +171,7 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
 def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
     """Return the least supply energy per work of traction, and the most energy generated per work of braking."""
     if kind == CONSTANT_EFFICIENCY:
-        return 1.0 / parameters[formulas.TRACTION_EFFICIENCY], parameters[formulas.BRAKING_EFFICIENCY]
+        return 1.0 / parameters[geared.TRACTION_EFFICIENCY], parameters[geared.BRAKING_EFFICIENCY]
     if IDLE_LOSSES[kind]:
         # losses and friction of the motors only add to the gear's share
         return parameters[DRIVING_SHARE], parameters[BRAKING_SHARE]

@@ -20,9 +20,13 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.geared import LOSSES, TURNS, GearedDrive, geared_head, turns_per_metre
 from railjoule.core.drive.kinds import LOSS_MAP, PowerTerms
 from railjoule.core.errors import DriveRangeError
-from railjoule.core.hermite import HERMITE
 from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
+
+# f = a + b x + c x^2 + d x^3: a = f0, b = s0, and f1 = a + b + c + d with s1 = b + 2 c + 3 d give the other two
+HERMITE = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-3.0, 3.0, -2.0, -1.0], [2.0, -2.0, 1.0, 1.0]])
+"""Coefficients of 1, x, x^2, x^3 from the values at 0 and 1 and the slopes there."""
+
 
 BRAKING_TABLE, DRIVING_TABLE = LOSSES, LOSSES + 1
 """The parameter with the start of the table of braking, and the start of that of driving."""
@@ -171,13 +175,6 @@ def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray
     patches /= (dx[..., None, None] ** powers[:, None]) * (dy[..., None, None] ** powers[None, :])
     head = [float(len(torque_nm)), float(len(speed_rads))]
     return np.concatenate([head, torque_nm, speed_rads, patches.ravel()])
-
-
-@njit(cache=True)
-def map_loss(parameters: FloatArray, braking: bool, torque: float, rads: float) -> PowerTerms:
-    """Return the loss of one motor that is on, with its inverter [W], and its derivatives by torque and speed."""
-    table = int(parameters[BRAKING_TABLE]) if braking else DRIVING_TABLE
-    return loss_at(parameters, table, torque, rads)
 
 
 @njit(cache=True)

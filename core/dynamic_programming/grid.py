@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, TrainLimits, cell_at, shared_by_cells
 
 # Beyond the last point there may be no run, and a cost to go between that point and an infinite one would be infinite
 ON_GRID = 1e-9
@@ -43,7 +43,7 @@ def min_speeds(mesh: MeshData, fastest_speed2: FloatArray) -> FloatArray:
     limits = shared_by_cells(mesh)
     least = np.where(mesh.fixed_speed2 >= 0.0, mesh.fixed_speed2, fastest_speed2 * SLOWEST_SHARE**2)
     for i in range(last - 1, -1, -1):
-        cell = cell_of(mesh, i)
+        cell = cell_at(mesh, i)
         if mesh.fixed_speed2[i] >= 0.0 or exit_under(limits, cell, least[i], FULL_TRACTION) >= least[i + 1]:
             continue
         low, high = least[i], fastest_speed2[i]
@@ -110,7 +110,7 @@ def _align_with_coasting(mesh: MeshData, fastest_speed2: FloatArray, grid: Float
     for i in range(grid.shape[0] - 1):
         if mesh.supply_share[i] >= 1.0 or mesh.fixed_speed2[i] >= 0.0 or mesh.fixed_speed2[i + 1] >= 0.0:
             continue
-        cell, greatest = cell_of(mesh, i), fastest_speed2[i + 1]
+        cell, greatest = cell_at(mesh, i), fastest_speed2[i + 1]
         top = exit_under(limits, cell, grid[i, last], COAST)
         # where it has to brake instead, the points stay
         if top > greatest * (1.0 + ON_GRID) or exit_under(limits, cell, grid[i, 0], COAST) <= 0.0:

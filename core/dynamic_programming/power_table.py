@@ -13,16 +13,14 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
-from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.effort_limit import max_effort
+from railjoule.core.physics.effort_limit import SLOWEST_MS, max_effort
+from railjoule.core.physics.energy_balance import cell_balance
 from railjoule.core.physics.mesh_data import OFF, MeshData, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING, action_of_cell
 
 SPEEDS, EFFORTS = 96, 64
 """Of a table: from rest to the highest speed, and from none to the largest effort at each of them."""
-SLOWEST_MS = 1e-3
-"""Stands for rest, where a limit of power would be infinite [m/s]."""
 DRIVING_SIDE, BRAKING_SIDE = range(2)
 
 
@@ -71,7 +69,7 @@ def tabulate_powers(mesh: MeshData) -> PowerTable:
                 force = force if side == DRIVING_SIDE else -force
                 # a cell whose only resistance is that force, passed at one speed
                 cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0)
-                account = account_of_cell(cell, train, traction, braking, drive, v * v, v * v)
+                account = cell_balance(cell, train, traction, braking, drive, v * v, v * v)
                 loss[side, k, j] = account.supply_power_w - force * v
                 action[side, k, j], _ = action_of_cell(account, traction, another)
     return PowerTable(step, least, largest, loss, action)

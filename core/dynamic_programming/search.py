@@ -16,7 +16,7 @@ from railjoule.core.dynamic_programming.steps import Steps, tabulate_steps
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
 from railjoule.core.motion.passes import slowed_to_reach
-from railjoule.core.physics.account import run_energy
+from railjoule.core.physics.energy_balance import run_energy
 from railjoule.core.physics.mesh_data import MeshData
 
 # Each constant that shapes a run was halved and doubled over 13 shipped scenarios; parts per million (ppm) are of the
@@ -285,7 +285,7 @@ def search(mesh: MeshData, fastest_speed2: FloatArray, time_s: float) -> Found:
     grid = speed_band(mesh, fastest_speed2, 0.25 * fastest_speed2, half_width, FIRST_POINTS)
     first = level = search_level(mesh, grid, fastest_speed2, time_s, scale, FIRST_FACTOR, tolerance)
     speed2, sweeps = meet_time(mesh, first.slower, first.faster, time_s), first.sweeps
-    best, least, price = speed2, _total_energy(mesh, speed2), first.price_w
+    best, least, price = speed2, supply_energy_j(mesh, speed2), first.price_w
     half_width *= FIRST_BAND_SHARE
     failures, unrefined, steady_at = 0, None, math.inf
     for number in range(MAX_LEVELS):
@@ -301,7 +301,7 @@ def search(mesh: MeshData, fastest_speed2: FloatArray, time_s: float) -> Found:
             half_width *= WIDENING
             continue
         speed2, sweeps, unrefined = meet_time(mesh, level.slower, level.faster, time_s), sweeps + level.sweeps, None
-        energy = _total_energy(mesh, speed2)
+        energy = supply_energy_j(mesh, speed2)
         if energy < least:
             best, least, price = speed2, energy, level.price_w
         before, steady_at = steady_at, min(steady_at, energy)
@@ -318,6 +318,6 @@ def price_scale_w(mesh: MeshData, time_s: float) -> float:
     return mesh.half_inertia_kg * mean**2 / time_s
 
 
-def _total_energy(mesh: MeshData, speed2: FloatArray) -> float:
-    """Return the line energy of a run with auxiliaries on its way [J]: runs may differ in their times."""
+def supply_energy_j(mesh: MeshData, speed2: FloatArray) -> float:
+    """Return the line energy of a run with auxiliaries on its way [J], as the optimum counts it."""
     return float(run_energy(mesh, speed2) + mesh.auxiliary_power_w * running_time(mesh.cell_length_m, speed2))

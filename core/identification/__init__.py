@@ -3,9 +3,8 @@
 Read `fit` first, then `noise`, which explains why residuals of a simulated speed must not be taken as independent.
 """
 
-from railjoule.core.identification.fit import Fit, Parameter, fit_runs
+from railjoule.core.identification.fit import Fit, HeldOut, Parameter, fit_runs, hold_out, monte_carlo_scenario
 from railjoule.core.identification.gauges import GaugeError, GaugeErrors
-from railjoule.core.identification.posterior import HeldOut, hold_out, monte_carlo_scenario
 
 __all__ = [
     "Fit",

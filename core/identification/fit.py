@@ -2,7 +2,7 @@
 
 Minimised is the difference between the measured speed and the one that the train would have had under the measured
 effort, from the start of each section on (Hansen, Nawaz, Olsson compared it with fitting accelerations, and found it
-far less sensitive to the steps and the rate of a recorder). `noise` weighs it, `speed` simulates it. Where powers are
+far less sensitive to the steps and the rate of a recorder). `noise` weighs it, `problem` simulates it. Where powers are
 measured beside the efforts, efficiency and auxiliaries are fitted to them; where powers are all there is, the effort
 follows from them. Calibration errors of the gauges are fitted beside the parameters (`gauges`).
 
@@ -13,6 +13,7 @@ this one fit (`physical_range`), with Student's quantile.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 import scipy
@@ -20,13 +21,14 @@ import scipy
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification.gauges import GaugeError, GaugeErrors
-from railjoule.core.identification.noise import Noise, estimated_noise, expected_residual_ms, scale_freedom
-from railjoule.core.identification.parameters import UNITS, Model, Range, free_parameters, physical_range
+from railjoule.core.identification.noise import estimated_noise, expected_residual_ms, scale_freedom
+from railjoule.core.identification.parameters import RESISTANCE, UNITS, Model, Range, free_parameters, physical_range
 from railjoule.core.identification.problem import Problem
 from railjoule.core.identification.sentences import assumed_errors, contradiction, open_parameters
 from railjoule.core.identification.steps import usable_steps
-from railjoule.core.measured import MeasuredRun
+from railjoule.core.measured import MeasuredRun, measured_run
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.disturbance import LogNormal
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH
 
@@ -66,22 +68,24 @@ class Fit:
         The vehicle and the free parameters.
     parameters : tuple of Parameter
         The free parameters.
-    estimate : Range
-        The minimum of the fit without bounds with its covariance, and the range that a train can have.
+    covariance : array of shape (free, free)
+        Covariance of the free parameters.
     stated : GaugeErrors
         Assumed standard deviations of the calibration errors.
     gauge_errors : tuple of GaugeError
         Those that count in these runs, with the most likely errors.
     undetermined : tuple of str
         Names of those that the runs do not determine.
-    undetermined_by_gauges : tuple of str
-        Of these, the names that exact gauges would determine.
     confounded : tuple of tuple of str
         Which of them only a combination is known of.
-    residual_ms, expected_residual_ms : float
-        Root mean square of simulated less measured speed, and that by errors of usual size [m/s].
-    noise : Noise
-        How large the errors of measurement are.
+    residual_ms : float
+        Root mean square of simulated less measured speed [m/s].
+    contradiction : str
+        How the runs contradict the model, in a sentence; empty where they do not.
+    assumed : str
+        The assumed standard deviations of the gauges' calibration errors, in a sentence.
+    sentences : tuple of str
+        How the runs contradict the model, and which parameters they leave open and would be determined how.
     step_count : int
         Samples that were used.
     mean_powers_kmh : tuple of float
@@ -91,27 +95,22 @@ class Fit:
     scenario: Scenario
     model: Model
     parameters: tuple[Parameter, ...]
-    estimate: Range
+    covariance: FloatArray
     stated: GaugeErrors
     gauge_errors: tuple[GaugeError, ...]
     undetermined: tuple[str, ...]
-    undetermined_by_gauges: tuple[str, ...]
     confounded: tuple[tuple[str, ...], ...]
     residual_ms: float
-    expected_residual_ms: float
-    noise: Noise
+    contradiction: str
+    assumed: str
+    sentences: tuple[str, ...]
     step_count: int
-    mean_powers_kmh: tuple[float, float, float]
+    mean_powers_kmh: tuple[float, ...]
 
     @property
     def values(self) -> dict[str, float]:
         """The values of all parameters, free or not, by name."""
         return {**self.model.first, **{parameter.name: parameter.value for parameter in self.parameters}}
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of the free parameters; shape (free, free)."""
-        return self.estimate.covariance
 
     @property
     def correlation(self) -> FloatArray:
@@ -123,23 +122,6 @@ class Fit:
     def fitted_scenario(self) -> Scenario:
         """The scenario with the fitted vehicle."""
         return self.scenario.model_copy(update={"vehicle": self.model.fitted(self.values)})
-
-    @property
-    def contradiction(self) -> str:
-        """How the runs contradict the model, in a sentence; empty where they do not."""
-        names = tuple(parameter.name for parameter in self.parameters)
-        return contradiction(names, self.estimate, self.gauge_errors, self.residual_ms, self.expected_residual_ms)
-
-    @property
-    def assumed(self) -> str:
-        """The assumed standard deviations of the gauges' calibration errors, in a sentence."""
-        return assumed_errors(self.gauge_errors)
-
-    @property
-    def sentences(self) -> tuple[str, ...]:
-        """How the runs contradict the model, and which parameters they leave open and would be determined how."""
-        contradictions = (self.contradiction,) if self.contradiction else ()
-        return (*contradictions, *open_parameters(self.undetermined, self.undetermined_by_gauges, self.confounded))
 
 
 def fit_runs(
@@ -181,9 +163,7 @@ def fit_runs(
     model = Model(scenario.vehicle, names, float(np.max(steps.end_speed_ms)))
     problem = Problem(model, steps, scenario.line.head_wind_kmh * MS_PER_KMH, stated)
     unknowns = np.zeros(problem.count)
-    noise = Noise()
     for _ in range(NOISE_ROUNDS + 1):
-        problem.weigh(unknowns, noise)
         unknowns = np.asarray(
             scipy.optimize.least_squares(
                 problem.residual,
@@ -199,7 +179,7 @@ def fit_runs(
         problem.scale_power(unknowns)
         problem.weigh(unknowns, noise)
         problem.inflate(unknowns)
-    return _result(scenario, problem, unknowns, noise)
+    return _result(scenario, problem, unknowns)
 
 
 def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bool = False) -> FloatArray:
@@ -220,7 +200,7 @@ def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bo
     return problem.speed_residual(np.array([*scaled, *errors]))
 
 
-def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: Noise) -> Fit:
+def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray) -> Fit:
     model, count = problem.model, problem.free_count
     covariance = _covariance(problem, unknowns)
     sizes = np.array([model.sizes[name] for name in model.free])
@@ -234,11 +214,20 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
     estimate = Range(first + sizes * unknowns[:count], train * np.outer(sizes, sizes), low, high)
     quantile = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, scale_freedom(problem.steps.step_s)))
     unknown = quantile * np.sqrt(np.diag(train)) > UNDETERMINED
-    by_runs = _with_exact_gauges(covariance, count)
+    shared, gauges = covariance[:count, count:], covariance[count:, count:]
+    # of the parameters, if the gauge errors were known
+    by_runs = train - shared @ np.linalg.solve(gauges, shared.T)
     unknown_by_runs = unknown & (quantile * np.sqrt(np.diag(by_runs)) > UNDETERMINED)
+    undetermined = tuple(compress(model.free, unknown))
+    confounded = _confounded(model.free, unknown_by_runs, by_runs, quantile)
     errors, steps = problem.errors(best), problem.steps
+    gauge_errors = tuple(replace(gauge, value=errors[gauge.name]) for gauge in problem.gauges)
+    residual_ms = float(np.sqrt(np.mean(problem.speed_residual(best) ** 2)))
+    expected_ms = expected_residual_ms(steps, problem.driven(best))
+    contradicted = contradiction(model.free, estimate, gauge_errors, residual_ms, expected_ms)
+    open_by_gauges = tuple(compress(model.free, unknown & ~unknown_by_runs))
     speed_kmh, distance = steps.mean_speed_ms / MS_PER_KMH, steps.mean_speed_ms * steps.step_s
-    powers = [float(np.average(speed_kmh**power, weights=distance)) for power in (1, 2)]
+    powers = [float(np.average(speed_kmh**power, weights=distance)) for power in range(3)]
     return Fit(
         scenario=scenario,
         model=model,
@@ -246,28 +235,18 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
             Parameter(name, float(value), *estimate.interval(index, quantile), UNITS[name])
             for index, (name, value) in enumerate(zip(model.free, estimate.nearest()[0], strict=True))
         ),
-        estimate=estimate,
+        covariance=estimate.covariance,
         stated=problem.stated,
-        gauge_errors=tuple(replace(gauge, value=errors[gauge.name]) for gauge in problem.gauges),
-        undetermined=_chosen(model.free, unknown),
-        undetermined_by_gauges=_chosen(model.free, unknown & ~unknown_by_runs),
-        confounded=_confounded(model.free, unknown_by_runs, by_runs, quantile),
-        residual_ms=float(np.sqrt(np.mean(problem.speed_residual(best) ** 2))),
-        expected_residual_ms=expected_residual_ms(problem.steps, problem.driven(best)),
-        noise=noise,
-        step_count=problem.steps.count,
-        mean_powers_kmh=(1.0, powers[0], powers[1]),
+        gauge_errors=gauge_errors,
+        undetermined=undetermined,
+        confounded=confounded,
+        residual_ms=residual_ms,
+        contradiction=contradicted,
+        assumed=assumed_errors(gauge_errors),
+        sentences=(*filter(None, [contradicted]), *open_parameters(undetermined, open_by_gauges, confounded)),
+        step_count=steps.count,
+        mean_powers_kmh=tuple(powers),
     )
-
-
-def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
-    return tuple(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
-
-
-def _with_exact_gauges(covariance: FloatArray, count: int) -> FloatArray:
-    """Return the covariance of the first unknowns, the parameters, where the others, the gauge errors, are known."""
-    train, shared, gauges = covariance[:count, :count], covariance[:count, count:], covariance[count:, count:]
-    return np.asarray(train - shared @ np.linalg.solve(gauges, shared.T))
 
 
 def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:
@@ -305,3 +284,86 @@ def _confounded(
         if len(group) > 1 and not any(set(group) <= set(other) for other in groups):
             groups.append(group)
     return tuple(groups)
+
+
+# a distribution of no width would be a fixed value, which is another kind
+MIN_DEVIATION = 1e-4
+"""Of the logarithm of the resistance factor."""
+
+
+def monte_carlo_scenario(fit: Fit, scenario: Scenario) -> Scenario:
+    """Return a scenario with the fitted vehicle whose Monte Carlo study draws the resistance that the fit leaves open.
+
+    Its `resistance_factor` is log-normal around 1, with the deviation of the work against the fitted resistance at the
+    speeds of the runs; A, B and C themselves are hardly known one by one where their sum is known well.
+    """
+    deviation = resistance_deviation(fit)
+    options = scenario.montecarlo.model_copy(
+        update={
+            "resistance_factor": LogNormal(
+                distribution="log_normal", median=1.0, log_standard_deviation=max(deviation, MIN_DEVIATION)
+            )
+        }
+    )
+    return scenario.model_copy(update={"vehicle": fit.model.fitted(fit.values), "montecarlo": options})
+
+
+def resistance_deviation(fit: Fit) -> float:
+    """Return the standard deviation of the fitted resistance at the speeds of the runs, as a share of it."""
+    values, names = fit.values, [parameter.name for parameter in fit.parameters]
+    speeds = fit.mean_powers_kmh
+    whole = sum(values[name] * power for name, power in zip(RESISTANCE, speeds, strict=True))
+    slope = np.array([speeds[RESISTANCE.index(name)] if name in RESISTANCE else 0.0 for name in names])
+    return float(np.sqrt(max(slope @ fit.covariance @ slope, 0.0)) / max(whole, 1e-9))
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """A run predicted by a fit to the others.
+
+    `residual_ms` is the root mean square of simulated less measured speed, `modelled_kwh` the energy by the fitted
+    vehicle at the measured speeds, `measured_kwh` the energy by its meter or its power.
+    """
+
+    name: str
+    residual_ms: float
+    modelled_kwh: float
+    measured_kwh: float | None
+
+    @property
+    def energy_error(self) -> float | None:
+        """Modelled over measured energy, less 1; None where nothing or no energy was measured."""
+        if self.measured_kwh is None or self.measured_kwh <= 0:
+            return None
+        return self.modelled_kwh / self.measured_kwh - 1
+
+
+def hold_out(
+    runs: Sequence[MeasuredRun],
+    scenario: Scenario,
+    free: Sequence[str] | None = None,
+    coasting_only: bool = False,
+    stated: GaugeErrors = DEFAULT_GAUGES,
+) -> tuple[HeldOut, ...]:
+    """Predict each run by a fit to the others; nothing for a single run.
+
+    Parameters
+    ----------
+    runs, scenario, free, coasting_only, stated
+        As `railjoule.core.identification.fit_runs`.
+
+    Raises
+    ------
+    RecordingError
+        As `fit_runs`.
+    """
+    if len(runs) == 1:
+        return ()
+    held = []
+    for run in runs:
+        fit = fit_runs([other for other in runs if other is not run], scenario, free, coasting_only, stated)
+        # by its speeds only: the measured efforts are not used
+        modelled = measured_run(run.recording, fit.fitted_scenario, run.placement.start_m).modelled
+        residual = float(np.sqrt(np.mean(simulation_residual([run], fit, coasting_only) ** 2)))
+        held.append(HeldOut(run.recording.name, residual, modelled.energy_kwh, run.measured_kwh))
+    return tuple(held)

@@ -7,7 +7,7 @@ the fit beside those of the train (a nuisance parameter), normally distributed a
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass, fields
 
 from railjoule.core.errors import RecordingError
 
@@ -49,7 +49,7 @@ class GaugeErrors:
     speed_gain: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, percent in self.percent.items():
+        for name, percent in asdict(self).items():
             if not 0 <= percent <= MAX_PERCENT:
                 raise RecordingError(f"--gauge {name} = {percent:g} %: must lie within 0 to {MAX_PERCENT:g} %.")
 
@@ -66,11 +66,6 @@ class GaugeErrors:
             if name not in GAUGE_ERRORS:
                 raise RecordingError(f"--gauge {name}: must be among {', '.join(GAUGE_ERRORS)}.")
         return cls(**percent)
-
-    @property
-    def percent(self) -> Mapping[str, float]:
-        """All deviations by name [%]."""
-        return {one.name: float(getattr(self, one.name)) for one in fields(self)}
 
 
 GAUGE_ERRORS = tuple(one.name for one in fields(GaugeErrors))

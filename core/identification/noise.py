@@ -100,17 +100,14 @@ class Whitener:
         shared = per_force[:-1] * per_force[1:] * at_end[:-1] - train.kept[1:] * recorder[:-1]
         bands[1, :-1] = np.where(steps.begins[1:], 0.0, shared)
         self.factor = scipy.linalg.cholesky_banded(bands, lower=True, check_finite=False)
+        # of the determinant of the covariance
+        self.logarithm = 2 * float(np.sum(np.log(self.factor[0])))
 
     def __call__(self, residual_ms: FloatArray) -> FloatArray:
         """Return independent numbers for residuals of the speed at the ends of steps [m/s]; shape (n,)."""
         # where a section begins, nothing is kept of the one before
         difference = residual_ms - self.kept * np.append(0.0, residual_ms[:-1])
         return np.asarray(scipy.linalg.solve_banded((1, 0), self.factor, difference, check_finite=False))
-
-    @property
-    def log_determinant(self) -> float:
-        """Logarithm of the determinant of the covariance."""
-        return 2 * float(np.sum(np.log(self.factor[0])))
 
 
 def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noise:
@@ -133,7 +130,7 @@ def estimated_noise(steps: Steps, train: Driven, residual_ms: FloatArray) -> Noi
         white = whitener(residual_ms)
         outside = float(np.sum((logarithms - clipped) ** 2))
         prior = 0.5 * float(np.sum(((clipped - first) / PRIOR_DEVIATION) ** 2))
-        return 0.5 * float(white @ white) + 0.5 * whitener.log_determinant + prior + 1e3 * outside
+        return 0.5 * float(white @ white) + 0.5 * whitener.logarithm + prior + 1e3 * outside
 
     first = np.log([FIRST_SHARE, FIRST_PUSH, FIRST_WORSE])
     found = scipy.optimize.minimize(

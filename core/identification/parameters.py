@@ -1,7 +1,7 @@
 """The parameters that a fit can free: where they stand in a scenario, and what they make of its vehicle."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
 
@@ -181,10 +181,17 @@ class Range:
         """Standard deviations of the estimate; shape (n,)."""
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
-    def nearest(self, point: FloatArray | None = None) -> tuple[FloatArray, float]:
-        """Return the parameters in the range that are nearest to a point, the estimate by default, and their Q."""
-        point = self.estimate if point is None else point
-        return self._nearest(point, self.low, self.high)
+    def nearest(self) -> tuple[FloatArray, float]:
+        """Return the most likely parameters in the range, and their Q; bounds may be equal."""
+        free = self.low < self.high
+        nearest = np.clip(self.estimate, self.low, self.high)
+        if np.array_equal(nearest, self.estimate):
+            return nearest, 0.0
+        root = np.linalg.inv(np.linalg.cholesky(self.covariance))
+        target = root @ self.estimate - root[:, ~free] @ nearest[~free]
+        found = scipy.optimize.lsq_linear(root[:, free], target, (self.low[free], self.high[free]), method="bvls")
+        nearest[free] = found.x
+        return nearest, float(np.sum((root @ (nearest - self.estimate)) ** 2))
 
     def interval(self, index: int, quantile: float) -> tuple[float, float]:
         """Return the ends of the interval of a parameter.
@@ -212,20 +219,8 @@ class Range:
         def excess(value: float) -> float:
             low, high = self.low.copy(), self.high.copy()
             low[index] = high[index] = value
-            return self._nearest(self.estimate, low, high)[1] - allowed
+            return replace(self, low=low, high=high).nearest()[1] - allowed
 
         if excess(end) <= 0 or end == best:
             return end
         return float(scipy.optimize.brentq(excess, best, end, xtol=EXACT * self.deviation[index]))
-
-    def _nearest(self, point: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, float]:
-        """Return the nearest parameters within some bounds, of which those of one may be equal."""
-        free = low < high
-        nearest = np.clip(point, low, high)
-        if np.array_equal(nearest, point):
-            return nearest, 0.0
-        root = np.linalg.inv(np.linalg.cholesky(self.covariance))
-        target = root @ point - root[:, ~free] @ nearest[~free]
-        found = scipy.optimize.lsq_linear(root[:, free], target, (low[free], high[free]), method="bvls")
-        nearest[free] = found.x
-        return nearest, float(np.sum((root @ (nearest - point)) ** 2))

@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.compiled import njit
 from railjoule.core.drive import make_drive
 from railjoule.core.identification.gauges import (
     EFFORT_GAIN,
@@ -20,8 +21,9 @@ from railjoule.core.identification.gauges import (
 )
 from railjoule.core.identification.noise import Driven, Noise, Whitener, noise_inflation
 from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE, Model
-from railjoule.core.identification.speed import simulated_speed
 from railjoule.core.identification.steps import Steps
+from railjoule.core.physics.cell import mean_speed
+from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.units import MS_PER_KMH, W_PER_KW
 
 DIFFERENCE = 1e-4
@@ -38,6 +40,12 @@ FEWEST_COASTING = 10
 """Fewer samples without effort do not give the errors of their power."""
 MEDIAN_SQUARE = 0.6745**2
 """Median of the square of a normal variable of variance 1."""
+# a step changes the resistance by less than a thousandth of itself: three or four rounds leave rounding
+MAX_ROUNDS = 30
+EXACT_MS = 1e-12
+"""Between two rounds the speed may still change by this."""
+FASTEST_MS = 1e3
+"""Parameters on trial may push a train; its speed ends here."""
 
 
 class Problem:
@@ -61,21 +69,20 @@ class Problem:
     def __init__(self, model: Model, steps: Steps, wind_ms: float, stated: GaugeErrors) -> None:
         self.model, self.steps, self.wind_ms = model, steps, wind_ms
         self.by_power = np.isnan(steps.effort_n)
-        # a brake takes what the drive does not, and gives back what the recuperation factor says: neither is fitted
+        # a brake takes the rest of the effort, and the recuperation factor decides how much it gives back: not fitted
         self.metered = ~np.isnan(steps.read_power_w) & (np.nan_to_num(steps.read_effort_n, nan=-1.0) >= 0)
         if not {EFFICIENCY, AUXILIARY} & set(model.free):
             self.metered[:] = False
         self.driving_factor = self.coasting_factor = 1.0
         self.speed_inflation, self.power_inflation = np.ones(steps.count), 1.0
         self.drive = make_drive(model.vehicle.drive)
-        self.whitener: Whitener | None = None
-        self.stated = stated
-        self.gauges = self._gauges(stated)
+        self.stated, self.gauges = stated, self._gauges(stated)
+        self.weigh(np.zeros(self.count), Noise())
 
     def _gauges(self, stated: GaugeErrors) -> tuple[GaugeError, ...]:
         """Return the gauge errors that change a residual."""
         steps = self.steps
-        effort, power = steps.max_effort_n, steps.max_power_w
+        effort, power = float(steps.max_effort_n.max()), float(steps.max_power_w.max())
         if not np.any(steps.pulled_share):
             effort = 0.0
         if not np.any(self.by_power | self.metered):
@@ -83,7 +90,7 @@ class Problem:
         full_scale = dict(zip(GAUGE_ERRORS, (float(effort > 0), effort, float(power > 0), power, 1.0), strict=True))
         if np.all(steps.is_between_stations):
             full_scale[SPEED_GAIN] = 0.0
-        deviation = {name: percent / 100 * full_scale[name] for name, percent in stated.percent.items()}
+        deviation = {name: percent / 100 * full_scale[name] for name, percent in asdict(stated).items()}
         return tuple(GaugeError(name, deviation[name]) for name in GAUGE_ERRORS if deviation[name] > 0)
 
     @property
@@ -142,7 +149,7 @@ class Problem:
             effort = train.end_effort_n
             jump = np.abs(np.diff(effort, append=effort[-1]))
             steps = replace(steps, effort_jump_n=np.where(self.by_power, jump, steps.effort_jump_n))
-        self.noise, self.whitener = noise, Whitener(steps, train, noise)
+        self.whitener = Whitener(steps, train, noise)
 
     def speed_residual(self, unknowns: FloatArray) -> FloatArray:
         """Return simulated less measured speed at the ends of the steps [m/s]."""
@@ -180,7 +187,7 @@ class Problem:
         effort, speed = steps.read_effort_n[rows], steps.read_speed_ms[rows]
         per_effort = effort / self.model.first[EFFICIENCY]
         by_effort = (EFFORT_SHARE * per_effort * speed) ** 2 + per_effort**2 * steps.speed_variance[rows]
-        own = (POWER_SHARE * steps.max_power_w) ** 2 + steps.read_variance[rows]
+        own = (POWER_SHARE * steps.max_power_w.max()) ** 2 + steps.read_variance[rows]
         return by_effort, own
 
     def power_residual(self, unknowns: FloatArray) -> FloatArray:
@@ -220,16 +227,11 @@ class Problem:
 
     def residual(self, unknowns: FloatArray) -> FloatArray:
         """Return all residuals."""
-        assert self.whitener is not None
         speed = self.whitener(self.speed_residual(unknowns)) / self.speed_inflation
         power = self.power_residual(unknowns) / self.power_inflation
-        return np.concatenate([speed, power, self.prior_slope * unknowns])
-
-    @property
-    def prior_slope(self) -> FloatArray:
-        """Derivatives of the residuals that are due to what is known before any run; shape (count,)."""
-        # what no run tells stays near the scenario's; what they tell is ten and more times better known than that
-        return np.append(np.full(self.free_count, 1 / WEAK), np.ones(len(self.gauges)))
+        # parameters that no run determines stay near the scenario's; others are ten and more times better known
+        prior = np.append(unknowns[: self.free_count] / WEAK, unknowns[self.free_count :])
+        return np.concatenate([speed, power, prior])
 
     def jacobian(self, unknowns: FloatArray) -> FloatArray:
         """Return their derivatives by the unknowns, by central differences."""
@@ -243,3 +245,58 @@ class Problem:
 
 def _inertia(values: Mapping[str, float]) -> float:
     return max((1 + values[MASS_FACTOR]) * values[MASS], 1.0)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def simulated_speed(
+    step_s: FloatArray,
+    start_speed_ms: FloatArray,
+    begins: BoolArray,
+    force_n: FloatArray,
+    tunnel_factor: FloatArray,
+    constant_n: float,
+    linear: float,
+    quadratic: float,
+    inertia_kg: float,
+) -> FloatArray:
+    """Return the speed of a train under the measured effort at the end of each step [m/s]; shape (n,).
+
+    Between two samples force and mass give dv = (F - R(v) - line) dt / m, with the running resistance at the means that
+    a cell of the mesh takes. A section begins at its first measured speed; later ones are never looked at again.
+
+    Parameters
+    ----------
+    step_s : array of shape (n,)
+        Time between two samples [s].
+    start_speed_ms : array of shape (n,)
+        Measured speed at the start of each step, of which only those count where a section begins [m/s].
+    begins : array of bool of shape (n,)
+        Whether a section begins with the step.
+    force_n : array of shape (n,)
+        Effort less the forces of gradients and curves [N].
+    tunnel_factor : array of shape (n,)
+        Factor on the quadratic resistance.
+    constant_n, linear, quadratic : float
+        A [N], B [N s/m] and C [N s2/m2].
+    inertia_kg : float
+        Mass that resists acceleration [kg].
+    """
+    speed = np.empty(step_s.shape[0])
+    before = 0.0
+    for i in range(step_s.shape[0]):
+        if begins[i]:
+            before = start_speed_ms[i]
+        after = before
+        for _ in range(MAX_ROUNDS):
+            v = mean_speed(before, after)
+            speed2 = 0.5 * (before * before + after * after)
+            resistance = running_resistance(constant_n, linear, quadratic * tunnel_factor[i], v, speed2)
+            # a resistance never pushes back: parameters on trial may be wild, and speeds stay squares' roots
+            reached = min(max(before + (force_n[i] - resistance) * step_s[i] / inertia_kg, 0.0), FASTEST_MS)
+            change = reached - after
+            after = reached
+            if abs(change) <= EXACT_MS:
+                break
+        speed[i] = after
+        before = after
+    return speed

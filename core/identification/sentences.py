@@ -39,7 +39,13 @@ def contradiction(
     estimate, gauge_errors, residual_ms, expected_residual_ms
         As `railjoule.core.identification.Fit`.
     """
-    reasons = [*_outside(names, estimate), *_beyond_stated(gauge_errors)]
+    reasons, limit = _outside(names, estimate), float(scipy.stats.norm.ppf(0.5 + 0.5 * SIGNIFICANT))
+    reasons += [
+        f"the {gauge.words} would have to be {gauge.shown(gauge.error)}, {abs(gauge.value) / gauge.deviation:.1f} "
+        "times the assumed standard deviation"
+        for gauge in gauge_errors
+        if abs(gauge.value) > limit * gauge.deviation
+    ]
     if residual_ms > LARGEST_RATIO * expected_residual_ms:
         reasons.append(
             f"the simulated speed misses the measured one by {residual_ms:.2g} m/s, "
@@ -65,16 +71,6 @@ def _outside(names: Sequence[str], estimate: Range) -> list[str]:
     return [
         f"without bounds {name} would be {found[farthest]:.4g} {UNITS[name]}".rstrip()
         + f", and all parameters within the range of trains are {np.sqrt(distance):.1f} standard deviations away"
-    ]
-
-
-def _beyond_stated(gauge_errors: Sequence[GaugeError]) -> list[str]:
-    limit = float(scipy.stats.norm.ppf(0.5 + 0.5 * SIGNIFICANT))
-    beyond = [gauge for gauge in gauge_errors if abs(gauge.value) > limit * gauge.deviation]
-    return [
-        f"the {gauge.words} would have to be {gauge.shown(gauge.error)}, {abs(gauge.value) / gauge.deviation:.1f} "
-        "times the assumed standard deviation"
-        for gauge in beyond
     ]
 
 

@@ -56,7 +56,7 @@ class Steps:
         Of the steps of the recorder's speed [m2/s2].
     is_between_stations : array of bool of shape (n,)
         Whether the run begins and ends at rest in a station, so that the line gives the scale of its speeds.
-    max_effort, max_power : array of shape (n,)
+    max_effort_n, max_power_w : array of shape (n,)
         Largest magnitudes of the run's readings [N, W]; 0 where there are none.
     """
 
@@ -77,18 +77,8 @@ class Steps:
     read_variance: FloatArray
     speed_variance: FloatArray
     is_between_stations: BoolArray
-    max_effort: FloatArray
-    max_power: FloatArray
-
-    @property
-    def max_effort_n(self) -> float:
-        """Largest magnitude of all measured efforts [N]; 0 where there are none."""
-        return float(np.max(self.max_effort))
-
-    @property
-    def max_power_w(self) -> float:
-        """Largest magnitude of all measured powers [W]; 0 where there are none."""
-        return float(np.max(self.max_power))
+    max_effort_n: FloatArray
+    max_power_w: FloatArray
 
     @property
     def mean_speed_ms(self) -> FloatArray:
@@ -181,8 +171,8 @@ def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
         # an error spread evenly over a step of q has the variance q^2 / 12
         speed_variance=np.full(count, step**2 / 12),
         is_between_stations=np.full(count, _is_between_stations(run, line)),
-        max_effort=np.full(count, _largest(effort)),
-        max_power=np.full(count, _largest(power)),
+        max_effort_n=np.full(count, _largest(effort)),
+        max_power_w=np.full(count, _largest(power)),
     )
 
 

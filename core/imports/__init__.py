@@ -3,7 +3,7 @@
 from railjoule.core.imports.columns import INTERVAL_KINDS, PRESETS, ColumnMap
 from railjoule.core.imports.findings import Finding, Imported
 from railjoule.core.imports.intervals import read_intervals
-from railjoule.core.imports.line import ImportedLine, line_of
+from railjoule.core.imports.line import ImportedLine, build_line
 from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.imports.table import ImportedTable, Interval
 from railjoule.core.imports.units import IntervalKind
@@ -19,6 +19,6 @@ __all__ = [
     "Interval",
     "IntervalKind",
     "SourceFile",
-    "line_of",
+    "build_line",
     "read_intervals",
 ]

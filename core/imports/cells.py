@@ -4,16 +4,16 @@ import csv
 import io
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import date, datetime, time, timedelta
 from itertools import islice, product, zip_longest
 from threading import Lock
 from typing import Any
 
 from railjoule.core.csv_text import unguarded
-from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Finding
-from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, text_of
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.findings import FromFile, Notes
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text
 from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
@@ -43,21 +43,18 @@ _LONG_CELLS = Lock()
 
 
 @dataclass(frozen=True)
-class CellTable:
+class CellTable(FromFile):
     """The cells of a table.
 
     `rows` have their numbers, as a spreadsheet counts, and one cell for each column; `separator` is empty for a
     workbook, whose `sheets` are those with content. With `has_header` the names are those of the file.
     """
 
-    source: str
     header: tuple[str, ...]
     rows: tuple[tuple[int, tuple[Cell, ...]], ...]
     separator: str = ""
     has_header: bool = True
     sheets: tuple[str, ...] = ()
-    findings: tuple[Finding, ...] = field(default=(), kw_only=True)
-    unused: tuple[str, ...] = field(default=(), kw_only=True)
 
     def column(self, name: str) -> list[tuple[int, Cell]]:
         """Select the cells of a column, each with the number of its row."""
@@ -87,16 +84,15 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     """
     if source.content.startswith(OLD_WORKBOOK_MARK):
         raise ScenarioError(f"{source.name}: an old workbook (.xls); save it as .xlsx or CSV.")
+    notes = Notes(source.name)
     if source.content.startswith(ZIP_MARK):
-        rows, sheets, name = _workbook_rows(source, sheet)
-        others = [other for other in sheets if other != name]
-        unused = [f"{source.name}: sheets not read: {shown_list(others)}."] if others else []
-        return replace(_named_table(source.name, rows, "", [], unused, is_header), sheets=sheets)
+        rows, sheets = _workbook_rows(source, sheet, notes)
+        return replace(_named_table(rows, "", notes, is_header), sheets=sheets)
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
-    text, findings = text_of(source)
+    text, notes.findings = read_text(source)
     separator = _separator_of(text, is_header)
-    return _named_table(source.name, _csv_rows(source.name, text, separator), separator, findings, [], is_header)
+    return _named_table(_csv_rows(source.name, text, separator), separator, notes, is_header)
 
 
 def _checked_row(name: str, number: int, row: list[Cell]) -> Row:
@@ -135,38 +131,36 @@ def _csv_rows(name: str, text: str, separator: str) -> list[Row]:
             csv.field_size_limit(before)
 
 
-def _named_table(
-    name: str,
-    rows: list[Row],
-    separator: str,
-    findings: list[Finding],
-    unused: list[str],
-    is_header: HeaderTest | None,
-) -> CellTable:
+def _named_table(rows: list[Row], separator: str, notes: Notes, is_header: HeaderTest | None) -> CellTable:
     """Put the names of the columns over the rows below them."""
-    filled = [row for row in rows if row[1]]
+    name, filled = notes.source, [row for row in rows if row[1]]
     if not filled:
         raise ScenarioError(f"{name}: holds no rows.")
     begin = _header_index(filled, is_header)
-    above = [f"{name}, row {number}: {shorten(str(cells[0]))!r} above the table." for number, cells in filled[:begin]]
-    number, names = filled[begin]
+    notes.unused += [
+        f"{name}, row {number}: {shorten(str(cells[0]))!r} above the table." for number, cells in filled[:begin]
+    ]
     # no name of a column begins with a digit or a sign
-    has_header = not all(
-        not isinstance(cell, str) or cell.strip()[:1] in "+-0123456789" for cell in names if cell != ""
+    has_header = any(
+        isinstance(cell, str) and cell.strip()[:1] not in "+-0123456789" for cell in filled[begin][1] if cell != ""
     )
-    body = filled[begin + 1 :] if has_header else filled[begin:]
+    body = filled[begin + has_header :]
+    header = [_name(cell) for cell in filled[begin][1]] if has_header else [""] * max(len(cells) for _, cells in body)
     if has_header:
-        header = [_name(cell) for cell in names]
-        _require_names(name, number, header, body)
-    else:
-        header = [""] * max(len(cells) for _, cells in body)
+        _require_names(name, filled[begin][0], header, body)
     # a spreadsheet may have cells under no name
     header = [column or f"column {index}" for index, column in enumerate(header, 1)]
-    padded = tuple((number, (*cells, *[""] * (len(header) - len(cells)))) for number, cells in body)
-    if not padded:
+    if not body:
         raise ScenarioError(f"{name}: has the columns {shown_list(header)}, and no rows beneath.")
+    padded = tuple((number, (*cells, *[""] * (len(header) - len(cells)))) for number, cells in body)
     return CellTable(
-        name, tuple(header), padded, separator, has_header, findings=tuple(findings), unused=(*unused, *above)
+        name,
+        tuple(header),
+        padded,
+        separator,
+        has_header,
+        findings=tuple(notes.findings),
+        unused=tuple(notes.unused),
     )
 
 
@@ -178,8 +172,7 @@ def _require_names(name: str, number: int, header: Sequence[str], body: Sequence
     longest = max(map(len, header))
     if longest > LONGEST_NAME:
         raise ScenarioError(f"{name}, row {number}: a column's name has {longest} characters; at most {LONGEST_NAME}.")
-    twice = sorted({column for column in header if column and header.count(column) > 1})
-    if twice:
+    if twice := sorted({column for column in header if column and header.count(column) > 1}):
         raise ScenarioError(f"{name}, row {number}: the column {show(twice[0])} appears twice.")
 
 
@@ -196,8 +189,8 @@ def _name(cell: Cell) -> str:
     return " ".join(str(cell).split())
 
 
-def _workbook_rows(source: SourceFile, sheet: str | None) -> tuple[list[Row], tuple[str, ...], str]:
-    """Read the rows of a sheet, the names of all sheets with content, and the name of the sheet.
+def _workbook_rows(source: SourceFile, sheet: str | None, notes: Notes) -> tuple[list[Row], tuple[str, ...]]:
+    """Read the rows of a sheet, and the names of all sheets with content.
 
     Raises
     ------
@@ -223,11 +216,7 @@ def _workbook_rows(source: SourceFile, sheet: str | None) -> tuple[list[Row], tu
             for data_only in (True, False)
         ]
         sheets = _filled_sheets(books[0])
-        if sheet is None and len(sheets) > 1:
-            raise ChoiceError(name, "sheet", sheets)
-        chosen = sheets[0] if sheet is None else sheet
-        if chosen not in sheets:
-            raise ScenarioError(f"{name}: sheet = {show(chosen)} must be one of {shown_list(list(sheets))}.")
+        chosen = sheets[notes.chosen(sheets, sheet, "sheet")]
         values, formulas = (_sheet_rows(book[chosen]) for book in books)
         rows = [
             _checked_row(name, number, [_cell(name, number, *pair) for pair in zip_longest(*row)])
@@ -238,7 +227,7 @@ def _workbook_rows(source: SourceFile, sheet: str | None) -> tuple[list[Row], tu
     # openpyxl has no error of its own for a broken file: whatever its parsers meet comes through
     except Exception as error:
         raise ScenarioError(f"{name}: not a workbook that can be read: {show(str(error))}.") from None
-    return rows, sheets, chosen
+    return rows, sheets
 
 
 def _require_small(source: SourceFile) -> None:

@@ -184,10 +184,10 @@ def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> 
     return Heading(units[0] if units else None, doubt)
 
 
-def selectors_of(cells: CellTable, used: Collection[str]) -> list[str]:
+def line_selectors(cells: CellTable, used: Collection[str]) -> list[str]:
     """List the columns of a line or a track, except those that are `used` otherwise."""
-    names = [name for role in SELECTORS for name in NAMES[role]]
-    return [column for column in cells.header if column not in used and any(_is_called(column, name) for name in names)]
+    names = {name for role in SELECTORS for name in NAMES[role]}
+    return [column for column in cells.header if column not in used and _name_words(column) in names]
 
 
 def same_name(one: str, other: str) -> bool:
@@ -226,9 +226,15 @@ def _column(cells: CellTable, role: str, name: str) -> str:
 
 def _guessed(source: str, kind: IntervalKind, free: list[str], role: str) -> str | None:
     """Find the column with the likeliest name, None if there is none; ScenarioError if two are equally likely."""
-    for fits in (_is_called, _has_word):
-        for name in NAMES[kind if role == "value" else role]:
-            found = [column for column in free if fits(column, name)]
+    names = NAMES[kind if role == "value" else role]
+    words = {column: _name_words(column) for column in free}
+    for is_whole in (True, False):
+        for name in names:
+            found = [
+                column
+                for column, text in words.items()
+                if text == name or (not is_whole and f" {name} " in f" {text} ")
+            ]
             if len(found) > 1:
                 raise ScenarioError(
                     f"{source}: {show(found[0])} and {show(found[1])} may both be the column {role!r}; name one, as "
@@ -263,14 +269,6 @@ def direction_word(cell: Cell) -> str:
     return _words(cell) if isinstance(cell, str) else ""
 
 
-def _is_called(column: str, name: str) -> bool:
-    return _name_words(column) == name
-
-
-def _has_word(column: str, name: str) -> bool:
-    return f" {name} " in f" {_name_words(column)} "
-
-
 def _name_words(column: str) -> str:
     return _words(" ".join(name_tokens(column)) or BRACKETS.sub(" ", column))
 
@@ -291,9 +289,7 @@ class TableUnits:
 
     def unit(self, key: UnitKey, cells: Mapping[int, Cell]) -> ColumnUnit:
         """Find the unit of positions or values, empty if there are none; UnitError if it is in doubt."""
-        found, quantity = self.found, self._quantity(key)
-        column, heading = (found.begin, found.position) if key == "position_unit" else (found.value, found.amount)
-        units = self._units(key)
+        column, heading, quantity, units = self._role(key)
         if not column or not units:
             return NOTHING
         if heading.doubt:
@@ -310,29 +306,26 @@ class TableUnits:
     def size_doubts(self, intervals: Sequence[Interval], position: ColumnUnit, value: ColumnUnit) -> list[str]:
         """List sizes that suggest another unit than the heading names; UnitError if nothing names the unit."""
         sentences = []
-        keys: tuple[tuple[UnitKey, str | None, ColumnUnit], ...] = (
-            ("position_unit", self.found.begin, position),
-            ("value_unit", self.found.value, value),
-        )
-        for key, column, unit in keys:
+        keys: tuple[tuple[UnitKey, ColumnUnit], ...] = (("position_unit", position), ("value_unit", value))
+        for key, unit in keys:
             sentence, likely = self._doubt(key, intervals)
             if not sentence or getattr(self.wanted, key) is not None:
                 continue
             if unit.is_assumed:
                 likely = (*likely, unit.unit) if likely else ()
-                words = f"no unit is named for {column!r}, and in {unit_words(unit.unit)} {sentence}"
+                words = f"no unit is named for {self._role(key)[0]!r}, and in {unit_words(unit.unit)} {sentence}"
                 raise self._question(key, words, likely)
             sentences.append(f"{sentence}: is the unit right?")
         return sentences
 
-    def _quantity(self, key: UnitKey) -> Quantity:
-        return "positions" if key == "position_unit" else self.kind
-
-    def _units(self, key: UnitKey) -> tuple[str, ...]:
-        return ALL_POSITION_UNITS if key == "position_unit" else VALUE_UNITS[self.kind]
+    def _role(self, key: UnitKey) -> tuple[str | None, Heading, Quantity, tuple[str, ...]]:
+        """Return the column of positions or values, its heading, its quantity and the units of that."""
+        if key == "position_unit":
+            return self.found.begin, self.found.position, "positions", ALL_POSITION_UNITS
+        return self.found.value, self.found.amount, self.kind, VALUE_UNITS[self.kind]
 
     def _question(self, key: UnitKey, doubt: str, likely: tuple[str, ...] = ()) -> UnitError:
-        return UnitError(self.source, doubt, (self.kind, key), self._units(key), likely)
+        return UnitError(self.source, doubt, (self.kind, key), self._role(key)[3], likely)
 
     def _doubt(self, key: UnitKey, intervals: Sequence[Interval]) -> tuple[str, tuple[str, ...]]:
         """Describe sizes that suggest another unit, and the likely units; an empty text if none do."""

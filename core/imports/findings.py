@@ -1,5 +1,6 @@
 """The result of an import: tables of a scenario file, findings, and contents that are not used."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -7,7 +8,8 @@ from typing import Any, Literal
 import tomli_w
 from pydantic import BaseModel, ConfigDict
 
-from railjoule.core.scenario._sentences import shown_list
+from railjoule.core.errors import ChoiceError, ScenarioError
+from railjoule.core.scenario._sentences import show, shown_list
 
 FindingKind = Literal["assumption", "question", "reading", "order", "gap", "overlap"]
 """An assumption that was made, a number in doubt, how a cell was read, rows out of order, stretches
@@ -44,30 +46,32 @@ class Finding:
         Its subject.
     sentence : str
         It in words, with the file and the rows.
-    rows : tuple of int
-        The rows of the file, counted as a spreadsheet does.
-    from_m, to_m : float or None
-        Its place on the line, in the file's chainage [m].
+    stretch_m : tuple of float or None
+        The ends of a gap, in the file's chainage [m].
     other_unit : OtherUnit or None
         Of a question about a number: the answer that is likely.
     """
 
     kind: FindingKind
     sentence: str
-    rows: tuple[int, ...] = ()
-    from_m: float | None = None
-    to_m: float | None = None
+    stretch_m: tuple[float, float] | None = None
     other_unit: OtherUnit | None = None
 
 
 @dataclass(frozen=True)
-class Imported:
-    """The content of files as tables of a scenario file, with findings, and sentences on contents that are not used."""
+class FromFile:
+    """The content of a file by its name, with findings, and sentences on contents that are not used."""
 
     source: str
-    document: Mapping[str, Any]
     findings: tuple[Finding, ...] = field(default=(), kw_only=True)
     unused: tuple[str, ...] = field(default=(), kw_only=True)
+
+
+@dataclass(frozen=True)
+class Imported(FromFile):
+    """The content of files as tables of a scenario file."""
+
+    document: Mapping[str, Any]
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -90,12 +94,6 @@ class Foreign(BaseModel):
     model_config = ConfigDict(frozen=True, extra="allow", hide_input_in_errors=True)
 
 
-def unknown_keys(table: Foreign, prefix: str = "") -> str:
-    """List the keys of a table that are not known here, in a sentence; empty if there are none."""
-    names = list(table.model_extra or {})
-    return f"{prefix}{shown_list(names, 20)}." if names else ""
-
-
 @dataclass
 class Notes:
     """Findings while a file is read; each sentence begins with `source`."""
@@ -104,21 +102,54 @@ class Notes:
     findings: list[Finding] = field(default_factory=list)
     unused: list[str] = field(default_factory=list)
 
-    def add(
-        self,
-        kind: FindingKind,
-        sentence: str,
-        rows: Sequence[int] = (),
-        from_m: float | None = None,
-        to_m: float | None = None,
-    ) -> None:
+    def add(self, kind: FindingKind, sentence: str, stretch_m: tuple[float, float] | None = None) -> None:
         """Add a finding."""
-        self.findings.append(Finding(kind, f"{self.source}: {sentence}", tuple(rows), from_m, to_m))
+        self.findings.append(Finding(kind, f"{self.source}: {sentence}", stretch_m))
 
     def add_unused(self, sentence: str) -> None:
         """Add a sentence on contents that are not used; an empty one is ignored."""
         if sentence:
             self.unused.append(f"{self.source}: {sentence}")
+
+    def add_unknown_keys(self, table: Foreign, prefix: str = "") -> None:
+        """Add the keys of a table that are not known here, if there are any."""
+        if names := list(table.model_extra or {}):
+            self.add_unused(f"{prefix}{shown_list(names, 20)}.")
+
+    def version(self, key: str, text: str, known: tuple[str, str]) -> tuple[int, ...]:
+        """Return a version from the first to the last that is known; for any other one ask, and return the last."""
+        first, last = map(_numbers, known)
+        if first <= _numbers(text) <= last:
+            return _numbers(text)
+        words = f"its {key} is {show(text)}" if text else f"it has no {key}"
+        reading = f"what is known of it was read as {known[1]} has it"
+        self.add("question", f"{words}, and {' to '.join(known)} are known: {reading}.")
+        return last
+
+    def chosen(self, names: Sequence[str], wanted: str | None, what: str) -> int:
+        """Return the number of the wanted thing of a file, or of the only one; the others are added as not used.
+
+        Raises
+        ------
+        ChoiceError
+            If there are several and none is wanted.
+        ScenarioError
+            If there is no such thing.
+        """
+        if wanted is None and len(names) > 1:
+            raise ChoiceError(self.source, what, tuple(names))
+        if wanted is not None and wanted not in names:
+            raise ScenarioError(f"{self.source}: {what} = {show(wanted)} must be one of {shown_list(list(names))}.")
+        index = 0 if wanted is None else names.index(wanted)
+        if others := [*names[:index], *names[index + 1 :]]:
+            self.add_unused(f"{what}s not read: {shown_list(others)}.")
+        return index
+
+
+def _numbers(version: str) -> tuple[int, ...]:
+    """Return the first two numbers of a version; nothing if it has none."""
+    found = re.search(r"(\d{1,4})\.(\d{1,4})", version)
+    return tuple(map(int, found.groups())) if found else ()
 
 
 def without_name(sentence: str, name: str) -> str:

@@ -16,12 +16,12 @@ from railjoule.core.imports.columns import (
     ResolvedColumns,
     TableUnits,
     direction_word,
+    line_selectors,
     resolve,
     same_name,
-    selectors_of,
 )
 from railjoule.core.imports.findings import Notes
-from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_of, position_of, text_of_cell, value_of
+from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_mark, parse_position, parse_value, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.table import (
     DIGITS_M,
@@ -82,8 +82,8 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
         notes.add("question", doubt)
     add_continuity(kind, intervals, notes)
     return ImportedTable(
-        kind,
         cells.source,
+        kind,
         tuple(intervals),
         rows.value.unit,
         findings=tuple(notes.findings),
@@ -104,8 +104,7 @@ def _chosen_rows(
     rows, source = cells.rows, cells.source
     chosen = []
     for name, value in wanted.rows.items():
-        column = next((column for column in cells.header if same_name(column, name)), None)
-        if column is None:
+        if (column := next((column for column in cells.header if same_name(column, name)), None)) is None:
             raise ScenarioError(f"{source}: {show(name)} is not a column of it, so no rows can be chosen by it.")
         chosen.append(column)
         texts = _texts(cells, rows, column)
@@ -113,7 +112,7 @@ def _chosen_rows(
         if not rows:
             known = shown_list(sorted(set(texts)))
             raise ScenarioError(f"{source}: no row has {column} = {show(value)}; there are {known}.")
-    selectors = selectors_of(cells, used)
+    selectors = line_selectors(cells, used)
     for column in selectors:
         values = sorted(set(_texts(cells, rows, column)))
         if len(values) > 1 and column not in chosen:
@@ -121,12 +120,10 @@ def _chosen_rows(
                 f"{source}: its rows are of several {column}: {shown_list(values)}; choose one, as "
                 f"{kind}.{column}={shorten(values[0])}."
             )
-    left = len(cells.rows) - len(rows)
-    if left:
+    if left := len(cells.rows) - len(rows):
         choice = ", ".join(f"{column} = {value}" for column, value in wanted.rows.items())
         notes.add_unused(f"{counted(left, 'row')} not of {choice}.")
-    others = [column for column in cells.header if column not in {*used, *selectors, *chosen}]
-    if others:
+    if others := [column for column in cells.header if column not in {*used, *selectors, *chosen}]:
         notes.add_unused(f"columns not used: {shown_list(others)}.")
     return replace(cells, rows=rows)
 
@@ -152,8 +149,8 @@ def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: Notes) -> Tab
     def read(number: int, column: str | None, cell: Cell, is_value: bool = False) -> float:
         try:
             if is_value:
-                return value_of(cell, kind, value.unit, decimal, value.stated)
-            return position_of(cell, position.unit, decimal)
+                return parse_value(cell, kind, value.unit, decimal, value.stated)
+            return parse_position(cell, position.unit, decimal)
         except ValueError as error:
             raise ScenarioError(f"{cells.source}, row {number}: {column} = {show(cell)} {error}.") from None
 
@@ -185,11 +182,11 @@ def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes:
         return cast("Decimal", wanted.decimal)
     names = [name for name in (found.begin, found.end, found.value) if name]
     with_numbers = [pair for name in names for pair in cells.column(name)]
-    decimal, in_doubt = decimal_of(with_numbers, cells.separator, cells.source)
+    decimal, in_doubt = decimal_mark(with_numbers, cells.separator, cells.source)
     if in_doubt is not None:
         sign = {".": "point", ",": "comma"}[decimal]
         use = "comma parts thousands" if cells.separator == "," else f"{sign} is for decimals"
-        notes.add("reading", f"row {in_doubt} may be read in two ways; its {use} here.", (in_doubt,))
+        notes.add("reading", f"row {in_doubt} may be read in two ways; its {use} here.")
     return decimal
 
 
@@ -201,7 +198,7 @@ def _directed(amount: float, direction: Cell, number: int, notes: Notes) -> floa
     if word.startswith(RISES):
         return abs(amount)
     if word.startswith(IS_LEVEL) and amount:
-        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.", (number,))
+        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.")
     return amount
 
 
@@ -228,8 +225,7 @@ def _intervals_of_strings(cells: CellTable, columns: Sequence[str], notes: Notes
     # semicolons between them are taken for those between cells: those of a row belong together
     indices = [cells.header.index(column) for column in columns]
     strings = [(number, " ".join(text_of_cell(row[index]) for index in indices)) for number, row in cells.rows]
-    empty = [number for number, text in strings if not text.strip()]
-    if empty:
+    if empty := [number for number, text in strings if not text.strip()]:
         notes.add_unused(f"{rows_words(empty, 'is', 'are')} without {' or '.join(columns)}.")
     points = []
     for number, text in strings:

@@ -1,9 +1,11 @@
 """The line of a scenario, put together from tables of intervals."""
 
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import BaseModel
@@ -11,10 +13,17 @@ from pydantic import BaseModel
 from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.columns import INTERVAL_KINDS, ColumnMap
 from railjoule.core.imports.findings import Finding, Imported
+from railjoule.core.imports.intervals import read_intervals
+from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.imports.table import DIGITS_M, MIN_STRETCH_M, WHOLE, ImportedTable, Interval, place
-from railjoule.core.scenario import Line
-from railjoule.core.scenario._sentences import counted, shown_list, validated
+from railjoule.core.imports.units import IntervalKind
+from railjoule.core.scenario import Line, Station
+from railjoule.core.scenario._sentences import counted, shorten, shown_list, validated
+
+if TYPE_CHECKING:
+    import pandas
 
 
 class _LineTable(BaseModel):
@@ -30,12 +39,6 @@ class Stop:
     dwell_s: float = 0.0
     earliest_arrival_s: float | None = None
     latest_arrival_s: float | None = None
-
-    @property
-    def window(self) -> dict[str, float]:
-        """The times of arrival that a scenario's station can keep, by its keys."""
-        times = {"earliest_arrival_s": self.earliest_arrival_s, "latest_arrival_s": self.latest_arrival_s}
-        return {key: time for key, time in times.items() if time is not None}
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class ImportedLine(Imported):
         return csv_of_rows([columns, *([section.get(name, "") for name in columns] for section in sections)])
 
 
-def line_of(
+def build_line(
     *,
     gradients: ImportedTable | None = None,
     limits: ImportedTable | None = None,
@@ -98,7 +101,15 @@ def line_of(
         findings.append(Finding("assumption", f"{source}: no gradients are given: a level line."))
     findings += _jumps([table for table in tables if table.kind in WHOLE])
     unused = [sentence for table in tables for sentence in (*table.unused, *_outside(table, begin, end))]
-    placed: dict[str, tuple[Interval, ...]] = {table.kind: _on_line(table, begin, end) for table in tables}
+    # cut to the line, as positions from its begin
+    placed: dict[str, tuple[Interval, ...]] = {
+        table.kind: tuple(
+            _moved(one, max(one.from_m, begin) - begin, min(one.to_m, end) - begin)
+            for one in table.intervals
+            if one.to_m > begin and one.from_m < end
+        )
+        for table in tables
+    }
     with_factor = tunnels is not None and tunnels.value_unit == "factor"
     length = round(end - begin, DIGITS_M)
     sections = _sections(length, placed if with_factor else {**placed, "tunnels": ()})
@@ -157,15 +168,12 @@ def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Findin
     reached = end if math.isinf(last.to_m) else table.end_m
     if math.isinf(last.to_m) and end <= last.from_m:
         sentence = f"{table.source}: no row says where row {last.row} ends, and the line ends where it begins."
-        return [Finding("gap", sentence, (last.row,), last.from_m)]
+        return [Finding("gap", sentence)]
     return [
         Finding(
             "gap",
             f"{table.source}: nothing from {place(start)} to {place(stop)} m, at the line's {which}: taken as "
             f"{WHOLE[table.kind]}.",
-            (),
-            start,
-            stop,
         )
         for which, start, stop in (("begin", begin, table.begin_m), ("end", reached, end))
         if stop - start > MIN_STRETCH_M
@@ -185,28 +193,15 @@ def _jumps(tables: Sequence[ImportedTable]) -> list[Finding]:
     """Return gaps that all tables share, as a jump of the chainage leaves them."""
     if len(tables) < 2:
         return []
-    gaps = [{(one.from_m, one.to_m) for one in table.findings if one.kind == "gap"} for table in tables]
+    gaps = [{one.stretch_m for one in table.findings if one.stretch_m is not None} for table in tables]
     return [
         Finding(
             "question",
             f"no table says anything from {place(start)} to {place(stop)} m: does the chainage jump there? The line is "
             f"taken to have these {place(stop - start)} m.",
-            (),
-            start,
-            stop,
         )
         for start, stop in sorted(set.intersection(*gaps))
-        if start is not None and stop is not None
     ]
-
-
-def _on_line(table: ImportedTable, begin: float, end: float) -> tuple[Interval, ...]:
-    """Cut the intervals of a table to the line, as positions from its begin."""
-    return tuple(
-        _moved(one, max(one.from_m, begin) - begin, min(one.to_m, end) - begin)
-        for one in table.intervals
-        if one.to_m > begin and one.from_m < end
-    )
 
 
 def _moved(interval: Interval, from_m: float, to_m: float) -> Interval:
@@ -238,13 +233,10 @@ def _sections(length_m: float, placed: Mapping[str, Sequence[Interval]]) -> list
 def _stations(stops: Sequence[Stop], begin: float, end: float, reverse: bool) -> list[dict[str, Any]]:
     """Return the stations of a line in the direction of travel."""
     inner = sorted((stop for stop in stops if begin < stop.position_m < end), key=lambda stop: stop.position_m)
+    # what is empty or 0 is a default of a scenario's station
     return [
-        {
-            **({"name": stop.name} if stop.name else {}),
-            "position_m": round(end - stop.position_m if reverse else stop.position_m - begin, DIGITS_M),
-            **({"dwell_s": stop.dwell_s} if stop.dwell_s else {}),
-            **stop.window,
-        }
+        {key: value for key, value in vars(stop).items() if value}
+        | {"position_m": round(end - stop.position_m if reverse else stop.position_m - begin, DIGITS_M)}
         for stop in (reversed(inner) if reverse else inner)
     ]
 
@@ -267,3 +259,48 @@ def _section(length: float, gradient: float, limit: float, curvature: float, tun
     if tunnel != 1:
         section["tunnel_factor"] = float(tunnel)
     return section
+
+
+def line_from_tables(
+    tables: Mapping[IntervalKind, "str | Path | pandas.DataFrame | None"],
+    stations: Sequence[Station],
+    settings: Mapping[str, str],
+    begin_m: float | None,
+    end_m: float | None,
+    reverse: bool,
+    name: str,
+) -> Line:
+    """Return the line that tables describe; arguments as in `Line.from_tables`."""
+    maps: dict[str, ColumnMap] = {}
+    for path, value in settings.items():
+        kind, _, key = path.partition(".")
+        if kind not in INTERVAL_KINDS or not key:
+            raise ScenarioError(
+                f"settings: {shorten(path)} must begin with the kind of its table and a dot; choose one of "
+                f"{', '.join(INTERVAL_KINDS)}."
+            )
+        maps[kind] = ColumnMap.of(key, value).over(maps.get(kind, ColumnMap()))
+    read = {
+        kind: read_intervals(_source(kind, table), kind, maps.get(kind))
+        for kind, table in tables.items()
+        if table is not None
+    }
+    stops = [
+        Stop(one.name, one.position_m, one.dwell_s, one.earliest_arrival_s, one.latest_arrival_s) for one in stations
+    ]
+    found = build_line(**read, stops=stops, begin_m=begin_m, end_m=end_m, reverse=reverse, name=name)
+    for sentence in (*(finding.sentence for finding in found.findings), *found.unused):
+        # the reader of a table should know what was assumed, and a program has no page that lists it
+        warnings.warn(sentence, stacklevel=3)
+    return found.line
+
+
+def _source(kind: str, table: "str | Path | pandas.DataFrame") -> SourceFile:
+    """Return a table as a file that the readers of imports take."""
+    if isinstance(table, str | Path):
+        return SourceFile.read(table)
+    if not hasattr(table, "to_csv"):
+        raise ScenarioError(
+            f"{kind} has the type {type(table).__name__}; it must be the path of a table or a DataFrame."
+        )
+    return SourceFile(kind, table.to_csv(index=False).encode())

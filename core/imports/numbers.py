@@ -70,7 +70,7 @@ def text_of_cell(cell: Cell) -> str:
     return cell.strip()
 
 
-def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -> tuple[Decimal, int | None]:
+def decimal_mark(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -> tuple[Decimal, int | None]:
     """Tell whether numbers have a decimal point or a decimal comma.
 
     Parameters
@@ -108,8 +108,7 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
             # 1.234 may be a thousand and more, 0.234 may not; nor may what no comma for decimals stands beside
             is_doubtful = THOUSANDS.search(cell) and not (points and separator == ",")
             (in_doubt if is_doubtful else sure).setdefault("." if points else ",", (number, cell))
-    mixed = sure if len(sure) == 2 else in_doubt if len(in_doubt) == 2 and not sure else None
-    if mixed is not None:
+    if (mixed := sure if len(sure) == 2 else in_doubt if len(in_doubt) == 2 and not sure else None) is not None:
         (row, cell), (other_row, other) = mixed["."], mixed[","]
         raise ScenarioError(
             f"{source}: row {row} has {show(cell)} and row {other_row} {show(other)}; name the decimal sign, . or ,."
@@ -121,7 +120,7 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
     return ("." if separator == "," else sign), row
 
 
-def number_of(cell: Cell, decimal: Decimal) -> float:
+def parse_cell(cell: Cell, decimal: Decimal) -> float:
     """Return the number in a cell.
 
     Raises
@@ -148,7 +147,7 @@ def number_of(cell: Cell, decimal: Decimal) -> float:
     return value
 
 
-def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
+def parse_position(cell: Cell, unit: str, decimal: Decimal) -> float:
     """Read the position in a cell [m]; a notation that names its units precedes `unit`.
 
     Raises
@@ -174,7 +173,7 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
             return _miles(found[1], float(found[2].replace(",", ".")), found[3][0].lower())
         if found := WITH_UNIT.fullmatch(text):
             cell, unit = found[1].strip(), found[2].lower()
-    value = number_of(cell, decimal)
+    value = parse_cell(cell, decimal)
     if unit not in ("mi.ch", "mi.yd"):
         # chainage without a plus: only whole kilometres, or kilometres with decimals
         return value * (M_PER_KM if unit == "pk" else POSITION_UNITS[unit])
@@ -186,7 +185,7 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
     return math.copysign(_miles(miles, float(part), unit[3]), value)
 
 
-def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: str | None = None) -> float:
+def parse_value(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: str | None = None) -> float:
     """Read the gradient [per mille, uphill positive], limit [km/h], radius [m] or other value in a cell.
 
     Parameters
@@ -205,11 +204,11 @@ def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: st
     """
     text = text_of_cell(cell).translate(MINUS)
     if len(text) > LONGEST_NUMBER:
-        return number_of(cell, decimal)
+        return parse_cell(cell, decimal)
     if kind == "gradients" and (found := RATIO.fullmatch(text)):
         sign, other_sign, length, letter = found.groups()
         falls = (sign == "-") != (other_sign == "-") or letter.upper() == "F"
-        return (-1 if falls else 1) * _one_in(number_of(length, decimal))
+        return (-1 if falls else 1) * _one_in(parse_cell(length, decimal))
     if is_zero_in_words(text, kind):
         return 0.0
     number, own = without_unit(text, kind)
@@ -219,7 +218,7 @@ def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: st
         cell, unit = number, own
     if unit == KNOTS:
         raise ValueError("is in knots, which are not read; write km/h, of which a knot is 1.852")
-    return _converted(number_of(cell, decimal), kind, unit)
+    return _converted(parse_cell(cell, decimal), kind, unit)
 
 
 def is_zero_in_words(text: str, kind: Quantity) -> bool:

@@ -1,34 +1,34 @@
 """Rolling stock of OSRD: JSON 3.0 to 3.4, a vehicle."""
 
 import math
-import re
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.findings import Foreign, Notes
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.vehicle import ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
-from railjoule.core.scenario._sentences import counted, show, shown_list, validated
+from railjoule.core.scenario._sentences import counted, validated
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
-KNOWN_VERSIONS = ((3, 0), (3, 4))
+KNOWN_VERSIONS = ("3.0", "3.4")
 """The first and the last that are known."""
 LISTS = ("results", "rolling_stocks")
 """Keys of a list of rolling stocks: that of a page of answers, and that of an infrastructure."""
 PER_MASS_SINCE = (3, 4)
 """From this version on, resistance is that of a kilogram."""
-Effort = Annotated[Number, Field(ge=0)]
-Speed = Annotated[Number, Field(ge=0)]
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Amounts = Annotated[tuple[NotNegative, ...], Field(min_length=2, max_length=1000)]
 
 
 class EffortCurve(Foreign):
     """Largest tractive efforts [N] at speeds [m/s]."""
 
-    speeds: tuple[Speed, ...] = Field(min_length=2, max_length=1000)
-    max_efforts: tuple[Effort, ...] = Field(min_length=2, max_length=1000)
+    speeds: Amounts
+    max_efforts: Amounts
 
 
 class ModeCurves(Foreign):
@@ -49,16 +49,16 @@ class EffortCurves(Foreign):
 class DavisResistance(Foreign):
     """Running resistance A + B v + C v2 [N, m/s]."""
 
-    constant: Effort = Field(alias="A")
-    linear: Effort = Field(alias="B")
-    quadratic: Effort = Field(alias="C")
+    constant: NotNegative = Field(alias="A")
+    linear: NotNegative = Field(alias="B")
+    quadratic: NotNegative = Field(alias="C")
     type: Literal["davis"] = "davis"
 
 
 class Gamma(Foreign):
     """The deceleration of braking, as older versions have it."""
 
-    value: Number = Field(gt=0)
+    value: Positive
 
 
 class RollingStock(Foreign):
@@ -67,11 +67,11 @@ class RollingStock(Foreign):
     railjson_version: str = ""
     name: str = Field(max_length=200)
     length: Number
-    mass: Number = Field(gt=0)
-    max_speed: Number = Field(gt=0)
-    comfort_acceleration: Number | None = Field(None, gt=0)
+    mass: Positive
+    max_speed: Positive
+    comfort_acceleration: Positive | None = None
     inertia_coefficient: Number = Field(ge=1)
-    const_gamma: Number | None = Field(None, gt=0)
+    const_gamma: Positive | None = None
     gamma: Gamma | None = None
     rolling_resistance: DavisResistance
     effort_curves: EffortCurves
@@ -96,31 +96,33 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | N
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    notes = Notes(source.name)
-    stock = validated(RollingStock, _chosen(stocks_of(source), wanted, notes), source.name)
-    notes.add_unused(unknown_keys(stock))
-    version = _version(stock.railjson_version, notes)
-    traction = {
-        "max_speed_kmh": stock.max_speed / MS_PER_KMH,
-        **_curve(stock.effort_curves, mode, notes),
-    }
-    if stock.comfort_acceleration is not None:
-        traction["max_acceleration_ms2"] = stock.comfort_acceleration
+    notes, stocks = Notes(source.name), read_stocks(source)
+    names = [str(stock.get("name", f"{number}")) for number, stock in enumerate(stocks, 1)]
+    stock = validated(RollingStock, stocks[notes.chosen(names, wanted, "train")], source.name)
+    notes.add_unknown_keys(stock)
+    version = notes.version("railjson_version", stock.railjson_version, KNOWN_VERSIONS)
+    davis, factor = stock.rolling_resistance, stock.mass if version >= PER_MASS_SINCE else 1.0
     table = {
         "name": stock.name,
         "tare_kg": stock.mass,
         "rotating_mass_factor": stock.inertia_coefficient - 1,
         "length_m": stock.length,
-        "resistance": _resistance(stock, version),
-        "traction": traction,
+        "resistance": {
+            "constant_n": factor * davis.constant,
+            "linear_n_per_kmh": factor * davis.linear * MS_PER_KMH,
+            "quadratic_n_per_kmh2": factor * davis.quadratic * MS_PER_KMH**2,
+        },
+        "traction": {
+            "max_speed_kmh": stock.max_speed / MS_PER_KMH,
+            "curve": _curve(stock.effort_curves, mode, notes),
+            "max_acceleration_ms2": stock.comfort_acceleration,
+        },
         "braking": _braking(stock, notes),
-        "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
     }
-    notes.add("assumption", "it tells no losses: a drive without losses.")
     return imported_vehicle(table, notes)
 
 
-def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
+def read_stocks(source: SourceFile) -> list[dict[str, Any]]:
     """Return the rolling stocks of a file: the one that it is, or those of its list.
 
     Raises
@@ -128,7 +130,7 @@ def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
     ScenarioError
         If it is no JSON, or a list of something else.
     """
-    document: Any = json_of(source, lists=True)
+    document: Any = read_json(source, lists=True)
     if isinstance(document, dict):
         document = next((document[key] for key in LISTS if isinstance(document.get(key), list)), [document])
     if not document or not all(isinstance(one, dict) for one in document):
@@ -136,51 +138,11 @@ def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
     return list(document)
 
 
-def _chosen(stocks: list[dict[str, Any]], wanted: str | None, notes: Notes) -> dict[str, Any]:
-    """Select the rolling stock of a name, or the only one."""
-    names = [str(stock.get("name", f"{number}")) for number, stock in enumerate(stocks, 1)]
-    if wanted is None and len(names) > 1:
-        raise ChoiceError(notes.source, "train", tuple(names))
-    if wanted is not None and wanted not in names:
-        known = shown_list(names)
-        raise ScenarioError(f"{notes.source}: there is no train with the name {show(wanted)}, only {known}.")
-    index = 0 if wanted is None else names.index(wanted)
-    others = [*names[:index], *names[index + 1 :]]
-    if others:
-        notes.add_unused(f"trains: {shown_list(others)}.")
-    return stocks[index]
-
-
-def _version(text: str, notes: Notes) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
-    first, last = KNOWN_VERSIONS
-    version = (int(found[1]), int(found[2])) if found else last
-    if found and first <= version <= last:
-        return version
-    what = f"its railjson_version is {show(text)}" if text else "it has no railjson_version"
-    notes.add("question", f"{what}, and 3.0 to 3.4 are known: what is known of it was read as 3.4 has it.")
-    return last
-
-
-def _resistance(stock: RollingStock, version: tuple[int, int]) -> dict[str, float]:
-    """Return the resistance of the train, with speed in km/h."""
-    davis, mass = stock.rolling_resistance, stock.mass if version >= PER_MASS_SINCE else 1.0
-    return {
-        "constant_n": mass * davis.constant,
-        "linear_n_per_kmh": mass * davis.linear * MS_PER_KMH,
-        "quadratic_n_per_kmh2": mass * davis.quadratic * MS_PER_KMH**2,
-    }
-
-
-def _curve(curves: EffortCurves, mode: str | None, notes: Notes) -> dict[str, Any]:
+def _curve(curves: EffortCurves, mode: str | None, notes: Notes) -> list[list[float]]:
     """Read the maximum tractive efforts over speed of a supply if no condition is met."""
-    name = curves.default_mode if mode is None else mode
-    if name not in curves.modes:
-        raise ScenarioError(f"{notes.source}: mode = {show(name)} must be one of {shown_list(list(curves.modes))}.")
+    names = list(curves.modes)
+    name = names[notes.chosen(names, curves.default_mode if mode is None else mode, "mode")]
     chosen = curves.modes[name]
-    others = [other for other in curves.modes if other != name]
-    if others:
-        notes.add_unused(f"the efforts of the supplies {shown_list(others)}.")
     if chosen.curves:
         notes.add_unused(f"{counted(len(chosen.curves), 'curve')} of {name} under conditions.")
     if not chosen.is_electric:
@@ -197,7 +159,7 @@ def _curve(curves: EffortCurves, mode: str | None, notes: Notes) -> dict[str, An
     ]
     if steps := len(speeds) - len(points):
         notes.add("reading", f"{where}: {counted(steps, 'step')} of the effort: that beyond counts.")
-    return {"curve": points}
+    return points
 
 
 def _braking(stock: RollingStock, notes: Notes) -> dict[str, float]:

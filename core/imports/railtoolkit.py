@@ -2,23 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from itertools import pairwise
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
-from railjoule.core.imports.line import ImportedLine, line_of
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.findings import Foreign, Notes
+from railjoule.core.imports.line import ImportedLine, build_line
 from railjoule.core.imports.railtoolkit_train import read_train
-from railjoule.core.imports.source_file import SourceFile, unicode_text_of
-from railjoule.core.imports.table import ImportedTable, Interval, bounded
+from railjoule.core.imports.source_file import SourceFile, read_unicode
+from railjoule.core.imports.table import ImportedTable, bounded, require_rising, stepwise
 from railjoule.core.imports.units import IntervalKind
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import show, shown_list, validated
 
 VERSIONS = ("2022.05", "2024.07")
+"""The first and the last that are known."""
 # the reader is written in Python: 100 kB take it a second
 MAX_YAML_BYTES = 2_000_000
 MAX_LEVELS = 20
@@ -26,11 +26,17 @@ MAX_LEVELS = 20
 
 
 class CharacteristicSection(Foreign):
-    """The begin of a limit or a resistance, as version 2024.07 has it."""
+    """The begin of a limit or a resistance, as version 2024.07 has it; 2022.05 has lists of three."""
 
     position: Number
     speed: Annotated[Number, Field(gt=0)] | None = None
     resistance: Number | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_list(cls, row: Any) -> Any:
+        is_old = isinstance(row, list) and len(row) == 3
+        return dict(zip(("position", "speed", "resistance"), row, strict=True)) if is_old else row
 
 
 class Path(Foreign):
@@ -44,7 +50,6 @@ class Path(Foreign):
 class RunningPath(Foreign):
     """A file of lines."""
 
-    schema_version: str
     paths: tuple[Path, ...] = Field(min_length=1, max_length=1000)
 
 
@@ -65,14 +70,10 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    document = yaml_of(source)
+    document = read_yaml(source)
     schema = str(document.pop("schema", ""))
-    version = str(document.get("schema_version", ""))
     notes = Notes(source.name)
-    if version not in VERSIONS:
-        what = f"its schema_version is {show(version)}" if version else "it has no schema_version"
-        notes.add("question", f"{what}, and {' and '.join(VERSIONS)} are known: what is known of it was read.")
-    document["schema_version"] = version
+    notes.version("schema_version", str(document.pop("schema_version", "")), VERSIONS)
     if "running-path" in schema or ("paths" in document and "rolling-stock" not in schema):
         return _read_path(document, wanted, notes)
     if "rolling-stock" in schema or "vehicles" in document:
@@ -80,7 +81,7 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     raise ScenarioError(f"{source.name}: schema = {show(schema)} must be that of rolling-stock or running-path.")
 
 
-def yaml_of(source: SourceFile) -> dict[str, Any]:
+def read_yaml(source: SourceFile) -> dict[str, Any]:
     """Return the table that a YAML file holds.
 
     Raises
@@ -96,7 +97,7 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
         ) from None
     if len(source.content) > MAX_YAML_BYTES:
         raise ScenarioError(f"{source.name}: larger than the {MAX_YAML_BYTES / 1e6:g} MB allowed.")
-    text = unicode_text_of(source, "YAML")
+    text = read_unicode(source, "YAML")
     try:
         level = 0
         for event in yaml.parse(text, yaml.SafeLoader):
@@ -121,22 +122,16 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
 
 def _read_path(document: Mapping[str, Any], wanted: str | None, notes: Notes) -> ImportedLine:
     source = notes.source
-    file = validated(RunningPath, {**document, "paths": _as_tables(document.get("paths"))}, source)
-    notes.add_unused(unknown_keys(file))
-    path = _chosen(file.paths, wanted, notes)
-    notes.add_unused(unknown_keys(path, f"path {path.id}: "))
+    file = validated(RunningPath, document, source)
+    notes.add_unknown_keys(file)
+    path = file.paths[notes.chosen([path.id for path in file.paths], wanted, "path")]
+    notes.add_unknown_keys(path, f"path {path.id}: ")
     rows = path.characteristic_sections
-    for index, (row, later) in enumerate(pairwise(rows), 1):
-        if later.position <= row.position:
-            raise ScenarioError(
-                f"{source}: characteristic_sections[{index}].position = {later.position:g} must lie beyond "
-                f"{row.position:g}, the one before it."
-            )
-    keys = sorted({key for row in rows for key in (row.model_extra or {})})
-    if keys:
+    require_rising([row.position for row in rows], f"{source}: characteristic_sections")
+    if keys := sorted({key for row in rows for key in (row.model_extra or {})}):
         notes.add_unused(f"characteristic_sections: {shown_list(keys)}.")
     notes.add("assumption", "resistance is taken as the gradient: it may hold that of curves too.")
-    line = line_of(
+    line = build_line(
         gradients=_table("gradients", source, [(row.position, row.resistance) for row in rows]),
         limits=_table("limits", source, [(row.position, row.speed) for row in rows]),
         begin_m=rows[0].position,
@@ -146,46 +141,9 @@ def _read_path(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
     return replace(line, findings=(*notes.findings, *line.findings), unused=(*notes.unused, *line.unused))
 
 
-def _as_tables(paths: Any) -> Any:
-    """Convert sections that version 2022.05 wrote as lists of three to tables."""
-    if not isinstance(paths, list):
-        return paths
-    columns = ("position", "speed", "resistance")
-    return [
-        {
-            **path,
-            "characteristic_sections": [
-                dict(zip(columns, row, strict=True)) if isinstance(row, list) and len(row) == len(columns) else row
-                for row in path["characteristic_sections"]
-            ],
-        }
-        if isinstance(path, dict) and isinstance(path.get("characteristic_sections"), list)
-        else path
-        for path in paths
-    ]
-
-
 def _table(kind: IntervalKind, source: str, rows: list[tuple[float, float | None]]) -> ImportedTable | None:
     """Make a table of values that hold until the next is given; the last section is only the end of the path."""
     where = f"{source}: characteristic_sections"
     given = [(begin, bounded(where, kind, value, value, kind)) for begin, value in rows[:-1] if value is not None]
-    ends = [*(begin for begin, _ in given[1:]), rows[-1][0]]
-    intervals = tuple(
-        Interval(begin, end, amount, number)
-        for number, ((begin, amount), end) in enumerate(zip(given, ends, strict=True), 1)
-    )
-    return ImportedTable(kind, source, intervals) if intervals else None
-
-
-def _chosen(paths: tuple[Path, ...], wanted: str | None, notes: Notes) -> Path:
-    """Select the path of an id, or the only one."""
-    names = [path.id for path in paths]
-    if wanted is None and len(names) > 1:
-        raise ChoiceError(notes.source, "path", tuple(names))
-    if wanted is not None and wanted not in names:
-        raise ScenarioError(f"{notes.source}: paths: id = {show(wanted)} must be one of {shown_list(names)}.")
-    index = names.index(wanted) if wanted is not None else 0
-    others = [*names[:index], *names[index + 1 :]]
-    if others:
-        notes.add_unused(f"paths: {shown_list(others)}.")
-    return paths[index]
+    begins, values = [begin for begin, _ in given], [value for _, value in given]
+    return stepwise(kind, source, begins, values, rows[-1][0]) if given else None

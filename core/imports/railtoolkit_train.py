@@ -6,10 +6,10 @@ from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.findings import Foreign, Notes, unknown_keys
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.findings import Foreign, Notes
 from railjoule.core.imports.vehicle import KG_PER_T, ImportedVehicle, imported_vehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import show, shown_list, validated
@@ -21,73 +21,80 @@ REFERENCE_KMH = 100.0
 USUAL_DECELERATION_MS2 = 0.375
 # an integer may have more digits than a number with a point can hold
 MAX_FORCE_N = 1e12
-FLAT_KEYS = {
-    "resistance": ("rotation_mass", "base_resistance", "rolling_resistance", "air_resistance"),
-    "traction": ("tractive_effort",),
-    "brakes": ("a_braking",),
+OLD_KEYS = {
+    **{
+        key: f"resistance.{key}" for key in ("rotation_mass", "base_resistance", "rolling_resistance", "air_resistance")
+    },
+    "tractive_effort": "traction.tractive_effort",
+    "a_braking": "brakes.deceleration",
 }
-"""Keys of a vehicle in 2022.05, by the table that they stand in since."""
-Positive = Annotated[Number, Field(ge=0)]
+"""Keys of a vehicle in 2022.05, and where they stand since."""
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
 
 
 class Pair(Foreign):
-    """A force [kN] at a speed [km/h]."""
+    """A force [kN] at a speed [km/h]; version 2022.05 has lists of km/h and N."""
 
-    speed: Positive
-    force: Positive
+    speed: NotNegative
+    force: NotNegative
 
-
-class Resistance(Foreign):
-    """Coefficients of running resistance [per mille]: on driving axles, on others, of the air."""
-
-    rotation_mass: Annotated[Number, Field(ge=1)] | None = None
-    base_resistance: Positive | None = None
-    rolling_resistance: Positive | None = None
-    air_resistance: Positive | None = None
-
-
-class Traction(Foreign):
-    """Tractive effort as a table, or as force and power [kN, kW]."""
-
-    rated_power: Positive | None = None
-    initial_tractive_force: Positive | None = None
-    tractive_effort: tuple[Pair, ...] | None = Field(None, min_length=2, max_length=1000)
-
-
-class ElectrodynamicBrake(Foreign):
-    """An electric brake: its force [kN], and the speed from which its power limits it [km/h]."""
-
-    max_brake_force: Positive | None = None
-    speed_power_limit: Positive | None = None
-
-
-class FrictionBrake(Foreign):
-    """A friction brake by its force in service [kN]."""
-
-    service_brake_effort: Positive | None = None
-
-
-class Brakes(Foreign):
-    """Brakes by their forces, or by the deceleration [m/s2], which is negative."""
-
-    deceleration: Number | None = None
-    electrodynamic_brake: ElectrodynamicBrake | None = None
-    friction_brake: FrictionBrake | None = None
+    @model_validator(mode="before")
+    @classmethod
+    def _from_list(cls, pair: Any) -> Any:
+        if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < MAX_FORCE_N:
+            return {"speed": pair[0], "force": pair[1] / N_PER_KN}
+        return pair
 
 
 class RailVehicle(Foreign):
-    """A vehicle of a formation [m, t, km/h]."""
+    """A vehicle of a formation [m, t, km/h, kN, kW, m/s2, per mille]; keys of tables within it have dots.
+
+    Running resistance is that on driving axles, on others, and of the air. An electric brake has a force, and the speed
+    from which its power limits it.
+    """
 
     id: str = Field(max_length=200)
-    length: Annotated[Number, Field(gt=0)]
-    mass: Annotated[Number, Field(gt=0)]
-    load_limit: Positive = 0.0
-    mass_traction: Positive | None = None
-    speed_limit: Annotated[Number, Field(gt=0)] | None = None
+    length: Positive
+    mass: Positive
+    load_limit: NotNegative = 0.0
+    mass_traction: NotNegative | None = None
+    speed_limit: Positive | None = None
     power_type: str | None = None
-    resistance: Resistance = Resistance()
-    traction: Traction | None = None
-    brakes: Brakes = Brakes()
+    rotation_mass: Number = Field(1.0, ge=1, alias="resistance.rotation_mass")
+    base_resistance: NotNegative | None = Field(None, alias="resistance.base_resistance")
+    rolling_resistance: NotNegative = Field(0.0, alias="resistance.rolling_resistance")
+    air_resistance: NotNegative = Field(0.0, alias="resistance.air_resistance")
+    rated_power: NotNegative | None = Field(None, alias="traction.rated_power")
+    initial_tractive_force: NotNegative | None = Field(None, alias="traction.initial_tractive_force")
+    tractive_effort: tuple[Pair, ...] | None = Field(
+        None, min_length=2, max_length=1000, alias="traction.tractive_effort"
+    )
+    deceleration: Number = Field(0.0, alias="brakes.deceleration")
+    brake_force: NotNegative | None = Field(None, alias="brakes.electrodynamic_brake.max_brake_force")
+    brake_speed: NotNegative = Field(0.0, alias="brakes.electrodynamic_brake.speed_power_limit")
+    service_brake: NotNegative = Field(0.0, alias="brakes.friction_brake.service_brake_effort")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_tables(cls, vehicle: Any) -> Any:
+        if not isinstance(vehicle, dict):
+            return vehicle
+        return _flat({OLD_KEYS.get(str(key), key): value for key, value in vehicle.items()})
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether it has an effort."""
+        return any(one is not None for one in (self.rated_power, self.initial_tractive_force, self.tractive_effort))
+
+
+def _flat(table: Mapping[Any, Any], prefix: str = "") -> dict[str, Any]:
+    """Return a table without tables in it, whose keys follow a dot, and without empty entries."""
+    flat: dict[str, Any] = {}
+    for key, value in table.items():
+        if value is not None:
+            flat |= _flat(value, f"{prefix}{key}.") if isinstance(value, dict) else {f"{prefix}{key}": value}
+    return flat
 
 
 class Train(Foreign):
@@ -102,7 +109,6 @@ class Train(Foreign):
 class RollingStock(Foreign):
     """A file of trains and vehicles."""
 
-    schema_version: str
     trains: tuple[Train, ...] = Field((), max_length=1000)
     vehicles: tuple[RailVehicle, ...] = Field(min_length=1, max_length=1000)
 
@@ -126,19 +132,15 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
     ScenarioError
         If anything is wrong with the file.
     """
-    file = validated(RollingStock, {**document, "vehicles": _nested(document.get("vehicles"))}, notes.source)
-    notes.add_unused(unknown_keys(file))
+    file = validated(RollingStock, document, notes.source)
+    notes.add_unknown_keys(file)
     train, formation = _formation(file, wanted, notes)
     for vehicle in {vehicle.id: vehicle for vehicle in formation}.values():
-        _note_unused_parts(vehicle, notes)
-        if vehicle.traction and vehicle.power_type not in {"electric", None}:
-            sentence = f"is {vehicle.power_type}: its efforts are taken, and its energy counts as electric."
-            notes.add("question", f"vehicle {vehicle.id} {sentence}")
+        _note_parts(vehicle, notes)
     masses_t = _loaded_masses_t(train, formation, notes)
     mass_kg = KG_PER_T * sum(masses_t)
     # a vehicle gives its share of its empty mass, as no load rotates
-    rotating_t = sum(vehicle.mass * ((vehicle.resistance.rotation_mass or 1.0) - 1) for vehicle in formation)
-    rotating = rotating_t / sum(masses_t)
+    rotating = sum(vehicle.mass * (vehicle.rotation_mass - 1) for vehicle in formation) / sum(masses_t)
     limits = [vehicle.speed_limit for vehicle in formation if vehicle.speed_limit is not None]
     if not limits:
         raise ScenarioError(f"{notes.source}: speed_limit is missing in all vehicles of the train.")
@@ -150,88 +152,47 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
         "resistance": _resistance(formation, masses_t, notes),
         "traction": {"max_speed_kmh": min(limits), **_traction(formation, notes.source)},
         "braking": _braking(formation, (1 + rotating) * mass_kg, notes),
-        "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
     }
-    notes.add("assumption", "it tells no losses: a drive without losses.")
     return imported_vehicle(table, notes)
 
 
-def _nested(vehicles: Any) -> Any:
-    """Nest the keys of vehicles in tables, also if they stand beside each other as in version 2022.05."""
-    if not isinstance(vehicles, list):
-        return vehicles
-    flat = {key for keys in FLAT_KEYS.values() for key in keys}
-    nested = []
-    for vehicle in vehicles:
-        if not isinstance(vehicle, dict):
-            nested.append(vehicle)
-            continue
-        tables = {name: {key: vehicle[key] for key in keys if key in vehicle} for name, keys in FLAT_KEYS.items()}
-        if "a_braking" in tables["brakes"]:
-            tables["brakes"] = {"deceleration": vehicle["a_braking"]}
-        if isinstance(pairs := tables["traction"].get("tractive_effort"), list):
-            tables["traction"]["tractive_effort"] = [_pair(pair) for pair in pairs]
-        others = {key: value for key, value in vehicle.items() if key not in flat}
-        nested.append(others | {name: entries for name, entries in tables.items() if entries})
-    return nested
-
-
-def _pair(pair: Any) -> Any:
-    """Return a pair of km/h and N as a table with kN."""
-    if isinstance(pair, list) and len(pair) == 2 and type(pair[1]) in {int, float} and abs(pair[1]) < MAX_FORCE_N:
-        return {"speed": pair[0], "force": pair[1] / N_PER_KN}
-    return pair
-
-
 def _formation(file: RollingStock, wanted: str | None, notes: Notes) -> tuple[Train, list[RailVehicle]]:
-    """Select a train and its vehicles, one by one."""
-    source = notes.source
+    """Select a train and its vehicles, one by one; a vehicle alone is a train too."""
     vehicles = {vehicle.id: vehicle for vehicle in file.vehicles}
     trains = {train.id: train for train in file.trains}
-    if wanted is None and len(trains or vehicles) > 1:
-        raise ChoiceError(source, "train" if trains else "vehicle", tuple(trains or vehicles))
-    name = wanted if wanted is not None else next(iter(trains or vehicles))
-    if name not in {*trains, *vehicles}:
-        known = shown_list([*trains, *vehicles])
-        raise ScenarioError(f"{source}: there is no train or vehicle with the id {show(name)}, only {known}.")
-    train = trains[name] if name in trains else Train(id=name, name=name, formation=(name,))
+    what = "train" if trains and wanted not in vehicles.keys() - trains.keys() else "vehicle"
+    if what == "vehicle":
+        trains = {name: Train(id=name, name=name, formation=(name,)) for name in vehicles}
+    names = list(trains)
+    train = trains[names[notes.chosen(names, wanted, what)]]
+    notes.add_unknown_keys(train, f"train {train.id}: ")
     if train.formation is None:
-        raise ScenarioError(f"{source}: train {train.id} has no formation, and so neither masses nor efforts.")
-    missing = [one for one in train.formation if one not in vehicles]
-    if missing:
-        raise ScenarioError(f"{source}: train {train.id}: the vehicle {show(missing[0])} is not in the file.")
-    others = [other for other in trains if other != name]
-    others += [other for other in vehicles if other not in train.formation]
-    if others:
-        notes.add_unused(f"trains and vehicles: {shown_list(others)}.")
-    notes.add_unused(unknown_keys(train, f"train {train.id}: "))
+        raise ScenarioError(f"{notes.source}: train {train.id} has no formation, and so neither masses nor efforts.")
+    if missing := [one for one in train.formation if one not in vehicles]:
+        raise ScenarioError(f"{notes.source}: train {train.id}: the vehicle {show(missing[0])} is not in the file.")
+    others = [other for other in vehicles if other not in train.formation]
+    if others and what == "train":
+        notes.add_unused(f"vehicles not read: {shown_list(others)}.")
     return train, [vehicles[one] for one in train.formation]
 
 
-def _note_unused_parts(vehicle: RailVehicle, notes: Notes) -> None:
-    """Note the contents of a vehicle that are not used, or given twice."""
-    brakes, traction = vehicle.brakes, vehicle.traction
-    where = f"vehicle {vehicle.id}: "
-    for name, part in (
-        ("", vehicle),
-        ("resistance: ", vehicle.resistance),
-        ("traction: ", traction),
-        ("brakes: ", brakes),
-        ("brakes.electrodynamic_brake: ", brakes.electrodynamic_brake),
-        ("brakes.friction_brake: ", brakes.friction_brake),
-    ):
-        notes.add_unused(unknown_keys(part, where + name) if part else "")
-    if traction and traction.tractive_effort:
-        twice = [name for name in ("rated_power", "initial_tractive_force") if getattr(traction, name) is not None]
-        notes.add_unused(f"{where}traction: {shown_list(twice)}, beside tractive_effort." if twice else "")
-    if brakes.deceleration and brakes.friction_brake and brakes.friction_brake.service_brake_effort:
-        notes.add_unused(f"{where}brakes: service_brake_effort, beside deceleration.")
+def _note_parts(vehicle: RailVehicle, notes: Notes) -> None:
+    """Note the contents of a vehicle that are not used, or given twice, and an engine of another kind."""
+    where = f"vehicle {vehicle.id}"
+    notes.add_unknown_keys(vehicle, f"{where}: ")
+    twice = [name for name in ("rated_power", "initial_tractive_force") if getattr(vehicle, name) is not None]
+    if vehicle.tractive_effort and twice:
+        notes.add_unused(f"{where}: traction: {shown_list(twice)}, beside tractive_effort.")
+    if vehicle.deceleration and vehicle.service_brake:
+        notes.add_unused(f"{where}: brakes: service_brake_effort, beside deceleration.")
+    if vehicle.is_driven and vehicle.power_type not in {"electric", None}:
+        sentence = f"is {vehicle.power_type}: its efforts are taken, and its energy counts as electric."
+        notes.add("question", f"{where} {sentence}")
 
 
 def _loaded_masses_t(train: Train, formation: Sequence[RailVehicle], notes: Notes) -> list[float]:
     """Compute the mass of each vehicle with its load [t]."""
-    factors = train.loading_factor
-    if factors is None:
+    if (factors := train.loading_factor) is None:
         if total := sum(vehicle.load_limit for vehicle in formation):
             notes.add_unused(f"load_limit: the train is empty, and may carry {total:g} t.")
         return [vehicle.mass for vehicle in formation]
@@ -250,20 +211,22 @@ def _resistance(formation: Sequence[RailVehicle], masses_t: Sequence[float], not
 
     The coefficients of a vehicle are per mille of its loaded weight, as in TrainRuns.jl.
     """
-    terms = np.zeros(3)
-    for vehicle, mass in zip(formation, masses_t, strict=True):
-        base, rolling, air = (
-            getattr(vehicle.resistance, f"{name}_resistance") or 0.0 for name in ("base", "rolling", "air")
+    # on driving axles the base, on carrying ones the rolling coefficient; a load is spread over the axles as the empty
+    # mass is
+    rows = [
+        (
+            one.base_resistance or 0.0,
+            one.rolling_resistance,
+            one.air_resistance,
+            one.is_driven,
+            1.0 if one.mass_traction is None else min(one.mass_traction / one.mass, 1.0),
         )
-        if vehicle.traction:  # on driving axles the base, on carrying ones the rolling coefficient
-            # a load is spread over the axles as the empty mass is
-            driven = 1.0 if vehicle.mass_traction is None else min(vehicle.mass_traction / vehicle.mass, 1.0)
-            terms += mass * np.array([base * driven + rolling * (1 - driven), 0.0, air])
-        else:
-            terms += mass * np.array([base, rolling, air])
-    terms /= sum(masses_t)
-    silent = [one.id for one in formation if one.resistance.base_resistance is None]
-    if silent:
+        for one in formation
+    ]
+    base, rolling, air, is_driven, share = np.array(rows).T
+    constant = np.where(is_driven, base * share + rolling * (1 - share), base)
+    terms = masses_t @ np.column_stack([constant, np.where(is_driven, 0.0, rolling), air]) / sum(masses_t)
+    if silent := [one.id for one in formation if one.base_resistance is None]:
         notes.add("question", f"no base_resistance of {shown_list(list(Counter(silent)))}: none is taken.")
     notes.add("assumption", f"coefficients of rolling and air resistance are taken as those at {REFERENCE_KMH:g} km/h.")
     return {
@@ -275,10 +238,10 @@ def _resistance(formation: Sequence[RailVehicle], masses_t: Sequence[float], not
 
 def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
     """Return the efforts of all driven vehicles together."""
-    driven = [vehicle for vehicle in formation if vehicle.traction is not None]
+    driven = [vehicle for vehicle in formation if vehicle.is_driven]
     if not driven:
         raise ScenarioError(f"{source}: no vehicle of the train has a tractive effort.")
-    tables = [vehicle.traction.tractive_effort for vehicle in driven if vehicle.traction]
+    tables = [vehicle.tractive_effort for vehicle in driven]
     with_table = [table for table in tables if table is not None]
     if with_table and len(with_table) < len(tables):
         raise ScenarioError(f"{source}: tractive_effort is missing in some driven vehicles of the train.")
@@ -293,7 +256,7 @@ def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
         return {"curve": [[speed, float(force)] for speed, force in zip(speeds, total, strict=True)]}
     efforts = {}
     for key, name in (("max_effort_kn", "initial_tractive_force"), ("max_power_kw", "rated_power")):
-        values = [getattr(vehicle.traction, name) for vehicle in driven]
+        values = [getattr(vehicle, name) for vehicle in driven]
         if None in values:
             raise ScenarioError(f"{source}: traction has neither tractive_effort nor {name} in all driven vehicles.")
         efforts[key] = sum(values)
@@ -302,19 +265,16 @@ def _traction(formation: Sequence[RailVehicle], source: str) -> dict[str, Any]:
 
 def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) -> dict[str, float]:
     """Compute electric brakes by their forces, and friction brakes by theirs or by the deceleration they give."""
-    electric = [vehicle.brakes.electrodynamic_brake for vehicle in formation if vehicle.brakes.electrodynamic_brake]
-    known = [brake for brake in electric if brake.max_brake_force is not None]
-    effort = sum(brake.max_brake_force or 0.0 for brake in known)
+    forces = [vehicle.brake_force for vehicle in formation if vehicle.brake_force is not None]
     # the force stays up to that speed, and from there on the power
-    limits = [(one.max_brake_force or 0.0) * one.speed_power_limit for one in known if one.speed_power_limit]
-    braking = {"max_effort_kn": effort}
-    if effort and len(limits) == len(known):
-        braking["max_power_kw"] = sum(limits) * MS_PER_KMH
-    if not known:
+    powers = [(one.brake_force or 0.0) * one.brake_speed for one in formation if one.brake_speed]
+    braking = {"max_effort_kn": sum(forces)}
+    if sum(forces) and len(powers) == len(forces):
+        braking["max_power_kw"] = sum(powers) * MS_PER_KMH
+    if not forces:
         notes.add("assumption", "it tells of no electric brake, and nothing goes back.")
-    decelerations = [abs(one.brakes.deceleration) for one in formation if one.brakes.deceleration]
-    friction = [vehicle.brakes.friction_brake for vehicle in formation if vehicle.brakes.friction_brake]
-    services = sum(brake.service_brake_effort or 0.0 for brake in friction)
+    decelerations = [abs(one.deceleration) for one in formation if one.deceleration]
+    services = sum(vehicle.service_brake for vehicle in formation)
     if decelerations:
         braking["max_deceleration_ms2"] = min(decelerations)
     elif services:

@@ -66,7 +66,7 @@ class SourceFile:
         return cls(path.name, read_bytes(path, MAX_BYTES), encoding)
 
 
-def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
+def read_text(source: SourceFile) -> tuple[str, list[Finding]]:
     """Decode a file, with a finding about its code page if that was guessed.
 
     Raises
@@ -79,8 +79,12 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
     name, content, encoding = source.name, source.content, source.encoding
     if len(content) > MAX_BYTES:
         raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
-    if encoding:
-        require_code_page(encoding)
+    try:
+        # some codecs of Python make no text, and `bytes.decode` refuses them
+        b"ab".decode(encoding or "utf-8")
+    except (LookupError, UnicodeError, ValueError):
+        known = "cp1250, cp1251, cp1252, gbk, latin-1, cp932"
+        raise ScenarioError(f"--encoding {show(encoding)} is no code page; name one, such as {known}.") from None
     findings = []
     text = _unicode_text(content)
     if text is None and encoding:
@@ -100,7 +104,7 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
     return text, findings
 
 
-def unicode_text_of(source: SourceFile, form: str) -> str:
+def read_unicode(source: SourceFile, form: str) -> str:
     """Decode a file in a format that is UTF-8 by definition, or in the code page that the user names.
 
     Raises
@@ -108,13 +112,13 @@ def unicode_text_of(source: SourceFile, form: str) -> str:
     ScenarioError
         If it is in neither, larger than 50 MB or no text.
     """
-    text, findings = text_of(source)
+    text, findings = read_text(source)
     if findings:
         raise EncodingError(source.name, f"which {form} is by definition")
     return text
 
 
-def json_of(source: SourceFile, lists: bool = False) -> Any:
+def read_json(source: SourceFile, lists: bool = False) -> Any:
     """Read the table of a JSON file, or if lists are accepted its list.
 
     Raises
@@ -126,7 +130,7 @@ def json_of(source: SourceFile, lists: bool = False) -> Any:
     def refuse(constant: str) -> NoReturn:
         raise ScenarioError(f"{source.name}: {constant} is not a number that can be used.")
 
-    text = unicode_text_of(source, "JSON")
+    text = read_unicode(source, "JSON")
     try:
         value = json.loads(text, parse_constant=refuse)
     except json.JSONDecodeError as error:
@@ -155,24 +159,13 @@ def _unicode_text(content: bytes) -> str | None:
         return None
 
 
-def require_code_page(encoding: str) -> None:
-    """Raise ScenarioError if there is no code page of a name."""
-    try:
-        # some codecs of Python make no text, and `bytes.decode` refuses them
-        b"ab".decode(encoding)
-    except (LookupError, UnicodeError, ValueError):
-        known = "cp1250, cp1251, cp1252, gbk, latin-1, cp932"
-        raise ScenarioError(f"--encoding {show(encoding)} is no code page; name one, such as {known}.") from None
-
-
 @contextmanager
 def encoding_mentioned(findings: Sequence[Finding]) -> Iterator[None]:
     """Add to an error how the characters of its file were read: a wrong code page may be its cause."""
     try:
         yield
     except RailjouleError as error:
-        readings = [one.sentence.partition(": ")[2] for one in findings if "not UTF-8" in one.sentence]
-        if readings:
+        if readings := [one.sentence.partition(": ")[2] for one in findings if "not UTF-8" in one.sentence]:
             sentence = (
                 f"{readings[0][:1].upper()}{readings[0][1:-1]}; if that is wrong name another, as --encoding cp1251."
             )

@@ -3,12 +3,12 @@
 import math
 import operator
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
-from railjoule.core.imports.findings import Finding, Notes
+from railjoule.core.imports.findings import FromFile, Notes
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.units import NOTHING, ColumnUnit, IntervalKind
 from railjoule.core.scenario import Section
@@ -51,7 +51,7 @@ class Interval:
 
 
 @dataclass(frozen=True)
-class ImportedTable:
+class ImportedTable(FromFile):
     """A table of intervals in rising chainage.
 
     Positions are in m; gradients [per mille], limits [km/h], radii [m], tunnels as `value_unit`: 'factor', 'm2' (cross
@@ -59,11 +59,8 @@ class ImportedTable:
     """
 
     kind: IntervalKind
-    source: str
     intervals: tuple[Interval, ...]
     value_unit: str = ""
-    findings: tuple[Finding, ...] = field(default=(), kw_only=True)
-    unused: tuple[str, ...] = field(default=(), kw_only=True)
 
     @property
     def begin_m(self) -> float:
@@ -75,6 +72,23 @@ class ImportedTable:
         """The last known end [m]."""
         known = [interval.to_m for interval in self.intervals if math.isfinite(interval.to_m)]
         return max([*known, self.intervals[-1].from_m])
+
+
+def stepwise(
+    kind: IntervalKind, source: str, begins: Sequence[float], values: Sequence[float], end_m: float = math.inf
+) -> ImportedTable:
+    """Make a table of values each of which holds until the next begins, the last to an end [m]."""
+    rows = enumerate(zip(begins, [*begins[1:], end_m], values, strict=True), 1)
+    return ImportedTable(source, kind, tuple(Interval(*row, number) for number, row in rows))
+
+
+def require_rising(positions: Sequence[float], where: str) -> None:
+    """Raise ScenarioError if a position does not lie beyond the one before it."""
+    for index, (earlier, later) in enumerate(pairwise(positions), 1):
+        if later <= earlier:
+            raise ScenarioError(
+                f"{where}[{index}].position = {later:g} must lie beyond {earlier:g}, the one before it."
+            )
 
 
 def bounded(place: str, column: str, cell: Cell, amount: float, kind: IntervalKind, value_unit: str = "") -> float:
@@ -98,21 +112,18 @@ def add_continuity(kind: IntervalKind, ordered: Sequence[Interval], notes: Notes
         rows = (furthest.row, one.row)
         gap = one.from_m - furthest.to_m
         if gap > MIN_STRETCH_M and kind in WHOLE:
-            notes.add(
-                "gap",
-                f"nothing from {place(furthest.to_m)} to {place(one.from_m)} m, between rows {rows[0]} and "
-                f"{rows[1]}: a gap of the table, taken as {WHOLE[kind]}, or a jump of the chainage.",
-                rows,
-                furthest.to_m,
-                one.from_m,
+            sentence = (
+                f"nothing from {place(furthest.to_m)} to {place(one.from_m)} m, between rows {rows[0]} and {rows[1]}: "
+                f"a gap of the table, taken as {WHOLE[kind]}, or a jump of the chainage."
             )
+            notes.add("gap", sentence, (furthest.to_m, one.from_m))
         elif gap < -MIN_STRETCH_M:
             end = min(furthest.to_m, one.to_m)
             rule = "they agree" if furthest.value == one.value else RULES[kind]
             sentence = f"rows {rows[0]} and {rows[1]} overlap from {place(one.from_m)} to {place(end)} m; {rule}."
             if replace(one, row=furthest.row) == furthest:
                 sentence = f"row {rows[1]} repeats row {rows[0]}."
-            notes.add("overlap", sentence, rows, one.from_m, end)
+            notes.add("overlap", sentence)
         if one.to_m >= furthest.to_m:
             furthest = one
 
@@ -143,15 +154,21 @@ def in_order(rows: TableRows, kind: IntervalKind, notes: Notes) -> list[Interval
         no value.
     """
     intervals = _against_chainage(rows, notes)
-    turned = [one.row for one in intervals if one.to_m < one.from_m]
-    if turned:
+    if turned := [one.row for one in intervals if one.to_m < one.from_m]:
         signs = ", with the signs of their gradients changed" if kind == "gradients" else ""
-        notes.add("order", f"{rows_words(turned, 'runs', 'run')} against rising chainage; turned round{signs}.", turned)
-        intervals = [_turned_round(one, kind) if one.to_m < one.from_m else one for one in intervals]
+        notes.add("order", f"{rows_words(turned, 'runs', 'run')} against rising chainage; turned round{signs}.")
+        # + 0.0: no negative zero
+        sign = -1.0 if kind == "gradients" else 1.0
+        intervals = [
+            replace(one, from_m=one.to_m, to_m=one.from_m, value=None if one.value is None else sign * one.value + 0.0)
+            if one.to_m < one.from_m
+            else one
+            for one in intervals
+        ]
     unsorted = [later.row for earlier, later in pairwise(intervals) if later.from_m < earlier.from_m]
     # a table in falling chainage is in order all the same
     if unsorted and len(unsorted) < len(intervals) - 1:
-        notes.add("order", f"{rows_words(unsorted, 'lies', 'lie')} before the row above; put in order.", unsorted)
+        notes.add("order", f"{rows_words(unsorted, 'lies', 'lie')} before the row above; put in order.")
     ordered = sorted(intervals, key=lambda one: (one.from_m, one.row))
     following = [*(later.from_m for later in ordered[1:]), math.inf]
     # an interval without an end of its own ends where the next begins
@@ -160,8 +177,7 @@ def in_order(rows: TableRows, kind: IntervalKind, notes: Notes) -> list[Interval
     ]
     if not rows.has_ends:
         _require_one_value_at_a_place(ordered, notes.source)
-    empty = [one.row for one in ordered if one.to_m <= one.from_m and one.row not in rows.blank]
-    if empty:
+    if empty := [one.row for one in ordered if one.to_m <= one.from_m and one.row not in rows.blank]:
         notes.add_unused(f"{rows_words(empty, 'has', 'have')} no length.")
     long = [one for one in ordered if one.to_m > one.from_m]
     with_value = [one for one in long if one.row not in rows.blank]
@@ -201,7 +217,7 @@ def _require_ends(blank: Sequence[Interval], with_value: Sequence[Interval], not
     for one in blank:
         if math.isinf(one.to_m) and one.from_m >= begin_m:
             sentence = f"row {one.row} has no value: the line ends there, at {place(one.from_m)} m."
-            notes.add("reading", sentence, (one.row,), one.from_m)
+            notes.add("reading", sentence)
         elif one.from_m < begin_m or one.to_m > end_m:
             where = f"from {place(one.from_m)}" + (f" to {place(one.to_m)}" if math.isfinite(one.to_m) else "")
             line = f"begin at {place(begin_m)} m" if one.from_m < begin_m else f"end at {place(end_m)} m"
@@ -225,13 +241,6 @@ def _against_chainage(rows: TableRows, notes: Notes) -> list[Interval]:
     _require_one_value_at_a_place([*ended, intervals[-1]], notes.source)
     # two rows at one place are judged here, in the direction of the table
     return [one for one in ended if one.to_m != one.from_m]
-
-
-def _turned_round(interval: Interval, kind: IntervalKind) -> Interval:
-    value = interval.value
-    if kind == "gradients" and value is not None:
-        value = -value + 0.0  # no negative zero
-    return replace(interval, from_m=interval.to_m, to_m=interval.from_m, value=value)
 
 
 def rows_words(rows: Sequence[int], one: str, many: str) -> str:

@@ -1,6 +1,6 @@
 """A vehicle from another program's file, and questions about numbers that no train has."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,11 +34,16 @@ def checked_vehicle(table: Mapping[str, Any], source: str) -> Vehicle:
 def imported_vehicle(table: dict[str, Any], notes: Notes) -> ImportedVehicle:
     """Make the result of a reader from the table `vehicle` that it filled, with questions about its numbers.
 
+    Entries that are None are left out; a table without a drive gets one without losses.
+
     Raises
     ------
     ScenarioError
         If there can be no such vehicle.
     """
+    if "drive" not in table:
+        table["drive"] = {"model": "constant_efficiency", "traction_efficiency": 1.0}
+        notes.add("assumption", "no losses are given: a drive without losses.")
     table = short_numbers(table)
     vehicle = checked_vehicle(table, notes.source)
     findings = (*notes.findings, *questions(vehicle, notes.source))
@@ -60,6 +65,11 @@ class _Doubt:
     most: float
     factors: tuple[float, ...] = (1000.0, 1e-3)
 
+    @property
+    def is_usual(self) -> bool:
+        """Whether the measure lies in its range."""
+        return self.least <= self.measure <= self.most
+
     def question(self, source: str, mass_t: float) -> Finding:
         """Make a question about it, with the number in the unit that was likely meant."""
         likely = [factor for factor in self.factors if self.least <= factor * self.measure <= self.most]
@@ -72,51 +82,40 @@ class _Doubt:
 
 def questions(vehicle: Vehicle, source: str) -> list[Finding]:
     """Ask about numbers of a vehicle of a file that suggest another unit."""
-    mass_t = vehicle.total_mass_kg / KG_PER_T
-    doubts = [_Doubt("tare_kg", vehicle.tare_kg, "kg", vehicle.tare_kg, 3e3, 2e7)]
-    speed = vehicle.traction.max_speed_kmh
-    doubts.append(_Doubt("traction.max_speed_kmh", speed, "km/h", speed, 25.0, 600.0, (3.6,)))
-    if doubts[0].least <= vehicle.tare_kg <= doubts[0].most:  # else all that is measured by the mass would look wrong
-        doubts += _efforts_and_resistances(vehicle, mass_t) + _shares(vehicle)
-    return [doubt.question(source, mass_t) for doubt in doubts if not doubt.least <= doubt.measure <= doubt.most]
+    mass_t, speed = vehicle.total_mass_kg / KG_PER_T, vehicle.traction.max_speed_kmh
+    tare = _Doubt("tare_kg", vehicle.tare_kg, "kg", vehicle.tare_kg, 3e3, 2e7)
+    doubts = [tare, _Doubt("traction.max_speed_kmh", speed, "km/h", speed, 25.0, 600.0, (3.6,))]
+    if tare.is_usual:  # else all that is measured by the mass would look wrong
+        doubts += _doubts_by_mass(vehicle, mass_t)
+    return [doubt.question(source, mass_t) for doubt in doubts if not doubt.is_usual]
 
 
 def short_numbers(value: Any) -> Any:
-    """Round the numbers of a table to ten digits: products of units have tails."""
+    """Round the numbers of a table to ten digits, as products of units have tails, and leave out None."""
     if isinstance(value, dict):
-        return {key: short_numbers(entry) for key, entry in value.items()}
+        return {key: short_numbers(entry) for key, entry in value.items() if entry is not None}
     if isinstance(value, list):
         return [short_numbers(entry) for entry in value]
     return float(f"{value:.10g}") if isinstance(value, float) else value
 
 
-def _efforts_and_resistances(vehicle: Vehicle, mass_t: float) -> list[_Doubt]:
-    doubts = []
+def _doubts_by_mass(vehicle: Vehicle, mass_t: float) -> Iterator[_Doubt]:
     for name, limits, least in (("traction", vehicle.traction, 0.03), ("braking", vehicle.braking, 0.01)):
-        effort, power = limits.max_effort_kn, limits.max_power_kw
         # kilonewtons over tonnes are m/s2, kilowatts over tonnes W/kg
-        if effort:
-            doubts.append(_Doubt(f"{name}.max_effort_kn", effort, "kN", effort / mass_t, least, 5.0))
-        if power:
-            doubts.append(_Doubt(f"{name}.max_power_kw", power, "kW", power / mass_t, 0.3, 100.0))
+        for key, unit, low, high in (("max_effort_kn", "kN", least, 5.0), ("max_power_kw", "kW", 0.3, 100.0)):
+            if amount := getattr(limits, key):
+                yield _Doubt(f"{name}.{key}", amount, unit, amount / mass_t, low, high)
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     terms, speed = vehicle.resistance, vehicle.traction.max_speed_kmh
     standing = terms.constant_n + weight_kn * vehicle.specific_resistance.constant_n_per_kn
-    linear, quadratic = terms.linear_n_per_kmh, terms.quadratic_n_per_kmh2
+    yield _Doubt("resistance.constant_n", standing, "N", standing / weight_kn, 0.2, 20.0)
     # from nothing on, as neither of the other terms must be there
-    return [
-        *doubts,
-        _Doubt("resistance.constant_n", standing, "N", standing / weight_kn, 0.2, 20.0),
-        _Doubt("resistance.linear_n_per_kmh", linear, "N/(km/h)", linear * speed / weight_kn, 0.0, 60.0),
-        _Doubt("resistance.quadratic_n_per_kmh2", quadratic, "N/(km/h)2", quadratic * speed**2 / weight_kn, 0.0, 60.0),
-    ]
-
-
-def _shares(vehicle: Vehicle) -> list[_Doubt]:
-    factor, drive = vehicle.rotating_mass_factor, vehicle.drive
-    doubts = [] if factor is None else [_Doubt("rotating_mass_factor", factor, "", factor, 0.0, 0.6, (0.01,))]
+    for key, unit, power in (("linear_n_per_kmh", "N/(km/h)", 1), ("quadratic_n_per_kmh2", "N/(km/h)2", 2)):
+        amount = getattr(terms, key)
+        yield _Doubt(f"resistance.{key}", amount, unit, amount * speed**power / weight_kn, 0.0, 60.0)
+    if (factor := vehicle.rotating_mass_factor) is not None:
+        yield _Doubt("rotating_mass_factor", factor, "", factor, 0.0, 0.6, (0.01,))
+    drive = vehicle.drive
     for name in ("traction_efficiency", "braking_efficiency") if isinstance(drive, ConstantEfficiency) else ():
-        share = getattr(drive, name)
-        if share is not None:
-            doubts.append(_Doubt(f"drive.{name}", share, "", share, 0.3, 1.0, (100.0,)))
-    return doubts
+        if (share := getattr(drive, name)) is not None:
+            yield _Doubt(f"drive.{name}", share, "", share, 0.3, 1.0, (100.0,))

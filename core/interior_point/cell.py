@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power, has_idle_losses
@@ -10,7 +12,6 @@ from railjoule.core.drive.line_power import smooth_supply_power
 from railjoule.core.interior_point import layout as ix
 from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
-from railjoule.core.physics.account import energy_per_metre
 from railjoule.core.physics.cell import (
     duration,
     force_slopes,
@@ -20,7 +21,8 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
+from railjoule.core.physics.energy_balance import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -50,7 +52,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
     """
     h, w, free = mesh.cell_length_m, work.nodes.speed2, work.nodes.free
-    cells, z, used = work.cells, work.rows.multiplier, work.used
+    cells, rows, z, used = work.cells, work.rows, work.rows.multiplier, work.used
     kind, parameters = mesh.drive_kind, mesh.drive_parameters
     share, idles = mesh.recuperation_factor, has_idle_losses(mesh.drive_kind)
     friction = used[ix.FRICTION_POSITIVE] > 0.0
@@ -67,7 +69,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         # a fixed node may stand still: no derivative, rather than one over zero
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
-        cell = scaled_cell_of(mesh, i, scale)
+        cell = scaled_cell_at(mesh, i, scale)
         force = needed_force(cell, w[i], w[i + 1], v)
         d0, d1 = force_slopes(cell, u0, u1)
         f = cells.traction[i]
@@ -91,14 +93,15 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         returned = h[i] * share
         if used[ix.DRAWN] > 0.0:
             returned += z[ix.DRAWN, i]
-            _fill_drawn_rows(work, i, generated)
+            rows.residual[ix.DRAWN_POSITIVE, i], rows.residual[ix.DRAWN, i] = cells.drawn[i], cells.drawn[i] + g
+            rows.by_effort[ix.DRAWN, i], rows.by_speed[ix.DRAWN, i] = generated[1], generated[2]
         _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
         _add_over_speed(mesh.traction, ix.TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
         _add_over_speed(mesh.braking, ix.BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
         # D acts through the brake that balances the cell, q = f - D - x, or x = f - D where there is no friction: the
         # Lagrangian's derivative by D is minus that by this brake's effort
         price = z[ix.FRICTION_CONSTANT, i] - z[ix.FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
-        cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
+        cells.force_by_start[i], cells.force_by_end[i] = d0, d1
         cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
         cells.force_price[i] = -price
         _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
@@ -131,17 +134,6 @@ def _fill_constant_rows(
     if work.used[ix.FRICTION_POSITIVE] > 0.0:
         residual[ix.FRICTION_POSITIVE, i] = q
         residual[ix.FRICTION_CONSTANT, i] = largest[2] - q
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _fill_drawn_rows(work: Work, i: int, generated: PowerTerms) -> None:
-    """Evaluate the two limits of psi; what braking generates is -phi."""
-    g, g_x, g_v, _, _, _ = generated
-    rows, drawn = work.rows, work.cells.drawn[i]
-    rows.residual[ix.DRAWN_POSITIVE, i] = drawn
-    rows.residual[ix.DRAWN, i] = drawn + g
-    rows.by_effort[ix.DRAWN, i] = g_x
-    rows.by_speed[ix.DRAWN, i] = g_v
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -262,17 +254,12 @@ def _limit_change_of_speed(mesh: MeshData, scale: float, work: Work) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def _finish_residuals(work: Work) -> float:
-    """Subtract the slacks from the values of the constraints; return the largest violation."""
-    rows, violation = work.rows, 0.0
-    for row in range(work.used.shape[0]):
-        if work.used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                if rows.weight[row, i] > 0.0:
-                    violation = max(violation, -rows.residual[row, i])
-                    rows.residual[row, i] -= rows.slack[row, i]
-    bounds, nodes = work.bounds, work.nodes
-    for i in range(nodes.speed2.shape[0]):
-        if nodes.free[i] > 0.0:
-            bounds.residual[ix.FLOOR, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[ix.FLOOR, i]
-            bounds.residual[ix.CEILING, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[ix.CEILING, i]
+    """Subtract the slacks from the values of the constraints; return the largest violation of a cell's."""
+    rows, nodes, violation = work.rows, work.nodes, 0.0
+    rows.residual[ix.FLOOR], rows.residual[ix.CEILING] = nodes.speed2 - nodes.floor, nodes.ceiling - nodes.speed2
+    for row in np.flatnonzero(work.used):
+        for i in range(rows.slack.shape[1]):
+            if rows.weight[row, i] > 0.0:
+                violation = max(violation, -rows.residual[row, i] if row < ix.CELL_ROWS else 0.0)
+                rows.residual[row, i] -= rows.slack[row, i]
     return violation

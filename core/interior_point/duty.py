@@ -1,4 +1,12 @@
-"""Driving, braking and coasting in the optimum of a drive with idle losses."""
+"""Driving, braking and coasting in the optimum of a drive with idle losses, and decisions that follow it.
+
+Sum-up rounding in time keeps the time for which the drive is on close to its share: within half of the most that one
+stretch on and one off make up at that share. With no minimum on/off time, that is half a cell.
+
+References: Sager, Bock, Diehl 2012, "The integer approximation error in mixed-integer optimal control", Math. Program.
+133, 1-23. Zeile, Robuschi, Sager 2021, "Mixed-integer optimal control under minimum dwell time constraints", Math.
+Program. 188, 653-694.
+"""
 
 import math
 from typing import NamedTuple
@@ -12,8 +20,8 @@ from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
-from railjoule.core.physics.stretches import NEXT_TO_NOTHING
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
+from railjoule.core.physics.stretches import NEXT_TO_NOTHING, NOTHING
 
 DRIVEN, COASTED = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
@@ -52,7 +60,7 @@ def duty(mesh: MeshData, optimum: Optimum) -> Duty:
         if another and optimum.braking_n[i] > touch:
             # next to a stop the effort that is needed may draw, though a smaller one would generate
             gains = gains and smooth_power_when_on(kind, parameters, True, optimum.braking_n[i], v)[0] < 0.0
-        if not gains and (another or -needed_force(cell_of(mesh, i), w[i], w[i + 1], v) <= friction):
+        if not gains and (another or -needed_force(cell_at(mesh, i), w[i], w[i + 1], v) <= friction):
             braking[i] = 0.0
     return Duty(driving, braking)
 
@@ -96,8 +104,64 @@ def coasting_exactly(mesh: MeshData, optimum: Optimum) -> FloatArray:
     for i in range(mesh.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if small and math.isnan(mesh.fixed_speed2[i + 1]) and speed2[i] > 0.0:
-            leaving = exit_speed2(cell_of(mesh, i), train, traction, braking, speed2[i], COAST)
+            leaving = exit_speed2(cell_at(mesh, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:
                 speed2[i + 1] = min(leaving, mesh.limit_speed2[i + 1])
     return speed2
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def round_shares(
+    driving: FloatArray, braking: FloatArray, durations_s: FloatArray, interrupted_by: IntArray, min_s: float
+) -> IntArray:
+    """Return a decision, an array of shape (n,), whose stretches last and which keeps close to given shares.
+
+    Parameters
+    ----------
+    driving, braking, durations_s : arrays of shape (n,)
+        Shares of the cells on which the drive is on, and times of the cells [s].
+    interrupted_by : array of shape (n,)
+        Interruption of the drive before each cell.
+    min_s : float
+        For how long a stretch lasts at least [s].
+    """
+    n = durations_s.shape[0]
+    decision, does, lasts = np.full(n, OFF), OFF, np.inf
+    owed_driving, owed_braking = 0.0, 0.0
+    for i in range(n):
+        t = durations_s[i]
+        if interrupted_by[i] != NOTHING:
+            does, lasts = OFF, np.inf
+        owed_driving, drive = _owes(owed_driving, driving, i, t, min_s, does == DRIVE)
+        owed_braking, brake = _owes(owed_braking, braking, i, t, min_s, does == BRAKE)
+        wanted = DRIVE if drive else BRAKE if brake else OFF
+        # to the nearest cell, as `shortest_stretch_s` counts
+        if wanted != does and lasts + 0.5 * t >= min_s:
+            does, lasts = wanted, 0.0
+        owed_driving -= t if does == DRIVE else 0.0
+        owed_braking -= t if does == BRAKE else 0.0
+        decision[i] = does
+        lasts += t
+    return decision
+
+
+@njit(cache=True, error_model="numpy")
+def _owes(
+    owed_s: float, share: FloatArray, cell: int, duration_s: float, min_s: float, is_on: bool
+) -> tuple[float, bool]:
+    """Return for how long the drive is owed to be on at the end of a cell [s], and whether it is to be on there.
+
+    At a share d the shortest stretches that last and keep to it are of d / (1 - d) to one: what is owed swings by
+    max(d, 1 - d) of the shortest stretch.
+    """
+    part = share[cell]
+    if part >= DRIVEN or part <= COASTED:
+        return 0.0, bool(part >= DRIVEN)
+    half_swing = 0.5 * min_s * max(part, 1.0 - part)
+    if cell == 0 or not COASTED < share[cell - 1] < DRIVEN:
+        owed_s = 0.0
+    owed_s += part * duration_s
+    # in the middle of the cell: the borders of a stretch are then off by half a cell to either side
+    middle = owed_s - 0.5 * duration_s
+    return owed_s, bool(middle > -half_swing if is_on else middle >= half_swing)

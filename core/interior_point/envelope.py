@@ -21,13 +21,11 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import power_when_on
 from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, RAY_COUNT
-from railjoule.core.physics.effort_limit import max_effort_slope
+from railjoule.core.physics.effort_limit import SLOWEST_MS, max_effort_slope
 from railjoule.core.physics.mesh_data import MeshData
 
 VALUE, BY_EFFORT, BY_SPEED, BY_BOTH = range(4)
 """Columns of a node: power [W] and its derivatives by effort [N] and speed [m/s]."""
-SLOWEST_MS = 1e-3
-"""Speed that stands for none [m/s]."""
 # Of energy per work, which tends to one at high speeds. Nearer to rest braking generates less than that, or draws, and
 # a ratio of two such numbers would scale it without bound
 MIN_GAIN = 0.2

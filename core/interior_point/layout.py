@@ -23,10 +23,14 @@ by the mean speed v of the cell:
     ACCELERATION         largest inertia force - k (w1 - w0)
     DECELERATION         largest inertia force + k (w1 - w0)
 
-Per node there are two, w above a floor and below the limit, and one for the time. In a neutral section the largest
-efforts of the drive are next to nothing in place of 1 and the electric brake's, and no limit over speed is used.
+    FLOOR                w - floor, of a node
+    CEILING              limit - w, of a node
+
+There is one more for the time. In a neutral section the largest efforts of the drive are next to nothing in place of 1
+and the electric brake's, and no limit over speed is used.
 """
 
+from collections import namedtuple
 from typing import NamedTuple
 
 import numpy as np
@@ -47,10 +51,11 @@ from railjoule.core.compiled import njit
     FRICTION_CONSTANT,
     ACCELERATION,
     DECELERATION,
-) = range(12)
-ROWS = 12
-FLOOR, CEILING = range(2)
-"""Rows of the nodes' constraints."""
+    FLOOR,
+    CEILING,
+) = range(14)
+ROWS, CELL_ROWS = 14, 12
+"""Rows of constraints, and how many of them are of cells; a row of cells has no entry at the last node."""
 (
     DRIVING_FF,
     DRIVING_FV,
@@ -80,84 +85,54 @@ FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Liberties of the compiler; NaN and infinity keep their meaning."""
 
 
-class Cells(NamedTuple):
-    """Arrays of shape (n,), one number a cell."""
-
-    # the point: f, x and psi, and their steps
-    traction: FloatArray
-    braking: FloatArray
-    drawn: FloatArray
-    traction_step: FloatArray
-    braking_step: FloatArray
-    drawn_step: FloatArray
-    # net force D and mean speed v at the point, and their derivatives by w0 and w1; k
-    force: FloatArray
-    force_by_start: FloatArray
-    force_by_end: FloatArray
-    speed_by_start: FloatArray
-    speed_by_end: FloatArray
-    inertia: FloatArray
-    # how psi follows x and v once it is eliminated
-    drawn_by_effort: FloatArray
-    drawn_by_speed: FloatArray
-    # derivatives of the Lagrangian by f, x and v, and the multiplier of x + q = f - D
-    traction_gradient: FloatArray
-    braking_gradient: FloatArray
-    speed_gradient: FloatArray
-    force_price: FloatArray
-    # the cell's second-order model after condensing (`newton`): weight on (effort + slope * v)^2 for traction, for all
-    # brakes together and for each brake; the coupling of both nodes that is left once efforts are eliminated
-    traction_weight: FloatArray
-    traction_slope: FloatArray
-    braking_weight: FloatArray
-    braking_slope: FloatArray
-    electric_weight: FloatArray
-    friction_weight: FloatArray
-    coupling_start: FloatArray
-    coupling_end: FloatArray
-    # right-hand sides of the efforts, kept for `step.expand`
-    traction_right: FloatArray
-    electric_right: FloatArray
-    friction_right: FloatArray
-    drawn_right: FloatArray
-
-
-class Rows(NamedTuple):
-    """Arrays of shape (rows, n): the constraints of cells (12 rows) or of nodes (2 rows, floor and ceiling)."""
-
-    slack: FloatArray
-    multiplier: FloatArray
-    # of the barrier: the length for which a constraint stands; 0 where it does not occur
-    weight: FloatArray
-    # g - slack
-    residual: FloatArray
-    # derivatives of g where they are not constant
-    by_effort: FloatArray
-    by_speed: FloatArray
-    slack_step: FloatArray
-    multiplier_step: FloatArray
-    # what slack times multiplier is aimed at, over the slack; and what the row adds to the right-hand side
-    target: FloatArray
-    rhs: FloatArray
-
-
-class Nodes(NamedTuple):
-    """Arrays of shape (n + 1,), one number a node."""
-
-    speed2: FloatArray
-    # the right-hand side until it is solved for, then the step
-    speed2_step: FloatArray
-    # 1 where the speed is unknown, 0 where it is prescribed: a factor, so that inner loops do not branch
-    free: FloatArray
-    floor: FloatArray
-    ceiling: FloatArray
-    # derivatives of the Lagrangian and of the travel time by w; the tridiagonal system's answer to the latter
-    gradient: FloatArray
-    time_gradient: FloatArray
-    time_response: FloatArray
-    # factors of the tridiagonal system
-    inverse_pivot: FloatArray
-    ratio: FloatArray
+Cells = namedtuple(
+    "Cells",
+    [
+        # the point: f, x and psi, and their steps
+        "traction", "braking", "drawn", "traction_step", "braking_step", "drawn_step",
+        # derivatives by w0 and w1 of net force D and mean speed v at the point; k
+        "force_by_start", "force_by_end", "speed_by_start", "speed_by_end", "inertia",
+        # how psi follows x and v once it is eliminated
+        "drawn_by_effort", "drawn_by_speed",
+        # derivatives of the Lagrangian by f, x and v, and the multiplier of x + q = f - D
+        "traction_gradient", "braking_gradient", "speed_gradient", "force_price",
+        # the cell's second-order model after condensing (`newton`): weight on (effort + slope * v)^2 for traction, for
+        # all brakes together and for each brake; the coupling of both nodes that is left once efforts are eliminated
+        "traction_weight", "traction_slope", "braking_weight", "braking_slope", "electric_weight", "friction_weight",
+        "coupling_start", "coupling_end",
+        # right-hand sides of the efforts, kept for `step.expand`
+        "traction_right", "electric_right", "friction_right", "drawn_right",
+    ],
+)  # fmt: skip
+"""Arrays of shape (n,), one number a cell."""
+Rows = namedtuple(
+    "Rows",
+    [
+        # weight of the barrier: the length for which a constraint stands; 0 where it does not occur
+        "slack", "multiplier", "weight",
+        # g - slack, and the derivatives of g where they are not constant
+        "residual", "by_effort", "by_speed",
+        "slack_step", "multiplier_step",
+        # what slack times multiplier is aimed at, over the slack; and what the row adds to the right-hand side
+        "target", "rhs",
+    ],
+)  # fmt: skip
+"""Arrays of shape (ROWS, n + 1): the constraints. One that does not occur has the slack 1 and the multiplier 0."""
+Nodes = namedtuple(
+    "Nodes",
+    [
+        # the step is the right-hand side until it is solved for
+        "speed2", "speed2_step",
+        # 1 where the speed is unknown, 0 where it is prescribed: a factor, so that inner loops do not branch
+        "free",
+        "floor", "ceiling",
+        # derivatives of the Lagrangian and of the travel time by w; the tridiagonal system's answer to the latter
+        "gradient", "time_gradient", "time_response",
+        # factors of the tridiagonal system
+        "inverse_pivot", "ratio",
+    ],
+)  # fmt: skip
+"""Arrays of shape (n + 1,), one number a node."""
 
 
 class Work(NamedTuple):
@@ -172,7 +147,6 @@ class Work(NamedTuple):
     cells: Cells
     rows: Rows
     nodes: Nodes
-    bounds: Rows
     curvature: FloatArray
     rays: FloatArray
     envelope: FloatArray
@@ -182,35 +156,20 @@ class Work(NamedTuple):
 
 
 @njit(cache=True)
-def _rows(count: int, length: int) -> Rows:
-    return Rows(
-        np.ones((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-        np.zeros((count, length)),
-    )
-
-
-@njit(cache=True)
 def allocate(n: int, envelope_efforts: int) -> Work:
     """Return the zeroed work arrays of a meshed line with `n` cells; all slacks are 1.
 
     The table of envelopes holds so many efforts, none where a drive has no use for it.
     """
-    c = np.zeros((30, n))
-    m = np.zeros((10, n + 1))
+    c, r, m = np.zeros((29, n)), np.zeros((10, ROWS, n + 1)), np.zeros((10, n + 1))
+    r[0] = 1.0
     cells = Cells(
         c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9],
         c[10], c[11], c[12], c[13], c[14], c[15], c[16], c[17], c[18], c[19],
-        c[20], c[21], c[22], c[23], c[24], c[25], c[26], c[27], c[28], c[29],
+        c[20], c[21], c[22], c[23], c[24], c[25], c[26], c[27], c[28],
     )  # fmt: skip
+    rows = Rows(r[0], r[1], r[2], r[3], r[4], r[5], r[6], r[7], r[8], r[9])
     nodes = Nodes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9])
-    curvature, rays, last_curvature = np.zeros((CURVATURES, n)), np.zeros((2, RAY_COUNT, 3)), np.zeros((6, n))
-    envelope, bounds, used = np.zeros((2, RAY_COUNT, envelope_efforts, 4)), _rows(2, n + 1), np.zeros(ROWS)
-    return Work(cells, _rows(ROWS, n), nodes, bounds, curvature, rays, envelope, last_curvature, np.zeros(2), used)
+    rays, envelope = np.zeros((2, RAY_COUNT, 3)), np.zeros((2, RAY_COUNT, envelope_efforts, 4))
+    curvature, last_curvature = np.zeros((CURVATURES, n)), np.zeros((6, n))
+    return Work(cells, rows, nodes, curvature, rays, envelope, last_curvature, np.zeros(2), np.zeros(ROWS))

@@ -70,9 +70,8 @@ def condense(work: Work, exact: bool) -> FloatArray:
     rows, cells, curve = work.rows, work.cells, work.curvature
     # what a slack that changes costs to second order
     ratio = rows.multiplier / rows.slack
-    n = ratio.shape[1]
-    on_speed = np.empty(n)
-    for i in range(n):
+    on_speed = np.empty(cells.traction.shape[0])
+    for i in range(on_speed.shape[0]):
         fixed = ratio[ix.TRACTION_POSITIVE, i] + ratio[ix.TRACTION_CONSTANT, i]
         over = ratio[ix.TRACTION_OVER_SPEED, i]
         # f >= 0 and f <= 1 depend on f only, slope 0; L(v) - f >= 0 has the slope -L'
@@ -160,7 +159,7 @@ def factor(work: Work, forced: bool, exact: bool) -> bool:
     curvatures are taken as they are: pivots are then positive only where the whole problem is convex at the point.
     """
     cells, nodes, rows, curve = work.cells, work.nodes, work.rows, work.curvature
-    z, s = work.bounds.multiplier, work.bounds.slack
+    z, s = rows.multiplier, rows.slack
     on_node = z[ix.FLOOR] / s[ix.FLOOR] + z[ix.CEILING] / s[ix.CEILING]
     on_speed = condense(work, exact)
     limits_change = work.used[ix.ACCELERATION] > 0.0 or work.used[ix.DECELERATION] > 0.0
@@ -184,8 +183,7 @@ def factor(work: Work, forced: bool, exact: bool) -> bool:
         if exact:
             start, end = curve[ix.START_WW, i], curve[ix.END_WW, i]
         if limits_change:
-            change = rows.multiplier[ix.ACCELERATION, i] / rows.slack[ix.ACCELERATION, i]
-            change += rows.multiplier[ix.DECELERATION, i] / rows.slack[ix.DECELERATION, i]
+            change = z[ix.ACCELERATION, i] / s[ix.ACCELERATION, i] + z[ix.DECELERATION, i] / s[ix.DECELERATION, i]
             change *= cells.inertia[i] * cells.inertia[i]
         m00, m01, m11, determinant = cell_block(c0, c1, both, u0, u1, on_speed[i], change, start, end)
         right = m11
@@ -240,4 +238,4 @@ def factor_with_fallback(work: Work, exact_first: bool) -> float:
         return np.nan
     nodes.time_response[:] = nodes.time_gradient * nodes.free
     back_substitute(nodes, nodes.time_response)
-    return np.sum(nodes.time_gradient * nodes.time_response)
+    return float(np.sum(nodes.time_gradient * nodes.time_response))

@@ -28,7 +28,7 @@ from railjoule.core.interior_point.layout import ENVELOPE_EFFORTS, FAST, Work, a
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.mesh_data import MeshData
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
@@ -99,7 +99,7 @@ class Optimum(NamedTuple):
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def dual_residual(mesh: MeshData, work: Work) -> float:
     """Return by how much the gradient of the Lagrangian fails to vanish, as an energy."""
-    cells, rows, bounds = work.cells, work.rows, work.bounds
+    cells, rows, z = work.cells, work.rows, work.rows.multiplier
     total = 0.0
     price = 1.0 - mesh.recuperation_factor
     for i in range(cells.traction.shape[0]):
@@ -107,41 +107,15 @@ def dual_residual(mesh: MeshData, work: Work) -> float:
         if work.used[ix.FRICTION_POSITIVE] > 0.0:
             total += abs(cells.braking_gradient[i] + cells.force_price[i])
         if work.used[ix.DRAWN] > 0.0:
-            drawn = mesh.cell_length_m[i] * price - rows.multiplier[ix.DRAWN, i] - rows.multiplier[ix.DRAWN_POSITIVE, i]
-            total += abs(drawn)
+            total += abs(mesh.cell_length_m[i] * price - z[ix.DRAWN, i] - z[ix.DRAWN_POSITIVE, i])
     for i in range(work.nodes.speed2.shape[0]):
         if work.nodes.free[i] > 0.0:
-            gradient = work.nodes.gradient[i] - bounds.multiplier[ix.FLOOR, i] + bounds.multiplier[ix.CEILING, i]
+            gradient = work.nodes.gradient[i] - z[ix.FLOOR, i] + z[ix.CEILING, i]
             total += abs(gradient) * work.nodes.speed2[i]
-    for row in range(rows.slack.shape[0]):
-        if work.used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                total += rows.multiplier[row, i] * abs(rows.residual[row, i])
+    for row in np.flatnonzero(work.used[: ix.CELL_ROWS]):
+        for i in range(cells.traction.shape[0]):
+            total += z[row, i] * abs(rows.residual[row, i])
     return total
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _all_complementarity(
-    work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float
-) -> float:
-    """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
-    total: float = (time_slack + point * work.time_step[ix.TIME_SLACK]) * (
-        time_multiplier + multipliers * work.time_step[ix.TIME_MULTIPLIER]
-    )
-    total += complementarity(work.rows, work.used, point, multipliers)
-    total += complementarity(work.bounds, np.ones(2), point, multipliers)
-    return total
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _take_step(work: Work, point: float, multipliers: float, barrier: float, width: float) -> None:
-    """Move the point, its slacks and its multipliers."""
-    work.nodes.speed2[:] += point * work.nodes.speed2_step
-    work.cells.traction[:] += point * work.cells.traction_step
-    work.cells.braking[:] += point * work.cells.braking_step
-    work.cells.drawn[:] += point * work.cells.drawn_step
-    move(work.rows, work.used, point, multipliers, barrier, width)
-    move(work.bounds, np.ones(2), point, multipliers, barrier, width)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
@@ -190,7 +164,7 @@ def minimise_energy(
         energy += auxiliaries * time
         time_residual = running_time - time - time_slack
         delay = (time - running_time) / running_time
-        product = _all_complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
+        product = complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
         barrier = product / weights
         reference = max(reference_energy(mesh, energy * scale, running_time) / scale, 0.01 * gross)
         gap = product / reference
@@ -209,7 +183,7 @@ def minimise_energy(
             break  # no direction to step along: the point is returned with its gap, as not converged
         set_direction(mesh, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
-        centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
+        centring = (complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
         if dual > gap:
             centring = max(centring, min(CAUTIOUS_CENTRING, DUAL_SHARE * dual / gap))
         centring = min(max(centring, min_centring), MAX_CENTRING)
@@ -225,7 +199,7 @@ def minimise_energy(
         width = LOOSE_WIDTH if short_steps < SHORT_STEPS_BEFORE_TIGHT else TIGHT_WIDTH
         # after a short step the target was not reached: pairs are kept around the barrier that there is
         centre = aim if step > HALF_STEP else max(barrier, least)
-        _take_step(work, point, multipliers, centre, width)
+        move(work, point, multipliers, centre, width)
         time_slack += point * work.time_step[ix.TIME_SLACK]
         central = centre * time_weight / time_slack
         time_multiplier += multipliers * work.time_step[ix.TIME_MULTIPLIER]
@@ -236,7 +210,7 @@ def minimise_energy(
         work.cells.traction * scale,
         work.cells.braking * scale,
         # an energy over an effort is a length, whatever both are scaled by
-        work.rows.multiplier,
+        work.rows.multiplier[: ix.CELL_ROWS, :-1].copy(),
         work.cells.force_price,
         time_multiplier * scale,
         energy * scale,

@@ -10,16 +10,18 @@ from railjoule.core.drive.kernels import (
     generated_power,
     has_idle_losses,
     has_standstill_brake,
+    may_be_concave,
     may_draw_while_braking,
 )
 from railjoule.core.interior_point import layout as ix
+from railjoule.core.interior_point.envelope import tabulate_envelope
 from railjoule.core.interior_point.layout import Work
-from railjoule.core.interior_point.switching import tabulate_hulls
+from railjoule.core.interior_point.switching import tabulate_rays
 from railjoule.core.motion.passes import running_time as running_time_of
-from railjoule.core.physics.account import energy_per_metre
-from railjoule.core.physics.cell import duration, mean_speed, needed_force
+from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
-from railjoule.core.physics.mesh_data import MeshData, scaled_cell_of
+from railjoule.core.physics.energy_balance import energy_per_metre
+from railjoule.core.physics.mesh_data import MeshData, scaled_cell_at
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -52,34 +54,23 @@ def start_speeds(
     c = max(tight, 0.85)
     if tight > 0.85:
         c = (shortest_time / (shortest_time + 0.45 * (running_time - shortest_time))) ** 2
-    nodes = fastest.shape[0]
-    scaled = np.empty(nodes)
-    for i in range(nodes):
-        scaled[i] = math.sqrt(c * fastest[i])
     high = math.sqrt(fastest.max())
     low = 1e-3 * high
-    v1 = 0.0
     # bisection for the cap, over its logarithm while its scale is unknown; 5e-4 of the speed is all that a start needs
     for _ in range(40):
         cap = math.sqrt(low * high) if low < 0.1 * high else 0.5 * (low + high)
-        time = 0.0
-        for i in range(nodes):
-            v0 = v1
-            v1 = math.sqrt(fixed[i]) if fixed[i] >= 0.0 else min(scaled[i], cap)
-            if i > 0:
-                time += duration(h[i - 1], mean_speed(v0, v1))
-        if time > wanted:
+        speed2[:] = np.where(fixed >= 0.0, fixed, np.minimum(c * fastest, cap * cap))
+        if running_time_of(h, speed2) > wanted:
             low = cap
         else:
             high = cap
         if high - low < 5e-4 * high:
             break
-    for i in range(nodes):
-        speed2[i] = fixed[i] if fixed[i] >= 0.0 else min(scaled[i], high) ** 2
+    speed2[:] = np.where(fixed >= 0.0, fixed, np.minimum(c * fastest, high * high))
 
 
 @njit(cache=True)
-def _use_limits(mesh: MeshData, scale: float, fastest: FloatArray, work: Work) -> None:
+def _use_limits(mesh: MeshData, fastest: FloatArray, work: Work) -> None:
     """Mark the constraints that a run can reach, and give each its weight."""
     h, weight = mesh.cell_length_m, work.rows.weight
     traction, braking = mesh.traction, mesh.braking
@@ -102,8 +93,9 @@ def _use_limits(mesh: MeshData, scale: float, fastest: FloatArray, work: Work) -
             weight[ix.ACCELERATION, i] = h[i]
         if mesh.max_deceleration_ms2 < np.inf:
             weight[ix.DECELERATION, i] = h[i]
-    for row in range(weight.shape[0]):
+    for row in range(ix.CELL_ROWS):
         work.used[row] = 1.0 if weight[row].max() > 0.0 else 0.0
+    work.used[ix.FLOOR] = work.used[ix.CEILING] = 1.0
 
 
 @njit(cache=True)
@@ -131,41 +123,41 @@ def prepare(
         Time of the fastest run, and time allowed without dwells [s].
     work : Work
     """
-    h, nodes, bounds = mesh.cell_length_m, work.nodes, work.bounds
+    h, nodes, rows = mesh.cell_length_m, work.nodes, work.rows
     n, w = h.shape[0], work.nodes.speed2
     start_speeds(mesh, fastest, shortest_time, running_time, w)
-    _use_limits(mesh, scale, fastest, work)
+    _use_limits(mesh, fastest, work)
     # where it is decided what the drive does, no power is a line: nothing would read the table
     if has_idle_losses(mesh.drive_kind) and mesh.mode.shape[0] == 0:
-        tabulate_hulls(mesh, work.rays, work.envelope)
+        if may_be_concave(mesh.drive_kind):
+            tabulate_envelope(mesh, work.envelope)
+        else:
+            tabulate_rays(mesh, work.rays)
     for i in range(n + 1):
         nodes.free[i] = 1.0 if math.isnan(mesh.fixed_speed2[i]) else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])
         nodes.ceiling[i] = mesh.limit_speed2[i]
         if nodes.free[i] > 0.0:
+            rows.slack[ix.FLOOR, i] = w[i] - nodes.floor[i]
+            rows.slack[ix.CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
             length = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
-            bounds.slack[ix.FLOOR, i] = w[i] - nodes.floor[i]
-            bounds.slack[ix.CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
-            for side in (ix.FLOOR, ix.CEILING):
-                bounds.weight[side, i] = length
-                bounds.multiplier[side, i] = FIRST_BARRIER * length / bounds.slack[side, i]
-    used_time = running_time_of(h, w)
+            rows.weight[ix.FLOOR, i] = rows.weight[ix.CEILING, i] = length
     _start_cells(mesh, scale, work)
+    rows.multiplier[:] = FIRST_BARRIER * rows.weight / rows.slack
     time_weight = TIME_WEIGHT * h.sum()
-    time_slack = max(running_time - used_time, 0.01 * (running_time - shortest_time))
-    weights = work.rows.weight.sum() + bounds.weight.sum() + time_weight
-    return time_slack, FIRST_BARRIER * time_weight / time_slack, weights
+    time_slack = max(running_time - running_time_of(h, w), 0.01 * (running_time - shortest_time))
+    return time_slack, FIRST_BARRIER * time_weight / time_slack, rows.weight.sum() + time_weight
 
 
 @njit(cache=True, error_model="numpy")
 def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
-    """Put the efforts of the cells inside their intervals, and slacks and multipliers on the centre."""
+    """Put the efforts of the cells inside their intervals, and fill the slacks of their constraints."""
     h, w, rows, cells = mesh.cell_length_m, work.nodes.speed2, work.rows, work.cells
     top_braking, top_friction = mesh.braking.constant_n / scale, mesh.friction_effort_n / scale
     inertia = mesh.half_inertia_kg / scale
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        cell = scaled_cell_of(mesh, i, scale)
+        cell = scaled_cell_at(mesh, i, scale)
         rise = cell.inertia * (w[i + 1] - w[i])
         force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf
@@ -195,9 +187,6 @@ def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
         rows.slack[ix.FRICTION_CONSTANT, i] = top_friction - b + x
         rows.slack[ix.ACCELERATION, i] = 2.0 * inertia * mesh.max_acceleration_ms2 - rise
         rows.slack[ix.DECELERATION, i] = 2.0 * inertia * mesh.max_deceleration_ms2 + rise
-    for row in range(rows.slack.shape[0]):
+    for row in range(ix.CELL_ROWS):
         for i in range(h.shape[0]):
-            used = rows.weight[row, i] > 0.0
-            # rows that are not there keep slack 1 and multiplier 0, so that sums need not ask
-            rows.slack[row, i] = max(rows.slack[row, i], 1e-3) if used else 1.0
-            rows.multiplier[row, i] = FIRST_BARRIER * rows.weight[row, i] / rows.slack[row, i]
+            rows.slack[row, i] = max(rows.slack[row, i], 1e-3) if rows.weight[row, i] > 0.0 else 1.0

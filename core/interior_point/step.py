@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point import layout as ix
-from railjoule.core.interior_point.layout import FAST, Rows, Work
+from railjoule.core.interior_point.layout import FAST, Work
 from railjoule.core.interior_point.newton import back_substitute
 from railjoule.core.physics.mesh_data import MeshData
 
@@ -23,14 +22,13 @@ SHORTEST_SPEED2 = 0.03
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def set_targets(rows: Rows, used: FloatArray, barrier: float, second_order: bool) -> None:
+def set_targets(work: Work, barrier: float, second_order: bool) -> None:
     """Fill what slack times multiplier is aimed at, over the slack, and what it adds to the right-hand side.
 
     With `second_order`, Mehrotra's correction takes the product of the last steps into account.
     """
-    for row in range(rows.slack.shape[0]):
-        if used[row] <= 0.0:
-            continue
+    rows = work.rows
+    for row in np.flatnonzero(work.used):
         for i in range(rows.slack.shape[1]):
             aim = barrier * rows.weight[row, i]
             if second_order:
@@ -45,10 +43,8 @@ def set_targets(rows: Rows, used: FloatArray, barrier: float, second_order: bool
 def set_right_side(mesh: MeshData, work: Work) -> None:
     """Fill the right-hand sides of the efforts, and that of the nodes into `nodes.speed2_step`."""
     h, cells, rows, used = mesh.cell_length_m, work.cells, work.rows, work.used
-    right, rhs, bounds = work.nodes.speed2_step, work.rows.rhs, work.bounds
-    for i in range(right.shape[0]):
-        right[i] = bounds.rhs[ix.FLOOR, i] + bounds.multiplier[ix.FLOOR, i]
-        right[i] -= bounds.rhs[ix.CEILING, i] + bounds.multiplier[ix.CEILING, i]
+    right, rhs, z = work.nodes.speed2_step, work.rows.rhs, work.rows.multiplier
+    right[:] = rhs[ix.FLOOR] + z[ix.FLOOR] - rhs[ix.CEILING] - z[ix.CEILING]
     friction = used[ix.FRICTION_POSITIVE] > 0.0
     for i in range(h.shape[0]):
         over = rhs[ix.TRACTION_OVER_SPEED, i]
@@ -63,7 +59,7 @@ def set_right_side(mesh: MeshData, work: Work) -> None:
             over = rhs[ix.DRAWN, i]
             price = h[i] * (1.0 - mesh.recuperation_factor)
             drawn = over + rhs[ix.DRAWN_POSITIVE, i] - price
-            drawn += rows.multiplier[ix.DRAWN, i] + rows.multiplier[ix.DRAWN_POSITIVE, i]
+            drawn += z[ix.DRAWN, i] + z[ix.DRAWN_POSITIVE, i]
             cells.drawn_right[i] = drawn
             electric += over * rows.by_effort[ix.DRAWN, i] - cells.drawn_by_effort[i] * drawn
             speed += over * rows.by_speed[ix.DRAWN, i] - cells.drawn_by_speed[i] * drawn
@@ -88,11 +84,10 @@ def set_right_side(mesh: MeshData, work: Work) -> None:
     for row, sign in ((ix.ACCELERATION, -1.0), (ix.DECELERATION, 1.0)):
         if used[row] > 0.0:
             for i in range(h.shape[0]):
-                change = sign * cells.inertia[i] * (rhs[row, i] + rows.multiplier[row, i])
+                change = sign * cells.inertia[i] * (rhs[row, i] + z[row, i])
                 right[i] -= change
                 right[i + 1] += change
-    for i in range(right.shape[0]):
-        right[i] *= work.nodes.free[i]
+    right *= work.nodes.free
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -140,24 +135,15 @@ def expand(work: Work) -> None:
             if used[row] > 0.0:
                 change = sign * cells.inertia[i] * (step[i + 1] - step[i])
                 rows.slack_step[row, i] = rows.residual[row, i] + change
-    bounds = work.bounds
     for i in range(step.shape[0]):
         if work.nodes.free[i] > 0.0:
             moved = work.nodes.speed2[i] + step[i]
-            bounds.slack_step[ix.FLOOR, i] = moved - work.nodes.floor[i] - bounds.slack[ix.FLOOR, i]
-            bounds.slack_step[ix.CEILING, i] = work.nodes.ceiling[i] - moved - bounds.slack[ix.CEILING, i]
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def set_multiplier_steps(rows: Rows, used: FloatArray) -> None:
-    """Fill the steps of the multipliers from those of the slacks."""
-    for row in range(rows.slack.shape[0]):
-        if used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                z = rows.multiplier[row, i]
-                rows.multiplier_step[row, i] = (
-                    rows.target[row, i] - z - z / rows.slack[row, i] * rows.slack_step[row, i]
-                )
+            rows.slack_step[ix.FLOOR, i] = moved - work.nodes.floor[i] - rows.slack[ix.FLOOR, i]
+            rows.slack_step[ix.CEILING, i] = work.nodes.ceiling[i] - moved - rows.slack[ix.CEILING, i]
+    for k in np.flatnonzero(used):
+        for i in range(rows.slack.shape[1]):
+            z = rows.multiplier[k, i]
+            rows.multiplier_step[k, i] = rows.target[k, i] - z - z / rows.slack[k, i] * rows.slack_step[k, i]
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -189,8 +175,7 @@ def set_direction(
         The constraint of the timetable, and its own target of slack times multiplier.
     """
     nodes, step = work.nodes, work.nodes.speed2_step
-    set_targets(work.rows, work.used, barrier, second_order)
-    set_targets(work.bounds, np.ones(2), barrier, second_order)
+    set_targets(work, barrier, second_order)
     set_right_side(mesh, work)
     back_substitute(nodes, step)
     along = np.sum(nodes.time_gradient * step)
@@ -201,33 +186,22 @@ def set_direction(
     weight = time_multiplier / time_slack
     price_step = time_aim / time_slack - time_multiplier + weight * (along - time_residual)
     price_step /= 1.0 + weight * response
-    for i in range(step.shape[0]):
-        step[i] = (step[i] - nodes.time_response[i] * price_step) * nodes.free[i]
+    step[:] = (step - nodes.time_response * price_step) * nodes.free
     work.time_step[ix.TIME_SLACK] = response * price_step - along + time_residual
     work.time_step[ix.TIME_MULTIPLIER] = price_step
     expand(work)
-    set_multiplier_steps(work.rows, work.used)
-    set_multiplier_steps(work.bounds, np.ones(2))
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _steepest(rows: Rows, used: FloatArray) -> tuple[float, float]:
-    """Return the most negative relative steps of slacks and multipliers."""
-    slack = multiplier = 0.0
-    for row in range(rows.slack.shape[0]):
-        if used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                slack = min(slack, rows.slack_step[row, i] / rows.slack[row, i])
-                multiplier = min(multiplier, rows.multiplier_step[row, i] / (rows.multiplier[row, i] + TINY))
-    return slack, multiplier
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def longest_steps(work: Work, time_slack: float, time_multiplier: float, fraction: float) -> tuple[float, float]:
     """Return the longest steps of point and multipliers, at most 1, that stop at `fraction` of the way to a bound."""
-    by_rows, by_bounds = _steepest(work.rows, work.used), _steepest(work.bounds, np.ones(2))
-    slack = min(by_rows[0], by_bounds[0], work.time_step[ix.TIME_SLACK] / time_slack)
-    multiplier = min(by_rows[1], by_bounds[1], work.time_step[ix.TIME_MULTIPLIER] / time_multiplier)
+    # the most negative relative steps of slacks and multipliers
+    rows, slack = work.rows, min(work.time_step[ix.TIME_SLACK] / time_slack, 0.0)
+    multiplier = min(work.time_step[ix.TIME_MULTIPLIER] / time_multiplier, 0.0)
+    for row in np.flatnonzero(work.used):
+        for i in range(rows.slack.shape[1]):
+            slack = min(slack, rows.slack_step[row, i] / rows.slack[row, i])
+            multiplier = min(multiplier, rows.multiplier_step[row, i] / (rows.multiplier[row, i] + TINY))
     # the floor's slack need not be exact yet, so w itself is kept above zero
     speed2 = 0.0
     for i in range(work.nodes.speed2.shape[0]):
@@ -239,27 +213,32 @@ def longest_steps(work: Work, time_slack: float, time_multiplier: float, fractio
     return point, min(1.0, -fraction / multiplier) if multiplier < 0.0 else 1.0
 
 
-@njit(cache=True, fastmath=FAST)
-def complementarity(rows: Rows, used: FloatArray, point: float, multipliers: float) -> float:
-    """Return the sum of slack times multiplier after steps of given lengths."""
-    total = 0.0
-    for row in range(rows.slack.shape[0]):
-        if used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                s = rows.slack[row, i] + point * rows.slack_step[row, i]
-                total += s * (rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i])
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def complementarity(work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float) -> float:
+    """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
+    rows, time_step = work.rows, work.time_step
+    total: float = time_slack + point * time_step[ix.TIME_SLACK]
+    total *= time_multiplier + multipliers * time_step[ix.TIME_MULTIPLIER]
+    for row in np.flatnonzero(work.used):
+        for i in range(rows.slack.shape[1]):
+            s = rows.slack[row, i] + point * rows.slack_step[row, i]
+            total += s * (rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i])
     return total
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def move(rows: Rows, used: FloatArray, point: float, multipliers: float, barrier: float, width: float) -> None:
-    """Move slacks and multipliers, and keep each pair within a factor `width` of the centre."""
-    for row in range(rows.slack.shape[0]):
-        if used[row] > 0.0:
-            for i in range(rows.slack.shape[1]):
-                s = rows.slack[row, i] + point * rows.slack_step[row, i]
-                z = rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i]
-                # a pair that left the centre far behind would take many short steps to come back
-                centre = barrier * rows.weight[row, i] / s
-                rows.slack[row, i] = s
-                rows.multiplier[row, i] = min(max(z, centre / width), centre * width)
+def move(work: Work, point: float, multipliers: float, barrier: float, width: float) -> None:
+    """Move the point, its slacks and its multipliers, and keep each pair within a factor `width` of the centre."""
+    cells, rows = work.cells, work.rows
+    work.nodes.speed2[:] += point * work.nodes.speed2_step
+    cells.traction[:] += point * cells.traction_step
+    cells.braking[:] += point * cells.braking_step
+    cells.drawn[:] += point * cells.drawn_step
+    for row in np.flatnonzero(work.used):
+        for i in range(rows.slack.shape[1]):
+            s = rows.slack[row, i] + point * rows.slack_step[row, i]
+            z = rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i]
+            # a pair that left the centre far behind would take many short steps to come back
+            centre = barrier * rows.weight[row, i] / s
+            rows.slack[row, i] = s
+            rows.multiplier[row, i] = min(max(z, centre / width), centre * width)

@@ -13,9 +13,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, may_be_concave, smooth_power_when_on
 from railjoule.core.drive.kinds import PowerTerms
-from railjoule.core.interior_point.envelope import envelope_power, tabulate_envelope
+from railjoule.core.interior_point.envelope import envelope_power
 from railjoule.core.interior_point.layout import RAY_COUNT
-from railjoule.core.physics.effort_limit import EffortLimit, max_effort_slope
+from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit, max_effort_slope
 from railjoule.core.physics.mesh_data import BRAKE, DRIVE, MeshData
 
 # Line energy over work that an effort costs where a drive is off. Marginal energies of drives are about 1 / efficiency,
@@ -39,8 +39,6 @@ CLEARLY_LESS = 0.7
 MIN_EFFORT_N = 1.0
 # of one line in a table of rays
 POINT, SLOPE, SLOPE_BY_SPEED = range(3)
-SLOWEST_MS = 1e-3
-"""Speed that stands for none [m/s]."""
 
 
 @njit(cache=True)
@@ -196,15 +194,6 @@ def ray_step(mesh: MeshData) -> float:
     """Return the step of speed of a table of rays [m/s]."""
     step: float = math.sqrt(mesh.limit_speed2.max()) / (RAY_COUNT - 2)
     return step
-
-
-@njit(cache=True, error_model="numpy")
-def tabulate_hulls(mesh: MeshData, rays: FloatArray, envelope: FloatArray) -> None:
-    """Fill that one of two tables that the drive of a meshed line needs; arguments as `switched_powers` has them."""
-    if may_be_concave(mesh.drive_kind):
-        tabulate_envelope(mesh, envelope)
-    else:
-        tabulate_rays(mesh, rays)
 
 
 @njit(cache=True, error_model="numpy")

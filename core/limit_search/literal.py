@@ -26,7 +26,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.regulation import Regulation, braking_curves, regulation_of
+from railjoule.core.limit_search.regulation import Regulation, braking_curves, make_regulation
 from railjoule.core.motion.meshed_line import MeshedLine
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 from railjoule.core.physics.effort_limit import max_effort
@@ -84,7 +84,7 @@ def literal_regulation(
         How far below the line's limits it keeps [m/s].
     """
     data, left = mesh.data, 1.0 - BRAKE_RESERVE
-    regulation = regulation_of(mesh, stop_deceleration_ms2, False)
+    regulation = make_regulation(mesh, stop_deceleration_ms2, False)
     regulation = regulation._replace(
         deceleration_ms2=min(stop_deceleration_ms2, left * data.max_deceleration_ms2),
         top_speed2=np.maximum(np.sqrt(regulation.top_speed2) - dead_zone_ms, 0.0) ** 2,
@@ -301,11 +301,9 @@ def literal_trip(
     borders_m: FloatArray,
     limits_ms: FloatArray,
     relay: Relay,
-    position_m: FloatArray,
-    speed2: FloatArray,
-    effort_n: FloatArray,
-) -> tuple[int, float, int, int]:
-    """Drive once with the relay; fill places [m] and squares of speed [m2/s2], one for each step of time that moves.
+    max_steps: int,
+) -> tuple[FloatArray, FloatArray, FloatArray, float, int, int]:
+    """Drive once with the relay.
 
     Parameters
     ----------
@@ -319,33 +317,36 @@ def literal_trip(
         Of the sections [m/s].
     relay : Relay
         How the regulator is set.
-    position_m, speed2, effort_n : array of shape (m,)
-        Filled; efforts [N] of the steps that lead to the nodes.
+    max_steps : int
+        A trip of more steps goes on at its end.
 
     Returns
     -------
-    (nodes, standing_s, switches, status) : ints and float
-        How many nodes the trip has, for how long the train stood at its start while effort grew [s], how often the
-        effort asked for changed between driving, none and braking, and how it ended.
+    position_m, speed2, effort_n : array of shape (m,)
+        Places [m] and squares of speed [m2/s2], one for each step of time that moves, and efforts that led there [N].
+    standing_s, switches, status : float and ints
+        For how long the train stood at its start while effort grew [s], how often the effort asked for changed between
+        driving, none and braking, and how it ended.
     """
     w0 = max(mesh.fixed_speed2[0], 0.0)
-    motion = Motion(regulation.position_m[0], math.sqrt(w0), 0.0, False, 0, 0, 0)
-    position_m[0], speed2[0], effort_n[0] = motion.place_m, w0, 0.0
+    motion, status = Motion(regulation.position_m[0], math.sqrt(w0), 0.0, False, 0, 0, 0), GOES_ON
+    position, speed2, effort = np.empty(max_steps + 1), np.empty(max_steps + 1), np.zeros(max_steps + 1)
+    position[0], speed2[0] = motion.place_m, w0
     nodes, switches, standing = 1, 0, 0.0
     # a step that does not move the train counts as well: one whose effort never suffices would stand for ever
-    for _ in range(1, position_m.shape[0]):
+    for _ in range(max_steps):
         then, status = _advance(mesh, regulation, curve_speed2, borders_m, limits_ms, relay, motion)
         switches += then.request != motion.request
         if status == ARRIVED:
-            position_m[nodes], speed2[nodes], effort_n[nodes] = regulation.position_m[-1], 0.0, then.effort_n
-            return nodes + 1, standing, switches, ARRIVED
+            position[nodes], speed2[nodes], effort[nodes] = regulation.position_m[-1], 0.0, then.effort_n
+            nodes += 1
         if status != GOES_ON:
-            return nodes, standing, switches, status
+            break
         if then.place_m > motion.place_m:
-            position_m[nodes], speed2[nodes] = then.place_m, then.speed_ms * then.speed_ms
-            effort_n[nodes] = then.effort_n
+            speed = then.speed_ms
+            position[nodes], speed2[nodes], effort[nodes] = then.place_m, speed * speed, then.effort_n
             nodes += 1
         else:
             standing += relay.time_step_s
         motion = then
-    return nodes, standing, switches, GOES_ON
+    return position[:nodes], speed2[:nodes], effort[:nodes], standing, switches, status

@@ -15,17 +15,106 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.limit_search.projection import scale_to_time
-from railjoule.core.limit_search.regulation import Regulation, regulation_of
-from railjoule.core.limit_search.trip import trip
-from railjoule.core.limit_search.whole_cells import trip_cost, trip_over_cells
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.limit_search.regulation import Regulation, make_regulation
+from railjoule.core.limit_search.trip import regulated_trip
 from railjoule.core.motion.meshed_line import MeshedLine
+from railjoule.core.physics.mesh_data import MeshData
 
-CUTS_PER_CELL = 8
-"""A trip has room for so many nodes a cell; a regulator changes its effort two or three times within one at most."""
 MIN_SECTION_M = 1.0
 """A section that the search may move is never shorter."""
+EXACT = 1e-9
+"""How close a trip comes to its time, as a share: a millionth of a second of a quarter of an hour."""
+# as many halvings bring any bracket below rounding
+MAX_TRIPS = 60
+MAX_REPEATS = 4
+"""After so many secants on one side of the time the bracket is halved."""
+# At constant speed time falls by the factor by which limits rise. A step goes this many times as far, so that it ends
+# beyond the time: two trips on either side of it make a bracket, two on the same side do not.
+OVERSHOOT = 1.2
+FIRST_WIDENING = 0.1
+"""How far beyond the factor that a trip at constant speed would need, as a logarithm, the other side is looked for."""
+STANDING_WIDENING = 0.7
+"""By so much, a factor of 2, limits rise under which the train stands."""
+NARROWEST = 1e-13
+"""Bracket of logarithms that rounding does not let grow narrower."""
+
+
+@njit(cache=True)
+def _scaled(limits_ms: FloatArray, logarithm: float, min_ms: float, most_ms: float) -> FloatArray:
+    return np.minimum(np.maximum(limits_ms * math.exp(logarithm), min_ms), most_ms)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def scale_to_time(
+    mesh: MeshData,
+    regulation: Regulation,
+    borders_m: FloatArray,
+    limits_ms: FloatArray,
+    min_ms: float,
+    most_ms: float,
+    running_time_s: float,
+) -> tuple[FloatArray, float, float]:
+    """Return limits scaled so that a trip takes a time: Illinois' rule on the logarithms of factor and time.
+
+    Parameters
+    ----------
+    mesh, regulation, borders_m, limits_ms
+        As in `railjoule.core.limit_search.trip.trip`.
+    min_ms, most_ms : float
+        Between which limits stay [m/s].
+    running_time_s : float
+        The time [s].
+
+    Returns
+    -------
+    limits_ms : array of shape (k,)
+        The scaled limits [m/s].
+    running_time_s, energy_j : float
+        Of their trip; if even the greatest limits take longer, theirs.
+    """
+    low, high = math.log(min_ms / limits_ms.max()), math.log(most_ms / limits_ms.min())
+    x = min(max(0.0, low), high)
+    width, last_side, repeats = FIRST_WIDENING, 0, 0
+    late_known = early_known = False
+    late = early = excess = 0.0
+    found, time, energy = limits_ms, math.inf, math.inf
+    for _ in range(MAX_TRIPS):
+        found = _scaled(limits_ms, x, min_ms, most_ms)
+        _, _, time, energy = regulated_trip(mesh, regulation, borders_m, found)
+        excess = math.log(time / running_time_s)
+        # at an end of what limits may be, no other factor brings the time closer
+        if abs(excess) <= EXACT or (excess > 0.0 and x >= high) or (excess < 0.0 and x <= low):
+            break
+        side = 1 if excess > 0.0 else -1
+        repeats = repeats + 1 if side == last_side else 0
+        # Illinois' rule: an end that stays again counts half, which moves the secant towards it; else it might stay
+        # for ever while the other end creeps
+        if side > 0:
+            early = 0.5 * early if repeats else early
+            low, late, late_known = x, excess, True
+        else:
+            late = 0.5 * late if repeats else late
+            high, early, early_known = x, excess, True
+        last_side = side
+        if late_known and early_known:
+            # a secant does not leave limits under which the train stands, or a range of them that hardly bind
+            share = 0.5 if late == math.inf or repeats >= MAX_REPEATS else late / (late - early)
+            x = low + (high - low) * share
+        elif side > 0:
+            x = min(x + (OVERSHOOT * excess + width if excess < math.inf else STANDING_WIDENING), high)
+            width *= 2.0
+        else:
+            x = max(x + OVERSHOOT * excess - width, low)
+            width *= 2.0
+        if high - low <= NARROWEST:
+            break
+    if excess > EXACT and early_known:
+        # time jumps where a train just passes a hill, or stands: the run that arrives is the early one
+        found = _scaled(limits_ms, high, min_ms, most_ms)
+        _, _, time, energy = regulated_trip(mesh, regulation, borders_m, found)
+    return found, time, energy
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +242,7 @@ class LimitProblem:
 
     def evaluate(self, stage: str, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return the trip under limits [m/s] and boundaries [m], scaled until it takes the allowed time."""
-        scaled, time, energy, _ = scale_to_time(
+        scaled, time, energy = scale_to_time(
             self.mesh.data, self.regulation, boundaries_m, limits_ms, self.min_ms, self.most_ms, self.running_time_s
         )
         # the scaling meets the time to 1e-9 where any factor does; what it misses by more has none
@@ -165,32 +254,22 @@ class LimitProblem:
 
     def as_given(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return the trip under limits [m/s] as they are, whatever its time."""
-        time, energy = trip_cost(self.mesh.data, self.regulation, boundaries_m, limits_ms)
+        _, _, time, energy = regulated_trip(self.mesh.data, self.regulation, boundaries_m, limits_ms)
         return Evaluation("given", limits_ms, limits_ms, boundaries_m, time, self._with_auxiliaries(time, energy))
 
     def over(self, mesh: MeshedLine, whole_cells: bool = False) -> "LimitProblem":
         """Return the same problem over another mesh; with `whole_cells` its trips are runs over that mesh."""
-        regulation = regulation_of(mesh, self.regulation.deceleration_ms2, self.regulation.brakes)
+        regulation = make_regulation(mesh, self.regulation.deceleration_ms2, self.regulation.brakes)
         return replace(self, mesh=mesh, regulation=regulation._replace(whole_cells=whole_cells))
 
-    def nodes_of(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def place_nodes(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return places [m] and squares of speed [m2/s2] of a trip, cut wherever its regulator changes its effort.
 
         A trip that fails ends where it does.
         """
-        most = CUTS_PER_CELL * (self.mesh.cell_count + len(limits_ms)) + CUTS_PER_CELL
-        position, speed2 = np.empty(most), np.empty(most)
-        drive = trip_over_cells if self.regulation.whole_cells else trip
-        nodes, _, _ = drive(self.mesh.data, self.regulation, boundaries_m, limits_ms, position, speed2)
-        return frozen_array(position[:nodes]), frozen_array(speed2[:nodes])
+        position, speed2, _, _ = regulated_trip(self.mesh.data, self.regulation, boundaries_m, limits_ms)
+        return position, speed2
 
     def _with_auxiliaries(self, time_s: float, energy_j: float) -> float:
         dwell = float(self.mesh.dwell_s.sum())
         return energy_j + self.mesh.data.auxiliary_power_w * (time_s + dwell)
-
-
-def limit_problem(
-    mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool, min_ms: float, most_ms: float, running_time_s: float
-) -> LimitProblem:
-    """Return the problem of a meshed line; `brakes`: whether its regulator brakes for sections or coasts."""
-    return LimitProblem(mesh, regulation_of(mesh, stop_deceleration_ms2, brakes), min_ms, most_ms, running_time_s)

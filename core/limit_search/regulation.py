@@ -44,7 +44,7 @@ class Regulation(NamedTuple):
     whole_cells: bool = False
 
 
-def regulation_of(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
+def make_regulation(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
     """Return the limits of a meshed line for a regulator that `brakes` for sections or coasts."""
     data = mesh.data
     bound = data.limit_speed2.copy()
@@ -59,15 +59,6 @@ def regulation_of(mesh: MeshedLine, stop_deceleration_ms2: float, brakes: bool) 
         deceleration_ms2=min(stop_deceleration_ms2, data.max_deceleration_ms2, mesh.permitted_deceleration_ms2),
         brakes=brakes,
     )
-
-
-@njit(cache=True)
-def section_at(borders_m: FloatArray, place_m: float) -> int:
-    """Return the number of the section that begins at or before a place [m]."""
-    number = 0
-    while number < borders_m.shape[0] and borders_m[number] <= place_m:
-        number += 1
-    return number
 
 
 @njit(cache=True, error_model="numpy")

@@ -5,24 +5,32 @@ hold it; above it, it coasts, if the regulator coasts. It brakes along the curve
 `railjoule.core.limit_search.regulation` and where it would run faster than the line allows. Within a cell the net force
 is constant; a cell in which the regulator changes its effort is cut there, so that time and energy do not jump with
 limits and borders. Its efforts may pass their limits by some thousandths in the cells that are cut, which a search does
-not mind; `railjoule.core.limit_search.whole_cells` makes a run of it.
+not mind.
+
+A trip that changes its effort within cells is no run over its mesh: put together, the force of a mixed cell, or of a
+part whose gradient differs from the cell's mean, may pass a limit. In `trip_over_cells`, as in a trajectory, each cell
+has one effort, which leads to the speed that the regulator wants at its end, or to the nearest one that the train
+reaches. With nodes at the corners of a trip both are the same but for rounding.
 
 Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is railjoule's.
 """
 
 import math
 
+import numpy as np
+
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.regulation import Regulation, braking_curves, section_at
+from railjoule.core.limit_search.regulation import Regulation, braking_curves
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
+from railjoule.core.motion.driving import ROUNDING, reachable_speed2
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, part_of_cell, shared_by_cells
 
 # Share by which a square of speed may miss its limit and still be at it: more than what cuts and the fixed point of a
 # cell leave, or the regulator would change its effort again and again beside its mark.
-ROUNDING = 1e-7
+AT_LIMIT = 1e-7
 MIN_SHARE = 1e-7
 """A cut this close to the end of a cell, as a share of it, is none."""
 CORRECTIONS, EXACT_CUT = 4, 1e-10
@@ -31,8 +39,16 @@ HOLD = 3
 # A regulator changes its effort two or three times within a cell at most; a trip with one that would go on for longer
 # counts as one that does not arrive.
 MAX_CUTS = 12
+NODES_PER_CELL = 8
+"""A trip has room for so many nodes a cell."""
 SLOWEST2 = 0.1**2
 """Square of the speed of 0.1 m/s [m2/s2], below which bounds count no run between its stops."""
+# its cell would tell nothing but rounding, and a train whose regulator changes its effort a millimetre beside its mark
+# drives no other run
+SHORTEST_PART_M = 1e-3
+"""A corner of a trip this close to a node is merged with it."""
+PASSED_SHARE = 1e-9
+"""A limit counts as passed where the square of speed exceeds it by more than this share, which is rounding."""
 
 
 @njit(cache=True)
@@ -90,7 +106,7 @@ def _next(
     `wanted2` is the limit of the section, `top2` that of the line, `end2` the braking curve at the end of the cell.
     """
     level2 = min(wanted2, top2)
-    small = ROUNDING * max(level2, 1.0)
+    small = AT_LIMIT * max(level2, 1.0)
     start2 = end2 + fall * cell.length_m
     control, share = FULL_TRACTION, 1.0
     if speed2 < level2 - small:
@@ -131,14 +147,9 @@ def _next(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def trip(
-    mesh: MeshData,
-    regulation: Regulation,
-    borders_m: FloatArray,
-    limits_ms: FloatArray,
-    position_m: FloatArray,
-    speed2: FloatArray,
-) -> tuple[int, float, float]:
-    """Drive once under limits; fill places [m] and squares of speed [m2/s2], whose arrays must be long enough.
+    mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Drive once under limits.
 
     Parameters
     ----------
@@ -148,27 +159,23 @@ def trip(
         Between sections, rising [m].
     limits_ms : array of shape (k,)
         Of the sections [m/s].
-    position_m, speed2 : array of shape (m,)
-        Filled; empty where they are not needed.
 
     Returns
     -------
-    (nodes, running_time_s, energy_j) : int and floats
-        How many nodes the trip has, its time [s], infinite where it comes to a stand, and its line energy without
-        auxiliaries [J].
+    position_m, speed2 : array of shape (m,)
+        Places [m] and squares of speed [m2/s2] wherever the regulator changes its effort, up to where a trip fails.
+    running_time_s, energy_j : float
+        Its time [s] and its line energy without auxiliaries [J], both infinite where it comes to a stand.
     """
     curve, fall = braking_curves(mesh, regulation, borders_m, limits_ms)
     train, traction, braking, drive = shared_by_cells(mesh)
-    record = position_m.shape[0] > 0
-    sections = limits_ms.shape[0]
-    w = max(mesh.fixed_speed2[0], 0.0)
-    section = section_at(borders_m, regulation.position_m[0])
-    time = energy = 0.0
-    nodes = 1
-    if record:
-        position_m[0], speed2[0] = regulation.position_m[0], w
+    sections, w = limits_ms.shape[0], max(mesh.fixed_speed2[0], 0.0)
+    size = NODES_PER_CELL * (regulation.position_m.shape[0] + sections)
+    position, speed2 = np.empty(size), np.empty(size)
+    position[0], speed2[0] = regulation.position_m[0], w
+    nodes, section, time, energy = 1, 0, 0.0, 0.0
     for i in range(regulation.top_speed2.shape[0]):
-        whole = cell_of(mesh, i)
+        whole = cell_at(mesh, i)
         place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
@@ -187,7 +194,7 @@ def trip(
             share, after = _next(cell, train, traction, braking, w, limit2, top2, until2, fall[i])
             # only at the end of a cell may a stop ask for rest
             if comes_to_a_stand(w, after, curve[i + 1] if share == 1.0 and until == end else math.inf):
-                return nodes, math.inf, math.inf
+                return position[:nodes], speed2[:nodes], math.inf, math.inf
             after = max(after, 0.0)
             step = (until - place) * share
             if step > 0.0:
@@ -196,8 +203,8 @@ def trip(
                 energy += cost
             w = after
             place = until if share == 1.0 else place + step
-            if record and step > 0.0 and nodes < position_m.shape[0]:
-                position_m[nodes], speed2[nodes] = place, w
+            if step > 0.0 and nodes < size:
+                position[nodes], speed2[nodes] = place, w
                 nodes += 1
             if share == 1.0:
                 if until == end:
@@ -205,5 +212,76 @@ def trip(
                     break
                 section += 1
         if not done:
-            return nodes, math.inf, math.inf
-    return nodes, time, energy
+            return position[:nodes], speed2[:nodes], math.inf, math.inf
+    return position[:nodes], speed2[:nodes], time, energy
+
+
+@njit(cache=True, error_model="numpy")
+def _coasting_speed2(
+    cell: Cell, train: Train, traction: EffortLimit, braking: EffortLimit, speed2: float, limit2: float
+) -> float:
+    """Return the square of speed that a regulator wants which holds its limit, and coasts above it.
+
+    A train that reaches the limit within the cell coasts from there, if coasting is faster than the limit.
+    """
+    coasting2 = exit_speed2(cell, train, traction, braking, speed2, COAST)
+    # The corner where coasting ends may lie a little before the node that it was merged with. To hold the limit over
+    # that little would take effort in the whole cell, and with it the power of motors that are on.
+    merged = (speed2 - coasting2) * SHORTEST_PART_M / cell.length_m
+    if speed2 >= limit2 and coasting2 < limit2 <= coasting2 + merged:
+        return coasting2
+    if speed2 >= limit2 or coasting2 <= speed2:
+        return max(limit2, coasting2)
+    full2 = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)
+    if full2 <= limit2:
+        return limit2
+    # full effort is at the limit after the part (limit2 - speed2) / (full2 - speed2); in the rest it coasts
+    return limit2 + (full2 - limit2) / (full2 - speed2) * (coasting2 - speed2)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def trip_over_cells(
+    mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Drive once under limits, with one effort in each cell.
+
+    Arguments and results as `railjoule.core.limit_search.trip.trip`. A failed trip has infinite time and ends at the
+    node of its failure: at a stand, or faster than it may be.
+    """
+    curve, _ = braking_curves(mesh, regulation, borders_m, limits_ms)
+    train, traction, braking, drive = shared_by_cells(mesh)
+    w, time, energy, section = max(mesh.fixed_speed2[0], 0.0), 0.0, 0.0, 0
+    position, speed2 = regulation.position_m, np.full(regulation.position_m.shape[0], w)
+    for i in range(regulation.top_speed2.shape[0]):
+        cell = cell_at(mesh, i)
+        # a border that all but falls on a node was merged with it
+        middle = regulation.position_m[i] + 0.5 * cell.length_m
+        while section < borders_m.shape[0] and borders_m[section] <= middle:
+            section += 1
+        wanted2 = limits_ms[section] * limits_ms[section]
+        if not regulation.brakes and w > 0.0:
+            wanted2 = _coasting_speed2(cell, train, traction, braking, w, wanted2)
+        wanted2 = min(wanted2, curve[i + 1], regulation.top_speed2[i])
+        after = reachable_speed2(cell, train, traction, braking, w, wanted2)
+        if after < w * (1.0 - ROUNDING) - 2.0 * train.max_deceleration_ms2 * cell.length_m:
+            # in a tunnel or up a steep hill, entered too fast, even full effort slows the train down too much
+            after = math.inf
+        stands = comes_to_a_stand(w, after, curve[i + 1]) or (after <= 0.0 and w <= 0.0)
+        speed2[i + 1] = max(after, 0.0)
+        if stands or after > regulation.bound_speed2[i + 1] * (1.0 + PASSED_SHARE):
+            return position[: i + 2], speed2[: i + 2], math.inf, math.inf
+        cost, duration, _ = cell_cost(cell, train, traction, braking, drive, w, after)
+        time += duration
+        energy += cost
+        w = after
+    return position, speed2, time, energy
+
+
+@njit(cache=True, nogil=True)
+def regulated_trip(
+    mesh: MeshData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
+) -> tuple[FloatArray, FloatArray, float, float]:
+    """Drive once under limits as the regulation asks; arguments and results as `trip`."""
+    if regulation.whole_cells:
+        return trip_over_cells(mesh, regulation, borders_m, limits_ms)
+    return trip(mesh, regulation, borders_m, limits_ms)

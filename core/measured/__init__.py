@@ -6,7 +6,7 @@ finds where on the line it lies, then `run`; `run_table` makes a plain table of 
 
 from railjoule.core.measured.columns import PRESETS, RecorderFormat
 from railjoule.core.measured.recorded_table import RunTable, run_table
-from railjoule.core.measured.recording import Recording, load_recording, read_recording, recording_of
+from railjoule.core.measured.recording import Recording, load_recording, read_recording, to_recording
 from railjoule.core.measured.run import MeasuredRun, load_run, measured_run
 from railjoule.core.measured.saving import Saving, possible_saving
 from railjoule.core.measured.table import recorder_cells
@@ -24,6 +24,6 @@ __all__ = [
     "possible_saving",
     "read_recording",
     "recorder_cells",
-    "recording_of",
     "run_table",
+    "to_recording",
 ]

@@ -182,11 +182,6 @@ class RecorderFormat:
 GENERIC = RecorderFormat()
 
 
-def preset_of(headers: Sequence[str]) -> str:
-    """Recognise a known program by the columns of its file; 'generic' if there is none."""
-    return next((name for name, marks in MARKS.items() if set(marks) <= set(headers)), "generic")
-
-
 def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
     """Recognise columns by their names; their unit is empty if the name contains none."""
     named = {quantity: _named(headers, words) for quantity, words in form.columns.items()}
@@ -195,7 +190,9 @@ def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
         for quantity, (header, unit) in named.items()
         if header is not None
     ]
-    preset = form.preset if form.preset != "generic" else preset_of(headers)
+    # a known program by the columns of its file, where no preset is named
+    by_marks = next((name for name, marks in MARKS.items() if set(marks) <= set(headers)), "generic")
+    preset = form.preset if form.preset != "generic" else by_marks
     if preset != "generic":
         return columns + [known for known in PRESETS[preset] if known.header in headers and known.quantity not in named]
     free = [header for header in headers if header not in {column.header for column in columns}]

@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import power_of_supply_current_w
 from railjoule.core.errors import RecordingError
-from railjoule.core.line_current import power_of_supply_current_w
 from railjoule.core.measured.recording import Recording
 
 UNIT_FACTOR = 3.0
-"""Beyond this many times the vehicle's voltage, or a part of it as small, a measured one is in another unit."""
-SIGN = "regenerated current counts as negative"
-NO_SIGN = "the current is never negative: nothing went back, or the recorder leaves out its sign"
+"""A voltage or an effort beyond this many times that of the vehicle is in another unit, as is a part as small."""
 
 
 def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Recording:
@@ -52,16 +50,15 @@ def with_supply_power(recording: Recording, line_voltage_v: float | None) -> Rec
 
 def sign_words(current_a: FloatArray) -> str:
     """Return how the sign of a line current counts, or that it has none, as the end of a sentence."""
-    return SIGN if float(np.nanmin(current_a, initial=0.0)) < 0 else NO_SIGN
+    if float(np.nanmin(current_a, initial=0.0)) < 0:
+        return "regenerated current counts as negative"
+    return "the current is never negative: nothing went back, or the recorder leaves out its sign"
 
 
 def _require_unit(name: str, voltage_v: FloatArray, of_vehicle_v: float | None) -> None:
     """Refuse a voltage that a vehicle for another one cannot have."""
-    known = voltage_v[voltage_v > 0]
-    if of_vehicle_v is None or not len(known):
-        return
-    usual = float(np.median(known))
-    if not of_vehicle_v / UNIT_FACTOR <= usual <= UNIT_FACTOR * of_vehicle_v:
+    usual = float(np.median(voltage_v[voltage_v > 0])) if np.any(voltage_v > 0) else of_vehicle_v
+    if of_vehicle_v and usual and not of_vehicle_v / UNIT_FACTOR <= usual <= UNIT_FACTOR * of_vehicle_v:
         raise RecordingError(
             f"{name}: the line voltage is about {usual:.5g} V, but the vehicle's line_voltage_v is {of_vehicle_v:g} V; "
             "is it in another unit (--unit line_voltage=...), or another vehicle?"

@@ -17,7 +17,7 @@ from railjoule.core.measured.recording import Recording
 from railjoule.core.motion.line_profile import height_profile, section_borders, speed_limit_at
 from railjoule.core.physics.resistance import resistance_coefficients, total_weight_kn
 from railjoule.core.scenario import Line, Scenario, Section, Station
-from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, Stretch
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, AnyStretch
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 # worn wheels are 3 to 4 % smaller than new ones
@@ -148,7 +148,8 @@ def _searched(recording: Recording, scenario: Scenario, line: Line, length_m: fl
             f"{max(start, *alike):.0f} m on; say where it begins by --from."
         )
     start, end = _snapped(line, recording, start, 0), _snapped(line, recording, start + length_m, -1)
-    how = f"The run begins at {start:.0f} m: there it fits best to the line's {misfit.known_words}."
+    known = "stations and speed limits" if misfit.climb_m is None else "stations, speed limits and heights"
+    how = f"The run begins at {start:.0f} m: there it fits best to the line's {known}."
     return Placement(start, end, (end - start) / float(recording.covered_m[-1]), line.length_m, how)
 
 
@@ -166,11 +167,6 @@ class _Misfit:
         self.borders_m, self.heights_m = section_borders(line), height_profile(line)
         self.climb_m = _climb_by_work(recording, scenario, self.covered_m, self.speed_ms)
 
-    @property
-    def known_words(self) -> str:
-        known = ["stations", "speed limits"] + (["heights"] if self.climb_m is not None else [])
-        return f"{', '.join(known[:-1])} and {known[-1]}"
-
     def at(self, start_m: float) -> float:
         """Return the misfit of a run that begins at a place [m]."""
         places = start_m + self.covered_m
@@ -180,17 +176,14 @@ class _Misfit:
         over = np.maximum(np.minimum(self.speed_ms[1:], self.speed_ms[:-1]) - limit, 0.0)
         cost += float(np.sum((over / LIMIT_DEVIATION_MS) ** 2 * self.step_s)) / INDEPENDENT_S
         if self.climb_m is not None:
-            cost += self._height_cost(places)
+            difference = self.climb_m - np.interp(places, self.borders_m, self.heights_m)
+            # a resistance other than the scenario's goes straight up with distance, as does the unknown height at the
+            # start
+            basis = np.column_stack([np.ones(len(places)), self.covered_m])
+            difference = difference - basis @ np.linalg.lstsq(basis, difference, rcond=None)[0]
+            weights = np.gradient(self.covered_m) / INDEPENDENT_M
+            cost += float(np.sum(weights * (difference / HEIGHT_DEVIATION_M) ** 2))
         return 0.5 * cost
-
-    def _height_cost(self, places_m: FloatArray) -> float:
-        assert self.climb_m is not None
-        difference = self.climb_m - np.interp(places_m, self.borders_m, self.heights_m)
-        # a resistance other than the scenario's goes straight up with distance, as does the unknown height at the start
-        basis = np.column_stack([np.ones(len(places_m)), self.covered_m])
-        difference = difference - basis @ np.linalg.lstsq(basis, difference, rcond=None)[0]
-        weights = np.gradient(self.covered_m) / INDEPENDENT_M
-        return float(np.sum(weights * (difference / HEIGHT_DEVIATION_M) ** 2))
 
 
 def _climb_by_work(
@@ -243,7 +236,7 @@ def part_of_line(line: Line, start_m: float, end_m: float, stops: Sequence[Stati
     )
 
 
-def _stretches_between(stretches: Sequence[Stretch], start_m: float, end_m: float) -> tuple[Stretch, ...]:
+def _stretches_between(stretches: Sequence[AnyStretch], start_m: float, end_m: float) -> tuple[AnyStretch, ...]:
     """Cut stretches to the part between two places, in metres from the first."""
     return tuple(
         # made again, as a copy is not checked
@@ -261,9 +254,9 @@ def _stretches_between(stretches: Sequence[Stretch], start_m: float, end_m: floa
 
 def _sections_between(line: Line, start_m: float, end_m: float) -> list[Section]:
     borders = section_borders(line)
-    kept = []
-    for section, begins, ends in zip(line.sections, borders[:-1], borders[1:], strict=True):
-        length = float(np.minimum(ends, end_m) - np.maximum(begins, start_m))
-        if length > SHORTEST_PIECE_M:
-            kept.append(section.model_copy(update={"length_m": length}))
-    return kept
+    lengths = (np.minimum(borders[1:], end_m) - np.maximum(borders[:-1], start_m)).tolist()
+    return [
+        section.model_copy(update={"length_m": length})
+        for section, length in zip(line.sections, lengths, strict=True)
+        if length > SHORTEST_PIECE_M
+    ]

@@ -20,12 +20,12 @@ from railjoule.core.measured.speed import (
 from railjoule.core.measured.table import (
     FALLING,
     Table,
-    direction_of,
     impossible_change_words,
     read_table,
     readable_position,
     recorder_cells,
     require_rising,
+    running_direction,
 )
 from railjoule.core.scenario._sentences import counted
 from railjoule.core.units import MS_PER_KMH
@@ -112,17 +112,17 @@ def load_recording(path: Path, form: RecorderFormat = GENERIC, sheet: str | None
     Raises
     ------
     RailjouleError
-        As `recording_of`, or if there is no such file.
+        As `to_recording`, or if there is no such file.
     """
-    return recording_of(recorder_cells(SourceFile.read(path, form.encoding), form, sheet), form)
+    return to_recording(recorder_cells(SourceFile.read(path, form.encoding), form, sheet), form)
 
 
 def read_recording(text: str, source: str, form: RecorderFormat = GENERIC) -> Recording:
     """Return the run of a text in CSV; errors as of `load_recording`."""
-    return recording_of(recorder_cells(SourceFile(source, text.encode()), form), form)
+    return to_recording(recorder_cells(SourceFile(source, text.encode()), form), form)
 
 
-def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
+def to_recording(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     """Return the run in the cells of a recorder's file.
 
     Parameters
@@ -153,13 +153,12 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     if not np.any(table.values["speed"] > 0):
         raise RecordingError(f"{source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
     table = _without_repeats(table, notes)
-    has_time = "time" in table.values
-    if has_time:
+    if has_time := "time" in table.values:
         require_rising(table, "time", may_stay=False)
     if "position" in table.values:
         if not has_time:
             require_rising(table, "position", may_stay=True)
-        if direction_of(table) < 0:
+        if running_direction(table) < 0:
             notes.append(FALLING)
     time = table.values["time"] - table.values["time"][0] if has_time else time_of_positions(table)
     if time[-1] < SHORTEST_RUN_S:
@@ -187,7 +186,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         speed_ms=frozen_array(values["speed"]),
         clock_s=frozen_array(clock[part] - time[first]),
         position_m=None if position is None else frozen_array(position),
-        effort_n=effort_of(values),
+        effort_n=tractive_effort_n(values),
         brake_applied=None if brake is None else brake > 0,
         power_w=values.get("power"),
         energy_j=values.get("energy"),
@@ -234,7 +233,7 @@ def between_samples(time_s: FloatArray, speed_ms: FloatArray) -> FloatArray:
     return moved
 
 
-def effort_of(values: Mapping[str, FloatArray]) -> FloatArray | None:
+def tractive_effort_n(values: Mapping[str, FloatArray]) -> FloatArray | None:
     """Return the effort with its sign: one column, or driving less braking."""
     if "effort" in values:
         return values["effort"]

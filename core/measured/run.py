@@ -9,13 +9,13 @@ from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.energy import Energy
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured.columns import GENERIC, RecorderFormat
-from railjoule.core.measured.line_power import with_supply_power
+from railjoule.core.measured.line_power import UNIT_FACTOR, with_supply_power
 from railjoule.core.measured.place import Placement, part_of_line, place_on_line
 from railjoule.core.measured.recording import Recording, distance_m, load_recording, step_words
 from railjoule.core.measured.speed import MIN_STEP_MS, smoothed_speed
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.mesh_data import cell_of, electric_limit_n, tractive_limit_n, train_of
+from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, tractive_limit_n, train_data
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
@@ -27,8 +27,6 @@ PASSES = 3
 """How often a speed is smoothed: the pull on the train needs smoothed speeds."""
 COASTING_SHARE = 0.25
 """A coasting train may leave the smoothed speed by this share of a step."""
-UNIT_FACTOR = 3.0
-"""Beyond this many times the largest effort of the vehicle, a measured one is in another unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,9 +177,9 @@ def _pull_ms2(own: Scenario, speed_ms: FloatArray, position_m: FloatArray) -> Fl
 def _with_coasting(mesh: MeshedLine, speed2: FloatArray, coasts: BoolArray, within_ms: float) -> FloatArray:
     """Return squares of speed at the nodes that coast exactly where the train coasts, as far as that stays close."""
     data, exact = mesh.data, np.array(speed2)
-    train = train_of(data)
+    train = train_data(data)
     for cell in np.flatnonzero(coasts).tolist():
-        after = exit_speed2(cell_of(data, cell), train, data.traction, data.braking, exact[cell], COAST)
+        after = exit_speed2(cell_at(data, cell), train, data.traction, data.braking, exact[cell], COAST)
         if after > 0 and speed2[cell + 1] > 0 and abs(np.sqrt(after) - np.sqrt(speed2[cell + 1])) <= within_ms:
             exact[cell + 1] = after
     return exact
@@ -298,14 +296,13 @@ def _beyond(mesh: MeshedLine, speed2: FloatArray) -> list[str]:
 
 def _with_measured(modelled: Trajectory, recording: Recording, mesh: MeshedLine) -> Trajectory | None:
     """Return a run with measured efforts and powers in place of the modelled ones, where there are any."""
-    effort, power = _of_cells(recording.effort_n), _of_cells(recording.power_w)
-    if effort is None and power is None:
+    if recording.effort_n is None and recording.power_w is None:
         return None
     # a stand of several samples is one cell, without length
     standing = _standing(recording.speed_ms)
     cell = np.cumsum(~standing | ~np.append(False, standing[:-1])) - 1
-    effort = _mean_by_cell(effort, cell, recording, modelled.effort_n)
-    power = _mean_by_cell(power, cell, recording, None)
+    effort = _mean_by_cell(recording.effort_n, cell, recording, modelled.effort_n)
+    power = _mean_by_cell(recording.power_w, cell, recording, np.full(len(modelled.effort_n), np.nan))
     mean_speed = 0.5 * (modelled.speed_ms[1:] + modelled.speed_ms[:-1])
     effort = np.where(mean_speed > 0, effort, 0.0)
     driven, braked = np.maximum(effort, 0.0), np.maximum(-effort, 0.0)
@@ -330,23 +327,18 @@ def _with_measured(modelled: Trajectory, recording: Recording, mesh: MeshedLine)
     )
 
 
-def _of_cells(samples: FloatArray | None) -> FloatArray | None:
-    return None if samples is None else 0.5 * (samples[1:] + samples[:-1])
-
-
 def _mean_by_cell(
-    values: FloatArray | None, cell: IntArray, recording: Recording, otherwise: FloatArray | None
+    samples: FloatArray | None, cell: IntArray, recording: Recording, otherwise: FloatArray
 ) -> FloatArray:
-    """Return means over the cells of a trajectory; what is not known is the other value, or NaN."""
-    count = int(cell[-1]) + 1
-    missing = np.full(count, np.nan) if otherwise is None else otherwise
-    if values is None:
-        return missing
+    """Return means of samples over the cells of a trajectory; what is not known is the other value."""
+    if samples is None:
+        return otherwise
+    count, values = len(otherwise), 0.5 * (samples[1:] + samples[:-1])
     known = ~np.isnan(values)
     steps = np.diff(recording.time_s)[known]
     weights = np.bincount(cell[known], weights=steps, minlength=count)
     sums = np.bincount(cell[known], weights=steps * values[known], minlength=count)
-    return np.where(weights > 0, np.divide(sums, weights, out=np.zeros(count), where=weights > 0), missing)
+    return np.where(weights > 0, np.divide(sums, weights, out=np.zeros(count), where=weights > 0), otherwise)
 
 
 def _measured_energy(

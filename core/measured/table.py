@@ -14,7 +14,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.findings import without_name
-from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
+from railjoule.core.imports.numbers import Decimal, decimal_mark, parse_cell, parse_position, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.measured.columns import (
     CLOCK,
@@ -133,14 +133,20 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
         if column.is_assumed and column.unit != CLOCK and column.quantity != "brake"
     ]
     notes += [f"{column.header} is taken as that of the line." for column in columns if has_plain_name(column)]
-    unused = [name for name in cells.header if name not in [column.header for column in columns]]
-    if unused:
+    if unused := [name for name in cells.header if name not in [column.header for column in columns]]:
         notes.append(f"Columns not used: {shown_list(unused)}.")
     decimals = _decimals([one for one in columns if one.unit != CLOCK], cells)
     values = {one.quantity: _column(one, cells, decimals.get(one.quantity, ".")) for one in columns}
     table = Table(source, {one.quantity: one for one in columns}, values, tuple(number for number, _ in cells.rows), ())
     table = _whole_rows(table, notes)
-    return replace(table, values=_past_midnight(table, notes), notes=tuple(notes))
+    if table.columns.get("time", Column("", "", "")).unit == CLOCK and len(table.rows):
+        time = table.values["time"]
+        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
+        # a date makes times of its own, which never fall by half a day
+        if midnights[-1]:
+            notes.append("The clock passes midnight.")
+            table = replace(table, values={**table.values, "time": time + S_PER_DAY * midnights})
+    return replace(table, notes=tuple(notes))
 
 
 def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
@@ -165,8 +171,8 @@ def _decimals(columns: Sequence[Column], cells: CellTable) -> dict[str, Decimal]
     """Find the decimal sign of each quantity: one for the file, or if it mixes them one for each column."""
     pairs = {one.quantity: cells.column(one.header) for one in columns}
     with suppress(ScenarioError):
-        return dict.fromkeys(pairs, decimal_of(chain.from_iterable(pairs.values()), cells.separator, cells.source)[0])
-    return {quantity: decimal_of(some, cells.separator, cells.source)[0] for quantity, some in pairs.items()}
+        return dict.fromkeys(pairs, decimal_mark(chain.from_iterable(pairs.values()), cells.separator, cells.source)[0])
+    return {quantity: decimal_mark(some, cells.separator, cells.source)[0] for quantity, some in pairs.items()}
 
 
 def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
@@ -179,9 +185,9 @@ def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
             if column.unit == CLOCK:
                 values[index] = _clock(text_of_cell(cell))
             elif column.quantity == "position":
-                values[index] = position_of(cell, column.unit, decimal)
+                values[index] = parse_position(cell, column.unit, decimal)
             else:
-                values[index] = number_of(cell, decimal) * column.factor
+                values[index] = parse_cell(cell, decimal) * column.factor
         except ValueError as error:
             raise RecordingError(f"{cells.source}, row {row}: {column.header} = {show(cell)} {error}.") from None
     return values
@@ -191,31 +197,16 @@ def _whole_rows(table: Table, notes: list[str]) -> Table:
     """Return a table without rows that lack a time, a position or a speed, and tell what else is empty."""
     needed = [quantity for quantity in NEVER_EMPTY if quantity in table.values]
     whole = np.all([np.isfinite(table.values[quantity]) for quantity in needed], axis=0)
-    empty = np.flatnonzero(~whole).tolist()
-    if empty:
+    if empty := np.flatnonzero(~whole).tolist():
         names = " or ".join(table.columns[quantity].header for quantity in needed)
         rows = shown_list([str(table.rows[row]) for row in empty], MAX_ROWS_SHOWN)
         are = "is" if len(empty) == 1 else "are"
         notes.append(f"{counted(len(empty), 'row')} without {names} {are} left out: {rows}.")
         table = table.at(whole)
     for quantity, values in table.values.items():
-        missing = int(np.isnan(values).sum())
-        if missing:
+        if missing := int(np.isnan(values).sum()):
             notes.append(f"{table.columns[quantity].header} has no value in {missing} of {len(values)} rows.")
     return table
-
-
-def _past_midnight(table: Table, notes: list[str]) -> dict[str, FloatArray]:
-    """Return the values with times of day that rise beyond midnight."""
-    values = dict(table.values)
-    if len(table.rows) and table.columns.get("time", Column("", "", "")).unit == CLOCK:
-        time = values["time"]
-        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
-        # a date makes times of its own, which never fall by half a day
-        if midnights[-1]:
-            notes.append("The clock passes midnight.")
-            values["time"] = time + S_PER_DAY * midnights
-    return values
 
 
 def _clock(text: str) -> float:
@@ -225,12 +216,11 @@ def _clock(text: str) -> float:
     if match := DAY_FIRST.fullmatch(text):
         first, second, year, _, *clock = match.groups()
         # only differences count: which of the two is the day only matters at midnight
-        day, month = (int(first), int(second)) if int(second) <= 12 else (int(second), int(first))
-        with suppress(ValueError):
-            return (datetime(int(year), month, day, tzinfo=UTC) - EPOCH).total_seconds() + _seconds(*clock)
+        day, month = (first, second) if int(second) <= 12 else (second, first)
+        return _clock(f"{year}-{month:>02}-{day:>02}") + _seconds(*clock)
     with suppress(ValueError, OverflowError):
         moment = datetime.fromisoformat(text)
-        # only differences count, and every zone has the same
+        # every zone has the same differences
         return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
     raise ValueError("must be a time, as 10:15:30, 10:15:30 PM or 2026-01-31T10:15:30")
 
@@ -250,7 +240,7 @@ MAX_NOISE_SHARE = 0.02
 """Of the distance: positions that leave the speeds by more, as a root mean square, were reset."""
 
 
-def direction_of(table: Table) -> int:
+def running_direction(table: Table) -> int:
     """Return -1 for a train that runs in falling chainage, else 1: in falling chainage most steps fall."""
     steps = np.sign(np.diff(table.values["position"]))
     return -1 if float(np.sum(steps)) < 0 and table.values["position"][-1] < table.values["position"][0] else 1
@@ -258,7 +248,7 @@ def direction_of(table: Table) -> int:
 
 def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
     """Raise RecordingError if a time, or a position in the direction of the run, goes back."""
-    direction = direction_of(table) if quantity == "position" else 1
+    direction = running_direction(table) if quantity == "position" else 1
     difference = direction * np.diff(table.values[quantity])
     for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
         bound = ("at least" if direction > 0 else "at most") if may_stay else "above"
@@ -270,8 +260,7 @@ def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
 
 def impossible_change_words(table: Table, time_s: FloatArray) -> str:
     """Describe a change of speed that no train can do, as the begin of a sentence; empty if there is none."""
-    found = impossible_change(time_s, table.values["speed"])
-    if found is None:
+    if (found := impossible_change(time_s, table.values["speed"])) is None:
         return ""
     row, later = found
     return (
@@ -292,7 +281,7 @@ def readable_position(table: Table, covered_m: FloatArray, notes: list[str]) -> 
     notes : list of str
         Receives a sentence where the position goes back.
     """
-    position: FloatArray = direction_of(table) * (table.values["position"] - table.values["position"][0])
+    position: FloatArray = running_direction(table) * (table.values["position"] - table.values["position"][0])
     steps = np.diff(position)
     back = np.flatnonzero(steps < 0)
     if not len(back):

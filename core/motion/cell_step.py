@@ -4,9 +4,9 @@ import math
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, reached_speed2
 from railjoule.core.physics.effort_limit import EffortLimit, supplied_effort
+from railjoule.core.physics.energy_balance import cell_balance
 from railjoule.core.physics.mesh_data import Train
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
@@ -65,6 +65,6 @@ def cell_cost(
     """Return line energy without auxiliaries [J], time [s], and whether the limits of effort allow the step."""
     if entering_speed2 <= 0.0 and leaving_speed2 <= 0.0:
         return math.inf, math.inf, False
-    account = account_of_cell(cell, train, traction, braking, drive, entering_speed2, leaving_speed2)
+    account = cell_balance(cell, train, traction, braking, drive, entering_speed2, leaving_speed2)
     allowed = account.excess_n <= ALLOWED_EXCESS * traction.constant_n
     return account.supply_power_w * account.duration_s, account.duration_s, allowed

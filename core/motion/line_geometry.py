@@ -52,7 +52,9 @@ class TrainExtent(NamedTuple):
             return np.zeros(1)
         if self.gradient_at == "middle":
             return np.array([0.5 * self.length_m])
-        return None if self.car_count is None else car_offsets_m(self.length_m, self.car_count)
+        # the centres of equal cars
+        cars = self.car_count
+        return None if cars is None else (np.arange(cars) + 0.5) * self.length_m / cars
 
     @property
     def crossing_points(self) -> int:
@@ -178,8 +180,8 @@ def _curvature(section: Section) -> float:
     return 1 / section.curve_radius_m if section.curve_radius_m > 0 else 0.0
 
 
-def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m: FloatArray) -> FloatArray:
-    """Return the mean of a section-wise constant over each cell and over points behind the front of the train.
+def mean_over_train(line: Line, values: FloatArray, position_m: FloatArray, train: TrainExtent) -> FloatArray:
+    """Return the mean of a section-wise constant over each cell and over the train.
 
     Parameters
     ----------
@@ -189,48 +191,34 @@ def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m
         The constant of each section; before the start the first one continues.
     position_m : array of shape (n + 1,)
         Nodes of the mesh [m].
-    offsets_m : array of shape (m,)
-        How far the points lie behind the front [m].
+    train : TrainExtent
+        How far the train reaches behind its front.
 
     Returns
     -------
     array of shape (n,)
     """
-    borders = section_borders(line)
-    integral = np.append(0.0, np.cumsum(values * np.diff(borders)))
-    inside = np.zeros(len(position_m))
-    # the mean over a cell is the difference of the integral at its ends, exact for any steps within
-    for offset in offsets_m:  # one array of all would take nodes times points of memory
-        places = position_m - offset
-        # before the start interpolation stays at zero, while the integral of the first section goes on
-        inside += np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
-    return np.diff(inside / len(offsets_m)) / np.diff(position_m)
-
-
-def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, length_m: float) -> FloatArray:
-    """Return the mean of a section-wise constant over each cell and over a train of `length_m` [m]; shape (n,).
-
-    Arguments as in `cell_means`.
-    """
-    borders = section_borders(line)
-    # over train and cell the constant is integrated twice: quadratic between borders
+    borders, offsets = section_borders(line), train.felt_behind_m
     lengths = np.diff(borders)
-    first = np.append(0.0, np.cumsum(values * lengths))
-    second = np.append(0.0, np.cumsum(first[:-1] * lengths + 0.5 * values * lengths**2))
-
-    def twice_integrated(places: FloatArray) -> FloatArray:
+    once = np.append(0.0, np.cumsum(values * lengths))
+    # the mean over a cell is the difference of the integral at its ends, exact for any steps within
+    if offsets is not None:
+        inside = np.zeros(len(position_m))
+        for offset in offsets:  # one array of all would take nodes times points of memory
+            places = position_m - offset
+            # before the start interpolation stays at zero, while the integral of the first section goes on
+            inside += np.interp(places, borders, once) + np.minimum(places, 0.0) * values[0]
+        return np.diff(inside / len(offsets)) / np.diff(position_m)
+    assert train.length_m is not None
+    # over train and cell the constant is integrated twice: quadratic between borders
+    twice = np.append(0.0, np.cumsum(once[:-1] * lengths + 0.5 * values * lengths**2))
+    at_ends = []
+    for places in (position_m, position_m - train.length_m):
         # the first piece serves before the start too: there both integrals begin at zero, and `beyond` is negative
         index = np.clip(np.searchsorted(borders, places, side="right") - 1, 0, len(values) - 1)
         beyond = places - borders[index]
-        return second[index] + first[index] * beyond + 0.5 * values[index] * beyond**2
-
-    over_train = (twice_integrated(position_m) - twice_integrated(position_m - length_m)) / length_m
-    return np.diff(over_train) / np.diff(position_m)
-
-
-def car_offsets_m(length_m: float, car_count: int) -> FloatArray:
-    """Return how far the centres of equal cars lie behind the front of a train of `length_m` [m]; shape (cars,)."""
-    return (np.arange(car_count) + 0.5) * length_m / car_count
+        at_ends.append(twice[index] + once[index] * beyond + 0.5 * values[index] * beyond**2)
+    return np.diff((at_ends[0] - at_ends[1]) / train.length_m) / np.diff(position_m)
 
 
 def car_crossings(line: Line, offsets_m: FloatArray) -> FloatArray:
@@ -241,15 +229,3 @@ def car_crossings(line: Line, offsets_m: FloatArray) -> FloatArray:
     places = places[np.append(True, np.diff(places) > SHORTEST_CELL_M)] if len(places) else places
     inside: FloatArray = places[(places > MIN_TO_END_M) & (places < borders[-1] - MIN_TO_END_M)]
     return inside
-
-
-def mean_over_train(line: Line, values: FloatArray, position_m: FloatArray, train: TrainExtent) -> FloatArray:
-    """Return the mean of a section-wise constant over each cell and over the train; shape (n,).
-
-    The first three arguments as in `cell_means`.
-    """
-    offsets = train.felt_behind_m
-    if offsets is not None:
-        return cell_means(line, values, position_m, offsets)
-    assert train.length_m is not None
-    return mean_over_length(line, values, position_m, train.length_m)

@@ -14,8 +14,8 @@ from railjoule.core.scenario.line import Line
 # length; the longest is the greatest `solver.mesh_m`
 SHORTEST_CELL_M, LONGEST_CELL_M = 1e-6, 1000.0
 # over distance, speed changes fastest beside a stop, as the square root of it
-GRADING = (1.0, 0.5, 0.25, 0.125)
-"""Lengths of the cells towards a stop, as shares of the mesh."""
+HALVINGS = 3
+"""How often the cells beside a stop are halved towards it."""
 
 
 def line_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
@@ -64,7 +64,7 @@ def line_mesh(line: Line, mesh_m: float, lasts_m: float = 0.0) -> FloatArray:
     nodes = [np.linspace(a, b, int(n), endpoint=False) for a, b, n in zip(borders, borders[1:], counts, strict=False)]
     uniform = np.append(np.concatenate(nodes), borders[-1])
     stops = [0.0, *(station.position_m for station in line.inner_stations), borders[-1]]
-    return _graded(uniform, np.asarray(stops))
+    return finer_at_stops(uniform, stops, HALVINGS)
 
 
 def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 0, lasts_m: float = 0.0) -> None:
@@ -104,7 +104,7 @@ def enough_words(line: Line, max_cells: int, crossings: int = 0, lasts_m: float 
     """
     # each station has two sides that are graded, both ends of the line together two
     stops = len(line.inner_stations) + 1
-    unavoidable = len(line_borders(line, lasts_m)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
+    unavoidable = len(line_borders(line, lasts_m)) - 1 + 2 * stops * HALVINGS + crossings
     if max_cells > unavoidable:
         enough_m = rounded_up(line.length_m / (max_cells - unavoidable))
         if enough_m <= LONGEST_CELL_M:
@@ -129,22 +129,9 @@ def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray
 
 def finer_at_stops(position_m: FloatArray, stops_m: Sequence[float], halvings: int) -> FloatArray:
     """Return nodes [m] with the cells beside each stop halved again and again towards it; shape (k,)."""
-    extra: list[float] = []
-    shares = 0.5 ** np.arange(1.0, halvings + 1)
-    for stop in stops_m:
-        node = int(np.argmin(np.abs(position_m - stop)))
-        for neighbour in (node - 1, node + 1):
-            if 0 <= neighbour < len(position_m):
-                extra += (position_m[node] + (position_m[neighbour] - position_m[node]) * shares).tolist()
-    return with_nodes_at(position_m, extra)
-
-
-def _graded(nodes: FloatArray, stops: FloatArray) -> FloatArray:
-    """Halve the cells at the stops again and again, down to an eighth."""
-    cell = np.diff(nodes)
-    shares = 1 - np.asarray(GRADING[1:])
+    cell, near = np.diff(position_m), 0.5 ** np.arange(1.0, halvings + 1)
     # a little before each stop, so that rounding does not find the node behind it
-    where = np.searchsorted(nodes, stops - SHORTEST_CELL_M)
-    extra = [nodes[i] + cell[i] * (1 - shares) for i in where if i < len(cell)]
-    extra += [nodes[i - 1] + cell[i - 1] * shares for i in where if i > 0]
-    return np.unique(np.concatenate([nodes, *extra]))
+    where = np.searchsorted(position_m, np.asarray(stops_m) - SHORTEST_CELL_M)
+    extra = [position_m[i] + cell[i] * near for i in where if i < len(cell)]
+    extra += [position_m[i - 1] + cell[i - 1] * (1 - near) for i in where if i > 0]
+    return np.unique(np.concatenate([position_m, *extra]))

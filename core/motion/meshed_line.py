@@ -10,15 +10,14 @@ from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_geometry import LineGeometry, TrainExtent, geometry_at, meshed_geometry
-from railjoule.core.motion.permitted_speed import curve_steps, min_permitted_deceleration_ms2, permitted_speed2
+from railjoule.core.motion.permitted_speed import curve_steps, permitted_speed2
 from railjoule.core.physics.adhesion import adhesive_weight, friction_limit_n
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import MeshData, cells_of, data_between
+from railjoule.core.physics.mesh_data import MeshData, all_cells, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
-    quadratic_in_tunnels,
     resistance_coefficients,
     running_resistance,
 )
@@ -62,7 +61,8 @@ class MeshedLine:
     data : MeshData
         The same for compiled code.
     permitted_deceleration_ms2 : float
-        The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none.
+        The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none; braking at this rate
+        towards a place on the curve stays under the curve.
     curve_steps : array of shape (2, k)
         The steps of that curve, as `railjoule.core.motion.permitted_speed.curve_steps` returns them.
     """
@@ -124,7 +124,7 @@ class MeshedLine:
         All of shape (..., n).
         """
         v = mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2))
-        return needed_force(cells_of(self.data), entering_speed2, leaving_speed2, v)
+        return needed_force(all_cells(self.data), entering_speed2, leaving_speed2, v)
 
 
 def train_extent(scenario: Scenario) -> TrainExtent:
@@ -175,13 +175,13 @@ def build_meshed_line(
         If the scenario has more rows or the mesh more cells than the current budget, a limit of effort is missing, or
         an end's speed is none.
     """
-    line, drive = line_of(scenario, position_m), drive_of(scenario)
+    line, drive = build_line(scenario, position_m), build_drive(scenario)
     return assemble_meshed_line(
-        scenario, MeshedLineParts(line, drive, *limits_of(scenario, drive)), initial_speed_ms, final_speed_ms
+        scenario, MeshedLineParts(line, drive, *build_limits(scenario, drive)), initial_speed_ms, final_speed_ms
     )
 
 
-def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
+def build_line(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
     """Return a scenario's line over its mesh or over given nodes [m]; arguments and errors as `build_meshed_line`."""
     _require_few_rows(scenario)
     if position_m is None:
@@ -190,7 +190,7 @@ def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeo
     return geometry_at(scenario.line.in_running_order(), nodes, train_extent(scenario))
 
 
-def drive_of(scenario: Scenario) -> Drive:
+def build_drive(scenario: Scenario) -> Drive:
     """Return the drive of a scenario's vehicle.
 
     Raises
@@ -204,7 +204,7 @@ def drive_of(scenario: Scenario) -> Drive:
     return drive
 
 
-def limits_of(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
+def build_limits(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
     """Return the limits of tractive and of electric braking effort of a scenario with its drive.
 
     Raises
@@ -245,7 +245,7 @@ def assemble_meshed_line(
     for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
         if not 0 <= speed < np.inf:
             raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
-    vehicle, line = scenario.vehicle, parts.line
+    vehicle, line, steps = scenario.vehicle, parts.line, curve_steps(scenario.vehicle)
     gradient_force = gradient_force_n(vehicle, line.gradient_permille)
     curve_force = curve_force_n(vehicle, line.curvature_per_m)
     fixed = np.full(len(line.position_m), FREE)
@@ -263,8 +263,8 @@ def assemble_meshed_line(
         dwell_s=line.dwell_s,
         drive=parts.drive,
         data=_mesh_data(scenario, parts, gradient_force + curve_force, fixed),
-        permitted_deceleration_ms2=min_permitted_deceleration_ms2(vehicle),
-        curve_steps=curve_steps(vehicle),
+        permitted_deceleration_ms2=float(steps[1].min(initial=np.inf)),
+        curve_steps=steps,
     )
 
 
@@ -296,7 +296,8 @@ def _mesh_data(
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,
         resistance_linear=linear,
-        resistance_quadratic=quadratic_in_tunnels(quadratic, line.tunnel_factor),
+        # tunnels hold up the air, not the bearings
+        resistance_quadratic=quadratic * line.tunnel_factor,
         traction=parts.traction,
         braking=parts.braking,
         friction_effort_n=friction_limit_n(scenario, parts.braking),

@@ -25,7 +25,7 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, max_effort_slope, supplied_limit
-from railjoule.core.physics.mesh_data import MeshData, cell_of
+from railjoule.core.physics.mesh_data import MeshData, cell_at
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
@@ -114,7 +114,7 @@ def _take_off_unsteady(mesh: MeshData, speed2: FloatArray) -> None:
     traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
     friction = mesh.friction_effort_n
     for i in range(mesh.cell_length_m.shape[0]):
-        cell = cell_of(mesh, i)
+        cell = cell_at(mesh, i)
         if mesh.max_deceleration_ms2 < np.inf:
             change, limit = (
                 2.0 * mesh.max_deceleration_ms2 * cell.length_m,
@@ -143,7 +143,7 @@ def _pass_cells(mesh: MeshData, speed2: FloatArray, is_braking: bool) -> int:
     for number in range(n):
         i = n - 1 - number if is_braking else number
         known, other = (i + 1, i) if is_braking else (i, i + 1)
-        cell = cell_of(mesh, i)
+        cell = cell_at(mesh, i)
         # v^2 changes by 2 a h over a cell
         bound = min(speed2[other], speed2[known] + max_change * cell.length_m)
         supplied = supplied_limit(limit, cell.supply_share)
@@ -161,7 +161,7 @@ def entering_speed2_under_brakes(mesh: MeshData, number: int, leaving_speed2: fl
 
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
-    cell, friction = cell_of(mesh, number), mesh.friction_effort_n
+    cell, friction = cell_at(mesh, number), mesh.friction_effort_n
     braking = supplied_limit(mesh.braking, cell.supply_share)
     return _max_reachable(braking, friction, cell, leaving_speed2, limit_speed2, -1.0)
 

@@ -53,14 +53,6 @@ def curve_steps(vehicle: Vehicle) -> FloatArray:
     return np.array([(steps[:, 0] * MS_PER_KMH) ** 2, steps[:, 1]])
 
 
-def min_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
-    """Return the least deceleration of a vehicle's braking curve [m/s2], infinite where it has none.
-
-    Braking at this rate towards a place on the curve stays under the curve.
-    """
-    return min((deceleration for _, deceleration in vehicle.braking.permitted_deceleration or ()), default=np.inf)
-
-
 @njit(cache=True)
 def _under_curve(
     cell_length_m: FloatArray, limit_speed2: FloatArray, fixed_speed2: FloatArray, steps: FloatArray

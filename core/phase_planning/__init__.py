@@ -3,7 +3,7 @@
 On a line without changes each phase depends on speed alone, so that `tables` integrates time, distance and energy of
 starting, coasting and braking once over speed. With them a run of given time and distance has one free number, the
 speed of its cruise: `search` finds the best one in compiled code. `planner` adds what is chosen around it: the current
-and the cycles of starts, by `choice`, and the times of parts between stops. A `plan` is the result; `run` lays it out
+and the cycles of starts, and the times of parts between stops. A `plan` is the result; it is laid out
 as the nodes of a trajectory, whose cells have constant effort and so differ from the tables by some millionths.
 
 On a line with several limits or gradients, `stretches` drives one cycle per stretch cell by cell and searches the

@@ -15,7 +15,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import MeshedLine, max_speeds
 from railjoule.core.motion.passes import MOVED
-from railjoule.core.phase_planning.choice import best_plan
+from railjoule.core.phase_planning.plan import best_plan
 from railjoule.core.phase_planning.planner import (
     ACCURACY,
     CURRENTS_SCANNED,
@@ -59,8 +59,8 @@ class LinePlan:
         Places where stretches begin, and the end of the line [m].
     speeds_ms : array of shape (3, k)
         Cruise, speed at which coasting ends, and speed above which the train brakes, as planned [m/s].
-    times_s, energies_j : array of shape (k,)
-        Times [s], and line energies without auxiliaries [J].
+    running_time_s, energy_j : float
+        Time [s] and line energy without auxiliaries [J] of all stretches.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     price_of_time_w : float or None
@@ -71,24 +71,14 @@ class LinePlan:
 
     border_m: FloatArray
     speeds_ms: FloatArray
-    times_s: FloatArray
-    energies_j: FloatArray
+    running_time_s: float
+    energy_j: float
     speed2: FloatArray
     price_of_time_w: float | None
     starting_current_a: float | None = None
 
-    @property
-    def running_time_s(self) -> float:
-        """Time of all stretches [s]."""
-        return float(self.times_s.sum())
 
-    @property
-    def energy_j(self) -> float:
-        """Line energy of all stretches without auxiliaries [J]."""
-        return float(self.energies_j.sum())
-
-
-NO_PLAN = LinePlan(np.zeros(0), np.zeros((3, 0)), np.zeros(1), np.array([math.inf]), np.zeros(0), None)
+NO_PLAN = LinePlan(np.zeros(0), np.zeros((3, 0)), 0.0, math.inf, np.zeros(0), None)
 """The plan at a starting current with which there is no run."""
 
 
@@ -120,8 +110,8 @@ class LinePlanner:
     def drive(self, speeds_ms: FloatArray, price_w: float | None = None) -> LinePlan:
         """Return the run with given speeds of all stretches; shape (3, k) [m/s]."""
         times, energies, speed2 = drive_stretches(self.stretches, speeds_ms)
-        border = self.mesh.position_m[self.stretches.borders]
-        return LinePlan(border, speeds_ms, times, energies, frozen_array(speed2), price_w)
+        border, totals = self.mesh.position_m[self.stretches.borders], (float(times.sum()), float(energies.sum()))
+        return LinePlan(border, speeds_ms, *totals, frozen_array(speed2), price_w)
 
     @property
     def fastest_speeds_ms(self) -> FloatArray:

@@ -11,12 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
-from railjoule.core.phase_planning.choice import best_plan, equally_priced
-from railjoule.core.phase_planning.plan import FIRST_PHASES, PhasePlan, PlannedPhase
+from railjoule.core.phase_planning.plan import FIRST_PHASES, PhasePlan, PlannedPhase, best_plan, equally_priced
 from railjoule.core.phase_planning.search import START, Opening, PhaseTables, PhaseTask, between, search_run
-from railjoule.core.phase_planning.tables import PhaseModel, start_table
+from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario.options import PhasesOptions
 
 # The following numbers were halved and doubled over 30 tasks: four shipped scenarios with up to 3 cycles and free
@@ -116,7 +114,7 @@ class PhasePlanner:
     def fastest(self, distance_m: float, initial_speed_ms: float = 0.0, final_speed_ms: float = 0.0) -> PhasePlan:
         """Return the fastest run: start, the top speed where it is reached, brake; errors as `plan`."""
         current = self.options.starting_current_a
-        start, brake = self._start(current), self.model.braking
+        start, brake = self.model.table("start", current), self.model.braking
         top = min(start[0, -1], self.model.top_speed_ms)
         least = max(initial_speed_ms, final_speed_ms)
 
@@ -181,17 +179,17 @@ class PhasePlanner:
             times = divide(distances_m, initial_speed_ms, times, slack)
         return tuple(self.plan(*part) for part in zip(distances_m, times, speeds, strict=True))
 
-    def phases_of(self, plan: PhasePlan) -> tuple[PlannedPhase, ...]:
+    def planned_phases(self, plan: PhasePlan) -> tuple[PlannedPhase, ...]:
         """Return the phases of a plan in order, without those that have no length."""
-        start = self._start(plan.starting_current_a)
-        tables = {"start": start, "coast": self.model.coasting, "brake": self.model.braking}
         phases = []
         for name, before, after in plan.legs:
             if name == "cruise":
                 time, distance = plan.cruise_m / before, plan.cruise_m
                 energy = time * self.cruise_power_w(before)
             else:
-                time, distance, energy = between(tables[name], min(before, after), max(before, after))
+                time, distance, energy = between(
+                    self.model.table(name, plan.starting_current_a), min(before, after), max(before, after)
+                )
             if distance > NO_LENGTH * plan.distance_m:
                 phases.append(PlannedPhase(name, distance, time, before, after, energy))
         return tuple(phases)
@@ -215,9 +213,6 @@ class PhasePlanner:
         )
         price = (less - more) / (2 * step)
         return price if np.isfinite(price) else None
-
-    def _start(self, current_a: float | None) -> FloatArray:
-        return self.model.full_start if current_a is None else start_table(self.model, current_a)
 
     def _best(self, task: PhaseTask) -> PhasePlan:
         """Return the best run for distance, time, initial and final speed; its energy is infinite if there is none."""
@@ -243,7 +238,7 @@ class PhasePlanner:
 
     def _searched(self, task: PhaseTask, current_a: float | None, opening: Opening) -> PhasePlan:
         """Return the best run with one start and one opening; its energy is infinite if there is none."""
-        model, options, start = self.model, self.options, self._start(current_a)
+        model, options, start = self.model, self.options, self.model.table("start", current_a)
         drive = model.drive
         tables = PhaseTables(start, model.coasting, model.braking, drive.kind, drive.parameters, model.coefficients)
         energy, cruise_speed, brake_speed, cruise = search_run(tables, task, opening, options.cruise, options.coast)

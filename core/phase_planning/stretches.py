@@ -23,7 +23,7 @@ from railjoule.core.drive.kernels import negligible_effort
 from railjoule.core.motion.cell_step import COAST, EXACT, FULL_BRAKE, FULL_TRACTION, STEPS, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, part_of_cell, shared_by_cells
 
 CRUISE, COAST_END, BRAKING = range(3)
 """Rows of the speeds of all stretches."""
@@ -103,7 +103,7 @@ def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: 
     if node < last:
         share = (greatest2[node] - speed2) / (greatest2[node] - greatest2[node + 1])
         if share > 0.0:
-            cell = cell_of(mesh, node)
+            cell = cell_at(mesh, node)
             speed2 = _coasting_speed2(part_of_cell(cell, share * cell.length_m), speed2, limit)
     after2 = 0.0
     # down a steep hill the curve falls backwards: the train coasts there anyway, as it is faster than its cruise
@@ -112,7 +112,7 @@ def _fill_target(line: Stretches, stretch: int, cruise_ms: float, coast_end_ms: 
         node -= 1
         if node < first:
             break
-        speed2 = _coasting_speed2(cell_of(mesh, node), speed2, limit)
+        speed2 = _coasting_speed2(cell_at(mesh, node), speed2, limit)
 
 
 @njit(cache=True, error_model="numpy")
@@ -164,7 +164,7 @@ def _drive_stretch(
     braking2 = max(speeds_ms[BRAKING, stretch], speeds_ms[CRUISE, stretch]) ** 2
     time = energy = 0.0
     for i in range(line.borders[stretch], line.borders[stretch + 1]):
-        cell = cell_of(mesh, i)
+        cell = cell_at(mesh, i)
         ceiling2 = line.fastest_speed2[i + 1]
         after2 = _next_speed2(cell, train, traction, braking, speed2, target2[i + 1], braking2, ceiling2, negligible_n)
         if after2 < 0.0 or (after2 < SLOWEST2 and after2 < speed2 and after2 < ceiling2):
@@ -334,8 +334,6 @@ def _improve(
             changes[side] = _cost_change(line, price_w, speeds_ms, stretch, state, False)
             if changes[side] < least:
                 best, least = speed, changes[side]
-        else:
-            changes[side] = math.inf
     factor = GROWS if best != middle else SHRINKS
     if (
         max(abs(changes[0]), abs(changes[1])) <= FLAT * abs(state.cost_j[stretch])

@@ -11,11 +11,11 @@ from functools import cached_property, lru_cache
 import numpy as np
 import scipy
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.permitted_speed import min_permitted_deceleration_ms2
+from railjoule.core.motion.permitted_speed import curve_steps
 from railjoule.core.physics.adhesion import adhesion_coefficient
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
@@ -115,10 +115,11 @@ class PhaseModel:
         effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         return np.asarray(np.maximum(effort, 0.0))
 
-    @cached_property
-    def full_start(self) -> FloatArray:
-        """The table of a start with the largest effort; shape (7, k)."""
-        return self.start()
+    def table(self, phase: str, starting_current_a: float | None = None) -> FloatArray:
+        """Return the table of a start, full or with a current [A], of coasting or of braking; shape (7, k)."""
+        if phase == "start":
+            return _start_table(self, starting_current_a)
+        return self.coasting if phase == "coast" else self.braking
 
     @cached_property
     def brakes_with_friction(self) -> bool:
@@ -133,7 +134,7 @@ class PhaseModel:
         electric = electric_efforts(self.drive.kind, self.drive.parameters, effort_n, speed_ms, effort_n, friction_n)
         return self.drive.supply_power_w(-electric, speed_ms)
 
-    def start(self, starting_current_a: float | None = None) -> FloatArray:
+    def start(self, starting_current_a: float | None) -> FloatArray:
         """Return the table of a start from rest; shape (7, k)."""
 
         def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -178,11 +179,11 @@ class PhaseModel:
             deceleration = (effort + self.resistance_n(speed)) / self.inertia_kg
             return deceleration, self.braking_power_w(effort, speed)
 
-        effort = self.braking_effort_n(self._knots())
-        limit_ms2, key = self._max_deceleration
-        if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
+        speeds, (limit_ms2, key) = self._knots(), self._max_deceleration
+        effort, largest_n = self.braking_effort_n(speeds), np.max(self.starting_effort_n(speeds))
+        if np.min(self.resistance_n(speeds)) >= limit_ms2 * self.inertia_kg:
             raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {key}.")
-        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * self._max_effort_n:
+        if not np.isfinite(effort).all() or np.max(effort) <= MIN_BRAKING_SHARE * largest_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
         return _table(motion, knots)
@@ -191,16 +192,12 @@ class PhaseModel:
     def _max_deceleration(self) -> tuple[float, str]:
         """The largest deceleration of braking [m/s2], infinite where there is none, and the key that sets it."""
         max_ms2 = self.vehicle.braking.max_deceleration_ms2
-        permitted_ms2 = min_permitted_deceleration_ms2(self.vehicle)
+        permitted_ms2 = curve_steps(self.vehicle)[1].min(initial=np.inf)
         if max_ms2 is not None and max_ms2 <= permitted_ms2:
             return max_ms2, f"vehicle.braking.max_deceleration_ms2 = {max_ms2:g} m/s2"
         # of several steps the smallest, which stays under the curve: a table over speed would jump between two of them
         key = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
         return (1 - UNDER_CURVE) * permitted_ms2, key
-
-    @cached_property
-    def _max_effort_n(self) -> float:
-        return float(np.max(self.starting_effort_n(self._knots())))
 
     def _drawing_until_ms(self) -> float:
         """Return the speed below which full braking recuperates nothing [m/s]; 0 where there is none.
@@ -208,18 +205,19 @@ class PhaseModel:
         Below it resistors take all the drive generates, above it the recuperated share: the power has a corner there.
         """
 
-        def power(speed: float) -> float:
-            at = np.array([speed])
-            return float(self.drive.supply_power_w(-self.braking_effort_n(at), at)[0])
+        def draws(speed_ms: FloatArray | float) -> BoolArray:
+            at = np.asarray(speed_ms)
+            return self.drive.supply_power_w(-self.braking_effort_n(at), at) >= 0
 
         knots = self._knots()[1:]
-        idle = np.flatnonzero(self.drive.supply_power_w(-self.braking_effort_n(knots), knots) >= 0)
-        if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
+        drawing = np.flatnonzero(draws(knots))
+        if self.drive.recuperation_factor == 0 or not len(drawing) or drawing[-1] + 1 >= len(knots):
             return 0.0
-        low, high = knots[idle[-1]], knots[idle[-1] + 1]
+        low, high = knots[drawing[-1] : drawing[-1] + 2]
+        # below the root the power is zero, which leaves other searches no bracket
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if power(middle) >= 0 else (low, middle)
+            low, high = (middle, high) if draws(middle) else (low, middle)
         return float(high)
 
     def _corner_ms(self, starting_current_a: float | None, braking: bool) -> float:
@@ -273,7 +271,7 @@ def phase_model(
 
 
 @lru_cache(maxsize=128)
-def start_table(model: PhaseModel, starting_current_a: float) -> FloatArray:
+def _start_table(model: PhaseModel, starting_current_a: float | None) -> FloatArray:
     """Return the table of a start with a current [A], from a cache: searches begin with the same currents."""
     return model.start(starting_current_a)
 

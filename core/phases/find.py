@@ -6,7 +6,7 @@ from railjoule.core.arrays import BoolArray
 from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces, without_negligible_power
 from railjoule.core.phases.labels import label_cells
 from railjoule.core.phases.phase import COAST, NAMES, STAND, Phase, RunData
-from railjoule.core.phases.segments import Segment, joined, segments_of, with_pulses
+from railjoule.core.phases.segments import Segment, joined, split_segments, with_pulses
 
 
 def find_phases(run: RunData) -> tuple[Phase, ...]:
@@ -20,7 +20,7 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
     # The order matters: short segments are joined first, or they would count as pulses; pulses become holds before the
     # borders within cells move, as a border belongs to the segments that remain; straight pieces come last, over final
     # ends.
-    segments = with_pulses(run, joined(run, segments_of(run, labels, begins_hold)))
+    segments = with_pulses(run, joined(run, split_segments(run, labels, begins_hold)))
     segments = without_negligible_power(run, with_borders_in_cells(run, segments), negligible)
     segments = with_steady_pieces(run, segments)
     energies = _energies_j(run, segments, negligible)

@@ -54,7 +54,7 @@ def segment(
     return Segment(int(kind), first, last, place, time, speed, share, is_straight)
 
 
-def segments_of(run: RunData, labels: IntArray, begins_hold: BoolArray) -> list[Segment]:
+def split_segments(run: RunData, labels: IntArray, begins_hold: BoolArray) -> list[Segment]:
     """Return the segments of labelled cells."""
     starts = np.flatnonzero(np.append(True, (np.diff(labels) != 0) | begins_hold[1:])).tolist()
     return [segment(run, labels[a], a, b) for a, b in zip(starts, [*starts[1:], len(labels)], strict=True)]

@@ -35,14 +35,11 @@ class AdhesiveWeight(NamedTuple):
     braked_n: float = np.inf
 
 
-NO_LIMIT = AdhesiveWeight()
-
-
 def adhesive_weight(scenario: Scenario) -> AdhesiveWeight:
     """Return the adhesive weights of a scenario's train with its load on its rails."""
     condition, adhesion = scenario.line.rail_condition, scenario.vehicle.adhesion
     if condition is None or adhesion.driven_mass_share is None:
-        return NO_LIMIT
+        return AdhesiveWeight()
     weight_n = scenario.vehicle.total_mass_kg * STANDARD_GRAVITY_MS2
     if condition == "wet":
         weight_n *= adhesion.wet_share

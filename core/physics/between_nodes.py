@@ -30,7 +30,7 @@ from railjoule.core.physics.effort_limit import (
     limit_over_speed,
     max_effort,
 )
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
@@ -137,18 +137,6 @@ def _supply_power_w(
 
 
 @njit(cache=True, error_model="numpy")
-def _share_control(
-    cell: Cell, limit: EffortLimit, beside: float, sign: float, start: float, end: float, points: FloatArray
-) -> tuple[float, float]:
-    """Return the share of the largest effort that leads from one speed to another [m/s], and the limit's corner."""
-    corner = _corner_speed(limit, min(start, end), max(start, end))
-    _place_points(cell, start, corner, end, points)
-    for i in range(points.shape[1]):
-        points[FORCE, i] = sign * (max_effort(limit, points[SPEED, i]) + beside)
-    return _find_control(points, cell.inertia * (end * end - start * start)), corner
-
-
-@njit(cache=True, error_model="numpy")
 def _limits_beside(
     train: Train, traction: EffortLimit, braking: EffortLimit, effort: float
 ) -> tuple[EffortLimit, float, float]:
@@ -184,7 +172,11 @@ def _control_cell(
     if is_uniform:
         share, corner = abs(effort) / (max_effort(limit, v) + beside), v
     else:
-        share, corner = _share_control(cell, limit, beside, sign, start, end, points)
+        corner = _corner_speed(limit, min(start, end), max(start, end))
+        _place_points(cell, start, corner, end, points)
+        for i in range(points.shape[1]):
+            points[FORCE, i] = sign * (max_effort(limit, points[SPEED, i]) + beside)
+        share = _find_control(points, cell.inertia * (end * end - start * start))
     return effort, share, max(share - 1.0, 0.0), corner
 
 
@@ -247,7 +239,7 @@ def _follow_run(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     rows, points = np.empty((5, n)), np.empty((4, 2 * HALF))
     train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
-        cell, start, end = cell_of(mesh, i), speed2[i], speed2[i + 1]
+        cell, start, end = cell_at(mesh, i), speed2[i], speed2[i + 1]
         effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
         time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
         rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
@@ -274,7 +266,7 @@ def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     for number in range(2 * n):
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
-        node, cell = i if is_braking else i + 1, cell_of(mesh, i)
+        node, cell = i if is_braking else i + 1, cell_at(mesh, i)
         for _ in range(MAX_STEPS):
             start, end = lowered[i], lowered[i + 1]
             effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)

@@ -14,7 +14,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
-from railjoule.core.hermite import HERMITE
+from railjoule.core.drive.loss_map import HERMITE
 
 # pieces are looked up in steps of this length: short enough to leave one or two to search, and few enough for a cache
 TABLE_STEP_MS = 0.125
@@ -41,9 +41,7 @@ WIDENING = 2e-8
 """Limits are widened by this share: what the product calls a run keeps them to 1e-8."""
 NARROW_MS = 1e-9
 """Over so short a range a line needs no slope."""
-COLUMNS = 5
-"""Of a table: where a piece begins, and the coefficients of 1, x, x^2, x^3 from there."""
-NO_TABLE, NO_PIECES = np.zeros((0, COLUMNS)), np.zeros(0, dtype=np.int64)
+NO_TABLE, NO_PIECES = np.zeros((0, 5)), np.zeros(0, dtype=np.int64)
 
 
 class EffortLimit(NamedTuple):
@@ -62,9 +60,9 @@ class EffortLimit(NamedTuple):
     """
 
     constant_n: float
-    power_w: float
-    table: FloatArray
-    first_piece: IntArray
+    power_w: float = np.inf
+    table: FloatArray = NO_TABLE
+    first_piece: IntArray = NO_PIECES
 
     def effort_n(self, speed_ms: FloatArray) -> FloatArray:
         """Return the largest effort [N] at speeds above zero [m/s]; shape as the argument's."""
@@ -79,11 +77,6 @@ class EffortLimit(NamedTuple):
         table = self.table.copy()
         table[:, 1:] *= kept
         return EffortLimit(kept * self.constant_n, kept * self.power_w, table, self.first_piece)
-
-
-def untabulated_limit(constant_n: float, power_w: float = np.inf) -> EffortLimit:
-    """Return the limit of a constant effort [N] and a power [W]."""
-    return EffortLimit(constant_n, power_w, NO_TABLE, NO_PIECES)
 
 
 def fitted_limit(
@@ -128,7 +121,10 @@ def fitted_limit(
     table = np.concatenate(fitted)
     # between the places that are compared it may exceed the limit by a little more than there
     table[:, 1:] /= 1.0 + 2.0 * (over - 1.0)
-    return tabulated_limit(constant_n, table[np.argsort(table[:, 0])])
+    table = table[np.argsort(table[:, 0])]
+    steps = np.arange(0.0, table[-1, 0] + TABLE_STEP_MS, TABLE_STEP_MS)
+    first = np.searchsorted(table[:, 0], steps, side="right") - 1
+    return EffortLimit(constant_n, np.inf, np.ascontiguousarray(table), first.astype(np.int64))
 
 
 def _cubics(limit_n: Callable[[FloatArray], FloatArray], start: FloatArray, width: FloatArray) -> FloatArray:
@@ -140,13 +136,6 @@ def _cubics(limit_n: Callable[[FloatArray], FloatArray], start: FloatArray, widt
     last = (3 * f[:, 5] - 4 * f[:, 4] + f[:, 3]) / (2 * SLOPE_SHARE)
     cubics: FloatArray = np.column_stack([f[:, 0], f[:, 5], first, last]) @ HERMITE.T
     return cubics
-
-
-def tabulated_limit(constant_n: float, table: FloatArray) -> EffortLimit:
-    """Return the limit of a constant effort [N] and a table of rising pieces, as `EffortLimit` has it."""
-    steps = np.arange(0.0, table[-1, 0] + TABLE_STEP_MS, TABLE_STEP_MS)
-    first = np.searchsorted(table[:, 0], steps, side="right") - 1
-    return EffortLimit(constant_n, np.inf, np.ascontiguousarray(table), first.astype(np.int64))
 
 
 def table_speeds(top_speed_ms: float) -> FloatArray:

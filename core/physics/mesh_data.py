@@ -111,7 +111,7 @@ class TrainLimits(NamedTuple):
 
 
 @njit(cache=True)
-def train_of(mesh: MeshData) -> Train:
+def train_data(mesh: MeshData) -> Train:
     """Return the plain numbers of a meshed line's train."""
     return Train(
         mesh.drive_kind,
@@ -130,11 +130,11 @@ def shared_by_cells(mesh: MeshData) -> TrainLimits:
     must not call it: there the arrays would outlive the loan.
     """
     traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
-    return TrainLimits(train_of(mesh), traction, braking, borrowed(mesh.drive_parameters))
+    return TrainLimits(train_data(mesh), traction, braking, borrowed(mesh.drive_parameters))
 
 
 @njit(cache=True, error_model="numpy")
-def cell_of(mesh: MeshData, number: int) -> Cell:
+def cell_at(mesh: MeshData, number: int) -> Cell:
     """Return one cell of a meshed line."""
     return Cell(
         mesh.cell_length_m[number],
@@ -147,7 +147,7 @@ def cell_of(mesh: MeshData, number: int) -> Cell:
 
 
 @njit(cache=True, error_model="numpy")
-def scaled_cell_of(mesh: MeshData, number: int, scale: float) -> Cell:
+def scaled_cell_at(mesh: MeshData, number: int, scale: float) -> Cell:
     """Return one cell of a meshed line whose forces come out in shares of an effort [N], as the solver wants them."""
     # the force is linear in k, A, B and C, so that dividing these divides it, at any speeds
     return Cell(
@@ -176,7 +176,7 @@ def data_between(mesh: MeshData, first: int, last: int) -> MeshData:
     return mesh._replace(**cells, **nodes)
 
 
-def cells_of(mesh: MeshData) -> Cell:
+def all_cells(mesh: MeshData) -> Cell:
     """Return all cells of a meshed line, as arrays of shape (n,)."""
     return Cell(
         mesh.cell_length_m,

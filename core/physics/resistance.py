@@ -41,11 +41,6 @@ def resistance_coefficients(vehicle: Vehicle, head_wind_ms: float = 0.0) -> tupl
     )
 
 
-def quadratic_in_tunnels(quadratic: float, tunnel_factor: FloatArray) -> FloatArray:
-    """Return C of cells [N s2/m2] with the factor of their tunnels: they hold up the air, not the bearings."""
-    return quadratic * tunnel_factor
-
-
 def gradient_force_n(vehicle: Vehicle, gradient_permille: FloatArray) -> FloatArray:
     """Return the force of gradients against the train [N]: weight times rise over length, which is taken for the sine.
 

@@ -14,9 +14,9 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
-from railjoule.core.physics.account import CellAccount, account_of_cell
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_of, shared_by_cells
+from railjoule.core.physics.energy_balance import CellBalance, cell_balance
+from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF, MeshData, cell_at, shared_by_cells
 
 NONE_BEFORE = -1
 NOTHING, STOP, NEUTRAL_SECTION = range(3)
@@ -26,7 +26,7 @@ NEXT_TO_NOTHING = 1e-5
 
 
 @njit(cache=True, error_model="numpy")
-def action_of_cell(account: CellAccount, traction: EffortLimit, has_standstill_brake: bool) -> tuple[int, int]:
+def action_of_cell(account: CellBalance, traction: EffortLimit, has_standstill_brake: bool) -> tuple[int, int]:
     """Return the action of a train in a cell, and the mode of its drive there.
 
     A standstill brake, whose effort the account holds as electric, brakes with a drive that is off.
@@ -59,26 +59,23 @@ class RunActions(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def interruptions(mesh: MeshData) -> IntArray:
-    """Return the interruptions of the drive before each cell of a meshed line; shape (n,)."""
-    found = np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING)
-    for i in range(1, found.shape[0]):
-        if found[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:
-            found[i] = NEUTRAL_SECTION
-    return found
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
 def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
     """Return the actions of the drive in each cell of a run, given by its squares of speed [m2/s2] at n + 1 nodes."""
     n = mesh.cell_length_m.shape[0]
-    done = RunActions(np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), interruptions(mesh))
+    done = RunActions(
+        np.empty(n, np.int64),
+        np.empty(n, np.int64),
+        np.empty(n),
+        np.where(mesh.fixed_speed2[:-1] == 0.0, STOP, NOTHING),
+    )
     train, traction, braking, drive = shared_by_cells(mesh)
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s
+        if i > 0 and done.interrupted_by[i] == NOTHING and mesh.supply_share[i] != mesh.supply_share[i - 1]:
+            done.interrupted_by[i] = NEUTRAL_SECTION
     return done
 
 

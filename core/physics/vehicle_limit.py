@@ -8,7 +8,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.drive import Drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.adhesion import adhesion_coefficient
-from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit, fitted_limit, table_speeds, untabulated_limit
+from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit, fitted_limit, table_speeds
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.vehicle import Braking, Traction
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -80,7 +80,7 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float, dri
     by_adhesion = driven_n * float(adhesion_coefficient(min(power / max(constant, 1e-9), top_speed_ms))) < constant
     # a mere limit of power is closed and exact: no table
     if not (limits.curve or limits.breakdown_speed_kmh is not None or by_drive or by_adhesion):
-        return untabulated_limit(constant, power)
+        return EffortLimit(constant, power)
 
     def varying(speed: FloatArray) -> FloatArray:
         by_vehicle = np.minimum(_varying_n(limits, speed), driven_n * adhesion_coefficient(speed))

@@ -2,12 +2,12 @@
 
 from railjoule.core.scenario.document import (
     as_scenario,
-    document_of,
     format_scenario,
     load_scenario,
     parse_scenario,
     save_scenario,
     scenario_from_document,
+    to_document,
 )
 from railjoule.core.scenario.line import Line, NeutralSection, Section, SpeedLimit, Station
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
@@ -27,7 +27,6 @@ __all__ = [
     "Traction",
     "Vehicle",
     "as_scenario",
-    "document_of",
     "format_scenario",
     "load_scenario",
     "parse_scenario",
@@ -36,4 +35,5 @@ __all__ = [
     "preset_text",
     "save_scenario",
     "scenario_from_document",
+    "to_document",
 ]

@@ -2,7 +2,7 @@
 
 import unicodedata
 from collections.abc import Iterable, Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
@@ -58,6 +58,34 @@ class Part(BaseModel):
     # A misspelt key that was ignored would leave a default in force without a word. The input stays out of errors
     # because `_sentences` shows it itself, and shortened.
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True)
+
+
+class PresetPart(Part):
+    """A table that may be based on a shipped one."""
+
+    preset_kind: ClassVar[Literal["vehicles", "lines"]]
+    preset: str | None = Field(None, description="Name of the shipped preset that this one is based on.")
+
+    @classmethod
+    def from_preset(cls, name: str, **changes: Any) -> Self:
+        """Return a shipped vehicle or line.
+
+        Parameters
+        ----------
+        name : str
+            Name of the preset; `railjoule.preset_names("vehicles")` and `("lines")` list them.
+        **changes
+            Keys to change, such as `load_factor=0.3`, `reverse=True` or `drive={"recuperation_factor": 0.4}`.
+
+        Raises
+        ------
+        ScenarioError
+            If there is no such preset, or a key or its value is wrong.
+        """
+        # documents import the parts
+        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
+
+        return part_from_preset(cls, name, changes)
 
 
 def _construction_error(part: type[Part], fields: Mapping[str, Any], error: ValidationError) -> ScenarioError:

@@ -129,17 +129,14 @@ def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     if kind == "too_short" and context["min_length"] == 1:
         return f"{path} is empty"
     if kind == "value_error":
-        return _own_finding(path, str(context["error"]), _keys_at(model, place))
+        # of our own checks on a table, some name a key of it
+        words = str(context["error"])
+        begins_with_key = any(words.startswith(key) for key in _keys_at(model, place))
+        return f"{path}{'.' if begins_with_key else ' '}{words}" if path else words
     tag = {"tag_key": str(context.get("discriminator")).strip("'"), "shown_tag": show(context.get("tag"))}
     return WORDS.get(kind, "{path} = {value}: {msg}").format_map(
         {**finding, **context, **tag, "path": path, "value": value}
     )
-
-
-def _own_finding(path: str, words: str, keys: set[str]) -> str:
-    """Join the place of a table with the words of one of our own checks on it."""
-    begins_with_key = any(words.startswith(key) for key in keys)
-    return f"{path}{'.' if begins_with_key else ' '}{words}" if path else words
 
 
 def _without_tags(location: Sequence[str | int]) -> list[str | int]:

@@ -1,6 +1,6 @@
 """Distributions of random quantities, and the disturbances of a run."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -89,10 +89,19 @@ class Event(Part):
     noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="When the train learns of it [s].")
     reaction: Reaction = Field("computer", description="Reaction (computer: replanning; known: in advance).")
 
+    ends_at: ClassVar[tuple[str, str] | None] = None
+    """The key of the place by which the train has learned of it, and what is there."""
+
     @model_validator(mode="after")
-    def _noticed_once(self) -> Self:
+    def _noticed_in_time(self) -> Self:
         if self.noticed_at_m is not None and self.noticed_at_s is not None:
             raise ValueError("noticed_at_m and noticed_at_s cannot both be given")
+        if self.noticed_at_m is not None and self.ends_at is not None:
+            key, words = self.ends_at
+            if self.noticed_at_m > getattr(self, key):
+                raise ValueError(
+                    f"noticed_at_m = {self.noticed_at_m:g} is after {key} = {getattr(self, key):g}, {words}"
+                )
         return self
 
 
@@ -101,28 +110,16 @@ class UnplannedStop(Event):
 
     position_m: Number = Field(gt=0, le=1e7, description="Where the train must stop [m].")
     duration_s: Number = Field(ge=0, le=86400, description="Duration of the stop [s].")
-
-    @model_validator(mode="after")
-    def _noticed_before(self) -> Self:
-        # A train learns of a stop before it stands there. How far before is not checked here: whether it can still
-        # brake depends on its speed, and the simulation reports a missed stop.
-        if self.noticed_at_m is not None and self.noticed_at_m > self.position_m:
-            raise ValueError(
-                f"noticed_at_m = {self.noticed_at_m:g} is after position_m = {self.position_m:g}, "
-                "where the train must stop"
-            )
-        return self
+    # How far before is not checked here: whether it can still brake depends on its speed, and the simulation reports a
+    # missed stop.
+    ends_at = ("position_m", "where the train must stop")
 
 
 class UnplannedLimit(Event, SpeedLimit):
     """A speed limit that is not in the timetable."""
 
-    @model_validator(mode="after")
-    def _noticed_before(self) -> Self:
-        # the end of the limit and not its start, as a train may learn of a limit while it is inside
-        if self.noticed_at_m is not None and self.noticed_at_m > self.to_m:
-            raise ValueError(f"noticed_at_m = {self.noticed_at_m:g} is after to_m = {self.to_m:g}, where it ends")
-        return self
+    # the end of the limit and not its start, as a train may learn of a limit while it is inside
+    ends_at = ("to_m", "where it ends")
 
 
 class VoltageChange(Event):

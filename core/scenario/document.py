@@ -9,23 +9,25 @@ import tomli_w
 from pydantic import BaseModel
 
 from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario._base import PresetPart
 from railjoule.core.scenario._sentences import shorten, show, validated
-from railjoule.core.scenario.csv_table import Folder, read_map, read_sections
-from railjoule.core.scenario.line import Line
+from railjoule.core.scenario.line import Line, Section
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.text_file import (
     MAX_FILE_BYTES,
     MAX_KEY_PARTS,
     NESTED_TOO_DEEPLY,
+    Folder,
+    read_map,
+    read_rows,
     read_text,
     read_toml,
 )
-from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.written import write_text
 
 Document = dict[str, Any]
-PresetPart = TypeVar("PresetPart", Vehicle, Line)
+AnyPart = TypeVar("AnyPart", bound=PresetPart)
 
 # A document is often laid over a preset that gives the same quantity by the other key. Without this, setting one would
 # leave both in force, which the model refuses.
@@ -68,9 +70,7 @@ def scenario_from_document(
     return validated(Scenario, filled, source)
 
 
-def part_from_preset(
-    model: type[PresetPart], kind: Literal["vehicles", "lines"], name: str, changes: Mapping[str, Any]
-) -> PresetPart:
+def part_from_preset(model: type[AnyPart], name: str, changes: Mapping[str, Any]) -> AnyPart:
     """Return a shipped vehicle or line with some keys changed.
 
     Raises
@@ -79,7 +79,7 @@ def part_from_preset(
         If there is no such preset, or a key or its value is wrong.
     """
     _require_consistent(changes, model.__name__)
-    document = merged(preset_document(kind, name), {"preset": name, **changes})
+    document = merged(preset_document(model.preset_kind, name), {"preset": name, **changes})
     return validated(model, document, f"{model.__name__}.from_preset({name!r})")
 
 
@@ -91,14 +91,15 @@ def _require_consistent(keys: Iterable[str], source: str) -> None:
             raise ScenarioError(f"{source}: {' and '.join(given)} exclude each other; give one of them.")
 
 
-def document_of(scenario: Scenario) -> Document:
+def to_document(scenario: Scenario) -> Document:
     """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
-    document = _dump(scenario)
-    document["vehicle"], drive = _shorten_vehicle(scenario.vehicle)
-    if drive:
-        document["drive"] = drive
-    line = scenario.line
-    short = _over("lines", line.model_dump(mode="json", exclude_none=True), Line)
+    document, vehicle, line = _dump(scenario), scenario.vehicle, scenario.line
+    short = _over_preset(vehicle)
+    if short is not None and (drive := short.pop("drive", {})):
+        # of a drive of another kind all keys are needed
+        document["drive"] = vehicle.drive.model_dump(mode="json", exclude_none=True) if drive.get("model") else drive
+    document["vehicle"] = _dump(vehicle.model_copy(update={"preset": None})) if short is None else short
+    short = _over_preset(line)
     document["line"] = whole_line(line) if short is None else short
     return document
 
@@ -204,7 +205,7 @@ def _fill_line(document: Document, folder: Folder | None) -> None:
         # two of them would contradict each other, and no rule says which one counts
         if "sections" in line or "preset" in line:
             raise ScenarioError("line needs only one of preset, file and sections.")
-        line["sections"] = read_sections(_file_name("line.file", name), folder)
+        line["sections"] = read_rows("line.file", _file_name("line.file", name), folder, Section.model_fields)
     document["line"] = _filled("lines", line)
 
 
@@ -228,21 +229,14 @@ def _dump(part: BaseModel) -> Document:
     return part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
 
 
-def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
-    """Shorten the tables `vehicle` and `drive` of a document."""
-    full = vehicle.model_dump(mode="json", exclude_none=True)
-    short = _over("vehicles", full, Vehicle)
-    if short is None:
-        return _dump(vehicle.model_copy(update={"preset": None})), {}
-    drive = short.pop("drive", {})
-    return short, full["drive"] if drive.get("model") else drive
-
-
-def _over(kind: Literal["vehicles", "lines"], full: Document, model: type[BaseModel]) -> Document | None:
-    """Compute the changes of a preset that give `full`; None if there are none."""
-    if full.get("preset") is None:
+def _over_preset(part: PresetPart) -> Document | None:
+    """Compute the changes of its preset that give a part; None if it has none."""
+    if part.preset is None:
         return None
-    base = model.model_validate(preset_document(kind, full["preset"])).model_dump(mode="json", exclude_none=True)
+    full = part.model_dump(mode="json", exclude_none=True)
+    base = part.model_validate(preset_document(part.preset_kind, part.preset)).model_dump(
+        mode="json", exclude_none=True
+    )
     short = _difference(full, base)
     return short if merged(base, short) == full else None
 
@@ -337,7 +331,7 @@ def parse_scenario(
 
 def format_scenario(scenario: Scenario) -> str:
     """Return the TOML text that gives exactly `scenario` when it is read again."""
-    return tomli_w.dumps(document_of(scenario))
+    return tomli_w.dumps(to_document(scenario))
 
 
 def save_scenario(scenario: Scenario, path: str | Path) -> None:

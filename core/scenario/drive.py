@@ -1,6 +1,6 @@
 """The parameters of a vehicle's drive, one model a kind; the physics is in `railjoule.core.drive`."""
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -75,19 +75,32 @@ class DriveParameters(Part):
         0.0, ge=0, le=1, description="Share of the generated electrical energy that is recuperated."
     )
 
+    voltage_key: ClassVar[str | None] = None
+    """The key of a voltage that goes with that of the line and limits the effort."""
+
     @property
     def knows_voltage(self) -> bool:
         """Whether the line voltage limits the effort of this kind of drive."""
-        return False
+        return self.voltage_key is not None
 
     @property
     def stays_for_s(self) -> float:
         """For how long the drive stays on or off at least [s]; 0 where nothing is saved by switching it."""
-        return 0.0
+        return getattr(self, "least_switching_s", 0.0)
 
     def at_voltage(self, factor: float) -> Self:
         """Return the drive at a line voltage that is `factor` times the nominal one; itself where it has none."""
-        return self
+        if self.voltage_key is None:
+            return self
+        return self.model_copy(update={self.voltage_key: factor * getattr(self, self.voltage_key)})
+
+
+class MotorDrive(DriveParameters):
+    """The keys of drives with motors behind gears."""
+
+    motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
+    gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
+    wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
 
 
 class IdlingDrive(DriveParameters):
@@ -100,11 +113,6 @@ class IdlingDrive(DriveParameters):
         2.0, ge=0, le=60, description="For how long the drive stays on or off at least; 0 for as short as a cell [s]."
     )
 
-    @property
-    def stays_for_s(self) -> float:
-        """For how long the drive stays on or off at least [s]."""
-        return self.least_switching_s
-
 
 class ConstantEfficiency(DriveParameters):
     """A drive whose losses are a fixed share of its power."""
@@ -116,13 +124,10 @@ class ConstantEfficiency(DriveParameters):
     )
 
 
-class CopperLoss(DriveParameters):
+class CopperLoss(MotorDrive):
     """A drive that loses power only in the windings of its motors."""
 
     model: Literal["copper_loss"]
-    motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
-    gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
-    wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
     torque_per_amp_nm: Number = Field(gt=0, le=1e4, description="Torque of one motor per ampere [N m/A].")
     resistance_ohm: Number = Field(ge=0, le=100, description="Resistance that loses R i^2 in one motor [ohm].")
     machine: InductionMachine | None = Field(
@@ -137,13 +142,11 @@ class CopperLoss(DriveParameters):
         return self.model_copy(update={"machine": self.machine.model_copy(update={"max_phase_voltage_v": limit})})
 
 
-class Induction(IdlingDrive):
+class Induction(MotorDrive, IdlingDrive):
     """Induction machines under vector control; currents and voltages are amplitudes per phase, losses per motor."""
 
     model: Literal["induction"]
-    motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
-    gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
-    wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
+    voltage_key = "max_phase_voltage_v"
     gear_efficiency: Efficiency = Field(description="Gear efficiency, in both directions.")
     pole_pairs: Count = Field(ge=1, le=50, description="Pole pairs of a motor.")
     stator_resistance_ohm: Resistance = Field(description="Resistance of a stator phase [ohm].")
@@ -164,15 +167,6 @@ class Induction(IdlingDrive):
     standstill_brake: bool = Field(
         False, strict=True, description="A mechanical brake replaces motor braking that would draw power."
     )
-
-    @property
-    def knows_voltage(self) -> bool:
-        """Whether the line voltage limits the effort: it does."""
-        return True
-
-    def at_voltage(self, factor: float) -> Self:
-        """Return the machines with the phase voltage that the inverter makes of `factor` times the nominal one."""
-        return self.model_copy(update={"max_phase_voltage_v": factor * self.max_phase_voltage_v})
 
     @model_validator(mode="after")
     def _is_a_machine(self) -> Self:
@@ -196,12 +190,9 @@ class Induction(IdlingDrive):
         return self
 
 
-class GearedMotors(IdlingDrive):
+class GearedMotors(MotorDrive, IdlingDrive):
     """The keys of drives with known losses of each motor with its inverter."""
 
-    motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
-    gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
-    wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
     # below 1, as braking passes F v (1 - g) on to the shaft: at 1 the electric brake would have nothing to work with
     gear_loss_share: Number = Field(0.0, ge=0, lt=1, description="Gear loss over the power at the wheels.")
 
@@ -260,6 +251,7 @@ class Synchronous(GearedMotors):
     """Permanent-magnet-assisted synchronous reluctance machines, each with its inverter; amplitudes per phase."""
 
     model: Literal["synchronous"]
+    voltage_key = "link_voltage_v"
     pole_pairs: Count = Field(ge=1, le=50, description="Pole pairs of a motor.")
     magnet_flux_vs: Number = Field(gt=0, le=100, description="Flux linkage of the magnets in a phase [V s].")
     direct_inductance_mh: Inductance = Field(description="Inductance along the magnets [mH].")
@@ -289,15 +281,6 @@ class Synchronous(GearedMotors):
     harmonic_losses: bool = Field(
         True, strict=True, description="The harmonics of the inverter heat the windings; if false, they are left out."
     )
-
-    @property
-    def knows_voltage(self) -> bool:
-        """Whether the line voltage limits the effort: it does."""
-        return True
-
-    def at_voltage(self, factor: float) -> Self:
-        """Return the machines with a direct-current link at `factor` times the nominal voltage."""
-        return self.model_copy(update={"link_voltage_v": factor * self.link_voltage_v})
 
     @model_validator(mode="after")
     def _is_a_machine(self) -> Self:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Name, Number, Part
+from railjoule.core.scenario._base import Name, Number, Part, PresetPart
 
 if TYPE_CHECKING:
     import pandas
@@ -32,16 +32,15 @@ class Section(Part):
     # above the 575 km/h that trains on wheels have reached
     speed_limit_kmh: Number | None = Field(None, gt=0, le=600, description="Speed limit [km/h].")
     curve_radius_m: Number = Field(0.0, ge=0, le=1e6, description="Radius of the curve [m]; 0 means straight.")
-    # it multiplies the part quadratic in speed alone, as the air in a tunnel changes nothing about bearings
+    # it multiplies only the part quadratic in speed, as the air in a tunnel changes nothing about bearings
     tunnel_factor: Number = Field(1.0, ge=0.1, le=20, description="Factor on quadratic resistance; 1 means no tunnel.")
 
 
-class SpeedLimit(Part):
-    """A speed limit between two places."""
+class Stretch(Part):
+    """A piece of line between two places."""
 
-    from_m: Number = Field(ge=0, le=1e7, description="Where the limit begins [m].")
-    to_m: Number = Field(gt=0, le=1e7, description="Where the limit ends [m].")
-    limit_kmh: Number = Field(gt=0, le=600, description="The limit [km/h].")
+    from_m: Number = Field(ge=0, le=1e7, description="Where it begins for the front of the train [m].")
+    to_m: Number = Field(gt=0, le=1e7, description="Where it ends [m].")
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
@@ -50,21 +49,18 @@ class SpeedLimit(Part):
         return self
 
 
-class NeutralSection(Part):
+class SpeedLimit(Stretch):
+    """A speed limit between two places."""
+
+    limit_kmh: Number = Field(gt=0, le=600, description="The limit [km/h].")
+
+
+class NeutralSection(Stretch):
     """A piece of line without traction power.
 
     As long as the front of the train is in it, where the pantograph is taken to be, the drive neither pulls nor brakes;
-    friction brakes work. The auxiliaries go on, and count the same: what feeds them meanwhile is charged again.
+    friction brakes work. The auxiliaries stay on, and count the same: their battery is charged again later.
     """
-
-    from_m: Number = Field(ge=0, le=1e7, description="Where the front of the train loses traction power [m].")
-    to_m: Number = Field(gt=0, le=1e7, description="Where it has it again [m].")
-
-    @model_validator(mode="after")
-    def _has_length(self) -> Self:
-        if self.to_m <= self.from_m:
-            raise ValueError(f"to_m = {self.to_m:g} is not beyond from_m = {self.from_m:g}")
-        return self
 
 
 class Station(Part):
@@ -108,23 +104,29 @@ class PassingPoint(Part):
 
 
 RailCondition = Literal["dry", "wet"]
-Stretch = TypeVar("Stretch", SpeedLimit, NeutralSection)
+AnyStretch = TypeVar("AnyStretch", bound=Stretch)
 
 
-def _turned(stretch: Stretch, length_m: float) -> Stretch:
+def _turned(stretch: AnyStretch, length_m: float) -> AnyStretch:
     """Return a stretch as a train meets it that runs the line from its end."""
     # max: a stretch up to the very end may begin a rounding error before the start once it is turned round
     ends = {"from_m": max(length_m - stretch.to_m, 0.0), "to_m": length_m - stretch.from_m}
     return stretch.model_copy(update=ends)
 
 
-class Line(Part):
+def _require_apart(key: str, points: Sequence[Station | PassingPoint]) -> None:
+    """Raise ValueError if positions do not rise by the shortest distance at least."""
+    if any(later.position_m - earlier.position_m < SHORTEST_DISTANCE_M for earlier, later in pairwise(points)):
+        raise ValueError(f"{key} must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
+
+
+class Line(PresetPart):
     """A line as it is described in its forward direction.
 
     `reverse` turns the whole of it, limits and stations included.
     """
 
-    preset: str | None = Field(None, description="Name of the shipped line that this one is based on.")
+    preset_kind = "lines"
     name: Name = Field("", max_length=200, description="Name of the line.")
     reverse: bool = Field(False, strict=True, description="Run the line from its end to its start.")
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
@@ -144,27 +146,6 @@ class Line(Part):
     rail_condition: RailCondition | None = Field(
         None, description="Rail condition, by which adhesion limits the efforts; if empty, it does not."
     )
-
-    @classmethod
-    def from_preset(cls, name: str, **changes: Any) -> "Line":
-        """Return a shipped line.
-
-        Parameters
-        ----------
-        name : str
-            Name of the preset; `railjoule.preset_names("lines")` lists them.
-        **changes
-            Keys of the line to change, such as `reverse=True`.
-
-        Raises
-        ------
-        ScenarioError
-            If there is no such preset, or a key or its value is wrong.
-        """
-        # documents import lines
-        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
-
-        return part_from_preset(cls, "lines", name, changes)
 
     @classmethod
     def from_tables(
@@ -210,7 +191,7 @@ class Line(Part):
             If a table cannot be read, or its units are in doubt.
         """
         # by name: imports make lines, and compiled kernels depend on lines and must not depend on all that imports use
-        module = import_module("railjoule.core.imports.from_tables")
+        module = import_module("railjoule.core.imports.line")
         tables: dict[Any, Any] = {
             "gradients": gradients,
             "limits": limits,
@@ -222,39 +203,30 @@ class Line(Part):
         return line
 
     @model_validator(mode="after")
-    def _lies_within(self) -> Self:
+    def _is_one_line(self) -> Self:
         length = self.length_m
         if length < SHORTEST_DISTANCE_M:
             raise ValueError(f"is {length:g} m long, and must be at least {SHORTEST_DISTANCE_M:g} m")
-        ends = {
-            "speed_limits": [limit.to_m for limit in self.speed_limits],
-            "neutral_sections": [section.to_m for section in self.neutral_sections],
-        }
-        for key, places in ends.items():
-            for index, place in enumerate(places):
-                # the length is a sum of sections, whose last digits need not be those of a limit that ends with it
-                if place > length + 1e-9:
-                    raise ValueError(f"{key}[{index}].to_m = {place:g} lies beyond the end of the line at {length:g} m")
-        positions = [station.position_m for station in self.stations]
+        for key, stretches in (("speed_limits", self.speed_limits), ("neutral_sections", self.neutral_sections)):
+            for index, one in enumerate(stretches):
+                self._require_on_line(f"{key}[{index}].to_m", one.to_m)
         # two stations closer than a cell would share a node of the mesh, at which the train could stand only once
-        if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(positions)):
-            raise ValueError(f"stations must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
-        if positions and positions[-1] > length + 1e-9:
-            raise ValueError(
-                f"stations[{len(positions) - 1}].position_m = {positions[-1]:g} lies beyond the end of the line "
-                f"at {length:g} m"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _times_at_its_ends_count(self) -> Self:
+        _require_apart("stations", self.stations)
+        for index, station in enumerate(self.stations[-1:], len(self.stations) - 1):
+            self._require_on_line(f"stations[{index}].position_m", station.position_m)
         # a run lasts from the departure at one end of the line to the arrival at the other
         self._require_no_times(self.start_station, TIMES_OF_A_STOP, "begins when the train leaves this station")
         self._require_no_times(self.end_station, ("dwell_s",), "ends when the train arrives at this station")
+        self._require_passes_between_stops()
         return self
 
+    def _require_on_line(self, key: str, place_m: float) -> None:
+        # the length is a sum of sections, whose last digits need not be those of a limit that ends with it
+        if place_m > self.length_m + 1e-9:
+            raise ValueError(f"{key} = {place_m:g} lies beyond the end of the line at {self.length_m:g} m")
+
     def _require_no_times(self, station: Station | None, keys: tuple[str, ...], reason: str) -> None:
-        """Raise ValueError if a station at an end of the line has a time that counts between the ends alone."""
+        """Raise ValueError if a station at an end of the line has a time that only counts between the ends."""
         key = next((key for key in keys if getattr(station, key, None)), None)
         if station is not None and key is not None:
             # by place: two stations may be equal in all else
@@ -262,24 +234,19 @@ class Line(Part):
             value = getattr(station, key)
             raise ValueError(f"stations[{index}].{key} = {value:g} has no effect, as the run {reason}: remove the key")
 
-    @model_validator(mode="after")
-    def _passes_between_stops(self) -> Self:
+    def _require_passes_between_stops(self) -> None:
         length = self.length_m
-        places = [point.position_m for point in self.passing_points]
-        if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(places)):
-            raise ValueError(f"passing_points must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
         # each of them is a node of the mesh, at which a speed can be prescribed only once
-        for index, place in enumerate(places):
+        _require_apart("passing_points", self.passing_points)
+        for index, point in enumerate(self.passing_points):
+            key, place = f"passing_points[{index}].position_m", point.position_m
             if place > length - SHORTEST_DISTANCE_M:
                 raise ValueError(
-                    f"passing_points[{index}].position_m = {place:g} must lie at least {SHORTEST_DISTANCE_M:g} m "
-                    f"before the end of the line at {length:g} m"
+                    f"{key} = {place:g} must lie at least {SHORTEST_DISTANCE_M:g} m before the end of the line at "
+                    f"{length:g} m"
                 )
             if any(abs(place - station.position_m) < SHORTEST_DISTANCE_M for station in self.stations):
-                raise ValueError(
-                    f"passing_points[{index}].position_m = {place:g} lies at a station, where the train stands"
-                )
-        return self
+                raise ValueError(f"{key} = {place:g} lies at a station, where the train stands")
 
     @property
     def length_m(self) -> float:

@@ -82,10 +82,6 @@ class SearchOptions(Part):
                 f"limits_kmh has {len(self.limits_kmh)} entries for the {len(self.boundaries_m) + 1} sections "
                 "between boundaries_m"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _every_key_has_an_effect(self) -> Self:
         if self.regulator != "literal":
             require_effect(self, LITERAL_KEYS, f"with regulator = '{self.regulator}', only with 'literal'")
         if self.limits_kmh is not None:
@@ -139,26 +135,20 @@ class SimulationOptions(Part):
     )
 
     @model_validator(mode="after")
-    def _in_order(self) -> Self:
+    def _fits_together(self) -> Self:
         if self.calibration_length_m is not None and self.reset_sensor_m is None:
             raise ValueError("calibration_length_m needs reset_sensor_m, where the calibration begins")
-        places = [self.reset_sensor_m, self._second_sensor_m, self.stop_sensor_m]
+        places = [self.reset_sensor_m, self.stop_sensor_m]
+        if self.reset_sensor_m is not None and self.calibration_length_m is not None:
+            places.insert(1, self.reset_sensor_m - self.calibration_length_m)
         known = [place for place in places if place is not None]
         if any(later >= earlier for earlier, later in pairwise(known)) or min(known, default=1.0) <= 0:
             raise ValueError(
                 "the sensors must be in the order D1, D2, D3 before the stop: reset_sensor_m above "
                 "reset_sensor_m - calibration_length_m above stop_sensor_m"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _every_key_has_an_effect(self) -> Self:
         if not self.target_braking:
             require_effect(self, TARGET_BRAKING_KEYS, "with target_braking = false")
-        return self
-
-    @model_validator(mode="after")
-    def _step_follows_the_noise(self) -> Self:
         if self.speed_noise_rads > 0 and self.time_step_s is not None and self.time_step_s > MAX_NOISY_STEP_S:
             raise ValueError(
                 f"time_step_s = {self.time_step_s:g} must be at most {MAX_NOISY_STEP_S:g} with speed_noise_rads above 0"
@@ -171,12 +161,6 @@ class SimulationOptions(Part):
         if self.time_step_s is not None:
             return self.time_step_s
         return MAX_NOISY_STEP_S if self.speed_noise_rads > 0 else LOOP_STEP_S
-
-    @property
-    def _second_sensor_m(self) -> float | None:
-        if self.reset_sensor_m is None or self.calibration_length_m is None:
-            return None
-        return self.reset_sensor_m - self.calibration_length_m
 
 
 class MonteCarloOptions(Part):

@@ -19,44 +19,30 @@ def preset_names(kind: PresetKind) -> tuple[str, ...]:
     )
 
 
+# The text is kept, and not the dictionary: a page asks at every change, and callers change what they get. 64 is more
+# than there are files.
+@lru_cache(maxsize=64)
 def preset_text(kind: PresetKind, name: str) -> str:
     """Return a shipped file with its comments, which name the sources.
 
     Raises
     ------
     ScenarioError
-        If there is no such preset.
+        If there is no such preset; it names those that are alike.
     """
-    require_name(kind, name, preset_names(kind))
-    return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")
-
-
-def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
-    """Return a fresh copy of a shipped preset as a nested dictionary.
-
-    Raises
-    ------
-    ScenarioError
-        If there is no such preset.
-    """
-    return tomllib.loads(_cached_text(kind, name))
-
-
-def require_name(kind: PresetKind, name: str, known: tuple[str, ...]) -> None:
-    """Raise ScenarioError, with the names that are alike, if a name is not among the known ones."""
+    known = preset_names(kind)
     if name not in known:
         hint = suggestion(name, known)
         end = "" if hint.endswith("?") else "."
         raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
+    return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
+    """Return a fresh copy of a shipped preset as a nested dictionary; errors as of `preset_text`."""
+    return tomllib.loads(preset_text(kind, name))
 
 
 def _folder(kind: PresetKind) -> Traversable:
     # importlib.resources: the assets may lie in a wheel or in a checkout, and only this finds both
     return files("railjoule.assets") / kind
-
-
-# The text is kept, and not the dictionary: a page asks at every change, and callers change what they get. 64 is more
-# than there are files.
-@lru_cache(maxsize=64)
-def _cached_text(kind: PresetKind, name: str) -> str:
-    return preset_text(kind, name)

@@ -131,27 +131,34 @@ class Scenario(Part):
         require_strategy(name)
         return name
 
+    # checks that need two tables stand here, as a table knows nothing of those beside it
     @model_validator(mode="after")
-    def _sections_cover_the_line(self) -> Self:
-        length = self.line.length_m
-        # checks that need two tables stand here, as a table knows nothing of those beside it
+    def _tables_fit_together(self) -> Self:
+        length, vehicle = self.line.length_m, self.vehicle
         for index, border in enumerate(self.search.boundaries_m):
             if border >= length:
                 raise ValueError(
                     f"search.boundaries_m[{index}] = {border:g} must lie before the end of the line at {length:g} m"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _rear_is_known(self) -> Self:
-        if self.line.limits_hold_for == "whole_train" and self.vehicle.length_m is None:
+        if self.line.limits_hold_for == "whole_train" and vehicle.length_m is None:
             raise ValueError("line.limits_hold_for = 'whole_train' needs vehicle.length_m")
+        if self.timetable.deduct_train_length:
+            self._require_runs_longer_than_the_train()
+        for name, part in (("line", self.line), ("disturbance", self.disturbance)):
+            if part.rail_condition is not None and vehicle.adhesion.driven_mass_share is None:
+                raise ValueError(
+                    f"{name}.rail_condition = '{part.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
+                    "share of the mass on driven axles; it is 1 where all axles are driven"
+                )
+        # against the crush load and not 1: what a train really carries may exceed its nominal capacity
+        load, most = self.disturbance.actual_load_factor, vehicle.crush_load_factor
+        if load is not None and load > most:
+            raise ValueError(
+                f"disturbance.actual_load_factor = {load:g} must be at most {most:g}, the vehicle.crush_load_factor"
+            )
         return self
 
-    @model_validator(mode="after")
-    def _runs_are_longer_than_the_train(self) -> Self:
-        if not self.timetable.deduct_train_length:
-            return self
+    def _require_runs_longer_than_the_train(self) -> None:
         train = self.vehicle.length_m
         if train is None:
             raise ValueError("timetable.deduct_train_length = true needs vehicle.length_m")
@@ -161,27 +168,6 @@ class Scenario(Part):
                 "timetable.deduct_train_length = true needs inter-station runs longer than the train: the shortest has "
                 f"{shortest:g} m, and vehicle.length_m = {train:g}"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _driven_mass_is_known(self) -> Self:
-        for name, part in (("line", self.line), ("disturbance", self.disturbance)):
-            if part.rail_condition is not None and self.vehicle.adhesion.driven_mass_share is None:
-                raise ValueError(
-                    f"{name}.rail_condition = '{part.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
-                    "share of the mass on driven axles; it is 1 where all axles are driven"
-                )
-        return self
-
-    @model_validator(mode="after")
-    def _real_load_can_be_carried(self) -> Self:
-        # against the crush load and not 1: what a train really carries may exceed its nominal capacity
-        load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
-        if load is not None and load > most:
-            raise ValueError(
-                f"disturbance.actual_load_factor = {load:g} must be at most {most:g}, the vehicle.crush_load_factor"
-            )
-        return self
 
     @property
     def travel_time_s(self) -> float:
@@ -249,13 +235,13 @@ class Scenario(Part):
         # documents know scenarios, so they can only be asked for here
         from railjoule.core.scenario.document import (  # noqa: PLC0415
             change_document,
-            document_of,
             scenario_from_document,
+            to_document,
         )
 
         try:
             # Through the document and not `model_copy`, which checks nothing: so a change can name a preset, drop a
             # key by None and replace its alternative, as in a file.
-            return scenario_from_document(change_document(document_of(self), {**(changes or {}), **keys}))
+            return scenario_from_document(change_document(to_document(self), {**(changes or {}), **keys}))
         except RecursionError:
             raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

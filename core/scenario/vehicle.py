@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Count, Name, Number, Part
+from railjoule.core.scenario._base import Count, Name, Number, Part, PresetPart
 from railjoule.core.scenario.drive import Drive
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
@@ -151,10 +151,10 @@ class Adhesion(Part):
         return self
 
 
-class Vehicle(Part):
+class Vehicle(PresetPart):
     """One electric rail vehicle with its load."""
 
-    preset: str | None = Field(None, description="Name of the shipped vehicle that this one is based on.")
+    preset_kind = "vehicles"
     name: Name = Field(max_length=200, description="Name of the vehicle.")
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
     capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers that the vehicle can carry.")
@@ -185,56 +185,23 @@ class Vehicle(Part):
     adhesion: Adhesion = Adhesion()
     drive: Drive
 
-    @classmethod
-    def from_preset(cls, name: str, **changes: Any) -> "Vehicle":
-        """Return a shipped vehicle.
-
-        Parameters
-        ----------
-        name : str
-            Name of the preset; `railjoule.preset_names("vehicles")` lists them.
-        **changes
-            Keys of the vehicle to change, such as `load_factor=0.3` or `drive={"recuperation_factor": 0.4}`.
-
-        Raises
-        ------
-        ScenarioError
-            If there is no such preset, or a key or its value is wrong.
-        """
-        # documents import vehicles
-        from railjoule.core.scenario.document import part_from_preset  # noqa: PLC0415
-
-        return part_from_preset(cls, "vehicles", name, changes)
-
     @model_validator(mode="after")
-    def _load_can_be_carried(self) -> Self:
+    def _fits_together(self) -> Self:
         if self.load_factor > self.crush_load_factor:
             raise ValueError(
                 f"load_factor = {self.load_factor:g} must be at most {self.crush_load_factor:g}, the crush_load_factor"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _load_has_a_mass(self) -> Self:
         if self.load_factor > 0 and self.passenger_mass_kg * self.capacity_passengers == 0:
             raise ValueError(
                 f"load_factor = {self.load_factor:g} has no effect: it needs capacity_passengers and "
                 "passenger_mass_kg above 0"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _one_inertia(self) -> Self:
         if (self.rotating_mass_factor is None) == (self.inertial_mass_kg is None):
             raise ValueError("needs exactly one of rotating_mass_factor and inertial_mass_kg")
         if self.inertial_mass_kg is not None and self.inertial_mass_kg < self.tare_kg:
             raise ValueError(
                 f"inertial_mass_kg = {self.inertial_mass_kg:g} is below tare_kg = {self.tare_kg:g}, which it includes"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _cars_make_the_train(self) -> Self:
         if self.car_count is not None and self.length_m is None:
             raise ValueError("car_count needs length_m")
         if self.gradient_at != "whole_train" and self.length_m is None:

@@ -10,13 +10,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance, Reaction
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulation.following import Following, follow, plan_for
-from railjoule.core.simulation.leg import leg_of
+from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
@@ -48,15 +47,13 @@ class Cause:
 
 
 @dataclass(frozen=True, eq=False)
-class ActualRun:
+class ActualRun(DrivenPlan):
     """A plan and its actual run.
 
     Parameters
     ----------
     scenario : Scenario
         The plan's, with the disturbance that it meets.
-    planned, actual : Trajectory
-        The run as planned, and as driven.
     causes : tuple of Cause
         Sources of the energy beyond the plan, in the order of CAUSES; only those that differ from the plan.
     following : Following or None
@@ -70,8 +67,6 @@ class ActualRun:
     """
 
     scenario: Scenario
-    planned: Trajectory
-    actual: Trajectory
     causes: tuple[Cause, ...]
     following: Following | None
     disturbed: DisturbedRun | None
@@ -79,31 +74,14 @@ class ActualRun:
     notes: tuple[str, ...]
 
     @property
-    def extra_j(self) -> float:
-        """Energy beyond that of the plan; the causes sum to it [J]."""
-        return self.actual.energy.net_j - self.planned.energy.net_j
-
-    @property
     def extra_kwh(self) -> float:
-        """The same in kWh."""
-        return self.extra_j / J_PER_KWH
-
-    @property
-    def overconsumption(self) -> float:
-        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
-        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
+        """Energy beyond that of the plan; the causes sum to it [kWh]."""
+        return self.actual.energy_kwh - self.planned.energy_kwh
 
     @property
     def max_cause(self) -> Cause | None:
         """The cause that changes the energy most, if there is one."""
         return max(self.causes, key=lambda cause: abs(cause.energy_j), default=None)
-
-    @property
-    def stop_error_m(self) -> float:
-        """How far beyond its last stop the train came to stand [m]."""
-        if self.disturbed is not None or self.following is None:
-            return float(self.actual.position_m[-1] - self.planned.position_m[-1])
-        return self.following.stop_error_m
 
 
 def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Trajectory | None = None) -> ActualRun:
@@ -116,7 +94,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     reaction : str, optional
         The one that reacts to the events, instead of their own `reaction`.
     planned : Trajectory, optional
-        The plan, if it is known: that of `plan_of`.
+        The plan, if it is known: that of `solve_plan`.
 
     Raises
     ------
@@ -125,7 +103,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     RailjouleError
         As `railjoule.core.solve` for the plan; InfeasibleLineError if the train comes to a stand on its way.
     """
-    plan = planned or plan_of(scenario)
+    plan = planned or solve_plan(scenario)
     run, following, disturbed = plan, None, None
     causes = []
     for name, disturbance, options in _stages(scenario):
@@ -165,7 +143,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     )
 
 
-def plan_of(scenario: Scenario) -> Trajectory:
+def solve_plan(scenario: Scenario) -> Trajectory:
     """Return the plan at the start of a run; errors as `railjoule.core.solve`.
 
     It keeps to the target braking curves of the scenario if load or position differ from the plan.
@@ -204,7 +182,7 @@ def _with_stops_made(scenario: Scenario, driven: Trajectory, following: Followin
 
     A train that stood short of a station would otherwise stop there again once its position is known.
     """
-    leg, line = leg_of(driven), scenario.line.in_running_order()
+    leg, line = make_leg(driven), scenario.line.in_running_order()
     noticed_m = min(
         leg.place_at(event.noticed_at_s) if event.noticed_at_s is not None else event.noticed_at_m or 0.0
         for event in scenario.disturbance.events

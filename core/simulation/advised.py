@@ -18,23 +18,19 @@ a position. All numbers are those of the instructions, as printed; the run itsel
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.advice import Instruction
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.motion.cell_step import COAST as NOTHING
-from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
+from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.mesh import finer_at_stops, line_borders, with_nodes_at
-from railjoule.core.phases import NAMES
 from railjoule.core.phases.labels import SHORTEST_S
-from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.mesh_data import MeshData, cell_of, part_of_cell, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, part_of_cell, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -52,22 +48,6 @@ BISECTIONS = 50
 SHORTEST_M = 1e-9
 # A train that passes a stop with less stands there for its passengers.
 STANDING_MS = 1e-3
-
-
-class Orders(NamedTuple):
-    """Instructions for a moving train as arrays of shape (m,); speeds in m/s, what one does not name is not a number.
-
-    `begins_m` is infinite if it begins when the speed of full power is reached.
-    """
-
-    action: IntArray
-    begins_m: FloatArray
-    speed_ms: FloatArray
-    at_m: FloatArray
-    low_ms: FloatArray
-    high_ms: FloatArray
-    power_share: FloatArray
-    fully: BoolArray
 
 
 def drive_advice(
@@ -94,9 +74,7 @@ def drive_advice(
     mesh = build_meshed_line(scenario, position_m=_mesh(scenario, advice))
     moving = [instruction for instruction in advice if instruction.action != "stand"]
     entry_ms = scenario.timetable.end_speeds_ms[0] if initial_speed_ms is None else initial_speed_ms
-    place, speed2, stand = drive_cells(mesh.data, mesh.position_m, _orders(moving), entry_ms**2)
-    if stand >= 0:
-        raise InfeasibleLineError(f"At {place[-1]:.0f} m the train comes to a stand before its stop.")
+    place, speed2 = _drive_cells(mesh.data, mesh.position_m, moving, entry_ms**2)
     driven = build_meshed_line(scenario, position_m=place)
     dwell = np.zeros(len(place))
     for stop in (instruction for instruction in advice if instruction.to_kmh == 0 or instruction.stand_s is not None):
@@ -120,37 +98,10 @@ def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
     return finer_at_stops(nodes, stops, HALVINGS_AT_STOPS)
 
 
-def _orders(moving: Sequence[Instruction]) -> Orders:
-    """Return instructions as arrays."""
-    # coasting after full power begins when the speed is reached, wherever that is: the printed position is rounded
-    begins = [order.from_m for order in moving]
-    for k in range(1, len(moving)):
-        if moving[k].action == "coast" and moving[k - 1].action == "full_power":
-            begins[k] = np.inf
-    speeds = np.array(
-        [
-            (np.nan if order.to_kmh is None else order.to_kmh, *(order.between_kmh or (np.nan, np.nan)))
-            for order in moving
-        ]
-    )
-    speeds *= MS_PER_KMH
-    return Orders(
-        action=np.array([NAMES.index(order.action) for order in moving]),
-        begins_m=np.array(begins),
-        speed_ms=speeds[:, 0].copy(),
-        at_m=np.array([np.nan if order.at_m is None else order.at_m for order in moving]),
-        low_ms=speeds[:, 1].copy(),
-        high_ms=speeds[:, 2].copy(),
-        power_share=np.array([np.nan if order.power_share is None else order.power_share for order in moving]),
-        fully=np.array([order.fully for order in moving]),
-    )
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def drive_cells(
-    mesh: MeshData, position_m: FloatArray, orders: Orders, initial_speed2: float
-) -> tuple[FloatArray, FloatArray, int]:
-    """Return places and squares of speed of a train that follows orders, and where it comes to a stand.
+def _drive_cells(
+    mesh: MeshData, position_m: FloatArray, orders: Sequence[Instruction], speed2: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return nodes and places between them at which power is switched [m], and squares of speed there [m2/s2].
 
     Parameters
     ----------
@@ -158,73 +109,82 @@ def drive_cells(
         Train and line.
     position_m : array of shape (n + 1,)
         Nodes of the meshed line [m], all places of the orders among them.
-    orders : Orders
-        The advice to the driver.
-    initial_speed2 : float
+    orders : sequence of Instruction
+        The advice to a moving train.
+    speed2 : float
         Square of speed at the first node [m2/s2].
-
-    Returns
-    -------
-    place_m, speed2 : array of shape (k,)
-        The nodes and those between them at which power is switched [m], and squares of speed there [m2/s2].
-    stand : int
-        The cell in which the train comes to a stand too early; -1 if it does not.
     """
-    n, last = mesh.cell_length_m.shape[0], orders.action.shape[0] - 1
-    place, speed2 = [position_m[0]], [initial_speed2]
-    k, switched, braking, w = 0, False, -1.0, initial_speed2
-    for i in range(n):
-        whole, x, left = cell_of(mesh, i), position_m[i], position_m[i + 1] - position_m[i]
+    # coasting after full power begins when the speed is reached, wherever that is: the printed position is rounded
+    follows = [before == "full_power" for before in ["", *(order.action for order in orders[:-1])]]
+    begins = [
+        math.inf if order.action == "coast" and after_power else order.from_m
+        for order, after_power in zip(orders, follows, strict=True)
+    ]
+    places, squares, nodes = [position_m[0]], [speed2], position_m.tolist()
+    k, switched, braking = 0, False, -1.0
+    for i in range(len(nodes) - 1):
+        cell, x, end_m = cell_at(mesh, i), nodes[i], nodes[i + 1]
+        left = end_m - x
         while left > SHORTEST_M:
-            following = _order_at(orders, k, x)
-            if following != k:
-                k, switched = following, orders.action[following] == HOLD and w >= orders.high_ms[following] ** 2
-            if orders.fully[k] and x == orders.begins_m[k]:
-                braking = _braking_fraction(mesh, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
-            after, part, switched = _driven(mesh, part_of_cell(whole, left), (orders, k), (x, w), switched, braking)
+            reached = max((n for n in range(k, len(orders)) if begins[n] <= x + SHORTEST_M), default=k)
+            if reached != k:
+                k, switched = reached, orders[reached].action == "hold" and speed2 >= _swing2(orders[reached])[1]
+            if orders[k].fully and x == begins[k]:
+                last = int(np.searchsorted(position_m, _at_m(orders[k]) - SHORTEST_M))
+                braking = _braking_fraction(mesh, i, last, speed2, _aim2(orders[k]))
+            part_left = part_of_cell(cell, left)
+            reach = _reach(mesh, part_left, speed2)
+            after, part, switched = _driven(orders[k], reach, left, (x, speed2), switched, braking)
             # the speed is reached within the cell: coasting takes over in the rest of it
-            if switched and orders.action[k] == FULL_POWER and k < last and orders.begins_m[k + 1] == math.inf:
+            if switched and orders[k].action == "full_power" and begins[k + 1 : k + 2] == [math.inf]:
                 k, switched = k + 1, False
             if part * left <= SHORTEST_M:
                 continue
-            w, x, left = max(after, 0.0), x + part * left, left - part * left
-            place.append(x if left > SHORTEST_M else position_m[i + 1])
-            speed2.append(w)
-            if w <= 0.0 and (left > SHORTEST_M or orders.speed_ms[k] != 0.0 or place[-1] != orders.at_m[k]):
-                return np.array(place), np.array(speed2), i
-    return np.array(place), np.array(speed2), -1
+            speed2, x, left = max(after, 0.0), x + part * left, left - part * left
+            places.append(x if left > SHORTEST_M else end_m)
+            squares.append(speed2)
+            if speed2 <= 0.0 and (left > SHORTEST_M or orders[k].to_kmh != 0 or places[-1] != orders[k].at_m):
+                raise InfeasibleLineError(f"At {places[-1]:.0f} m the train comes to a stand before its stop.")
+    return np.array(places), np.array(squares)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def _order_at(orders: Orders, present: int, place_m: float) -> int:
-    """Return the last order whose place is reached; one of coasting after full power has none."""
-    for k in range(orders.action.shape[0] - 1, present, -1):
-        if orders.begins_m[k] <= place_m + SHORTEST_M:
-            return k
-    return present
+def _aim2(order: Instruction) -> float:
+    """Return the square of the speed that an order leads to [m2/s2]; NaN where it leads to none."""
+    return math.nan if order.to_kmh is None else (order.to_kmh * MS_PER_KMH) ** 2
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def _reach(mesh: MeshData, cell: Cell, speed2: float) -> tuple[float, float, float]:
-    """Return the squares of speed that full braking, coasting and full power lead to."""
-    train, traction, braking, _ = shared_by_cells(mesh)
-    return (
-        exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
-        exit_speed2(cell, train, traction, braking, speed2, NOTHING),
-        exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION),
-    )
+def _at_m(order: Instruction) -> float:
+    """Return the place at which an order reaches its speed [m]; NaN where it names none."""
+    return math.nan if order.at_m is None else order.at_m
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+def _swing2(order: Instruction) -> tuple[float, float]:
+    """Return the squares of the speeds between which a hold swings [m2/s2]; NaN for a steady one."""
+    low, high = order.between_kmh or (math.nan, math.nan)
+    return (low * MS_PER_KMH) ** 2, (high * MS_PER_KMH) ** 2
+
+
 def _driven(
-    mesh: MeshData,
-    cell: Cell,
-    order: tuple[Orders, int],
+    order: Instruction,
+    reach: tuple[float, float, float],
+    length_m: float,
     state: tuple[float, float],
     switched: bool,
     braking: float,
 ) -> tuple[float, float, bool]:
     """Return the speed at the end of a cell, or of its part until power is switched.
+
+    Parameters
+    ----------
+    order : Instruction
+    reach : tuple of three floats
+        Squares of speed that full braking, coasting and full power lead to [m2/s2].
+    length_m : float
+        Of the cell [m].
+    state : tuple of two floats
+        Place [m] and square of speed [m2/s2] at its begin.
+    switched, braking : bool and float
+        As returned below, of the cell before; and fraction of full braking, negative for none.
 
     Returns
     -------
@@ -236,44 +196,37 @@ def _driven(
         Whether the speed of full power is reached; by turns, whether power is off; coasting, whether it was faster
         than creeping.
     """
-    orders, k = order
+    low, free, top = reach
     place, speed2 = state
-    action, aim2 = orders.action[k], orders.speed_ms[k] ** 2
-    low, free, top = _reach(mesh, cell, speed2)
-    if action == COAST and not _comes_to_stand(orders.at_m[k] - place, speed2, switched):
-        rolling = min(speed2, CREEPING_MS**2, top) if switched else 0.0
-        return max(free, rolling), 1.0, switched or free > CREEPING_MS**2
-    if action == FULL_POWER and not switched:
+    action, aim2, ahead_m = order.action, _aim2(order), _at_m(order) - place
+    if action == "coast":
+        # coasting to a stop: its last seconds, or too slow; every comparison with NaN is false
+        is_creeping = switched and speed2 <= CREEPING_MS**2 and order.at_m is not None
+        if not (is_creeping or 2.0 * ahead_m <= SHORTEST_S * math.sqrt(speed2)):
+            rolling = min(speed2, CREEPING_MS**2, top) if switched else 0.0
+            return max(free, rolling), 1.0, switched or free > CREEPING_MS**2
+    if action == "full_power" and not switched:
         if top < aim2:
             return top, 1.0, False
         return max(speed2, aim2), _part_until(speed2, top, aim2), True
-    if action == HOLD and orders.power_share[k] > 0.0:
-        request = free if switched else free + orders.power_share[k] * (top - free)
-        limit2 = orders.low_ms[k] ** 2 if switched else orders.high_ms[k] ** 2
+    if action == "hold" and order.power_share:
+        request = free if switched else free + order.power_share * (top - free)
+        limit2 = _swing2(order)[0 if switched else 1]
         if (request > limit2) if switched else (request < limit2):
             return request, 1.0, switched
         return limit2, _part_until(speed2, request, limit2), not switched
-    if orders.fully[k] and braking >= 0.0 and place < orders.at_m[k] - SHORTEST_M:
+    if order.fully and braking >= 0.0 and ahead_m > SHORTEST_M:
         return free + braking * (low - free), 1.0, False
-    if action == HOLD:
-        request = aim2 + (speed2 - aim2) * math.exp(-cell.length_m / ADJUSTED_WITHIN_M)
-    elif action == FULL_POWER:
+    if action == "hold":
+        request = aim2 + (speed2 - aim2) * math.exp(-length_m / ADJUSTED_WITHIN_M)
+    elif action == "full_power":
         request = aim2
     else:
         # constant acceleration is v^2 linear over distance; the rest of the meshed line shrinks with each cell
-        request = speed2 + (aim2 - speed2) * min(cell.length_m / max(orders.at_m[k] - place, SHORTEST_M), 1.0)
+        request = speed2 + (aim2 - speed2) * min(length_m / max(ahead_m, SHORTEST_M), 1.0)
     return min(max(request, low), top), 1.0, switched
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def _comes_to_stand(distance_m: float, speed2: float, was_faster: bool) -> bool:
-    """Return whether coasting to a stop is in its last seconds or too slow; without a stop it is not a number."""
-    if math.isnan(distance_m):
-        return False
-    return (was_faster and speed2 <= CREEPING_MS**2) or 2.0 * distance_m <= SHORTEST_S * math.sqrt(speed2)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
 def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
     """Return in which part of a cell the square of speed, which changes linearly, comes to a wanted one."""
     if leaving2 == entering2:
@@ -282,12 +235,19 @@ def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _braking_fraction(
-    mesh: MeshData, position_m: FloatArray, section: tuple[int, float], speed2: float, aim2: float
-) -> float:
-    """Return which fraction of full braking leads to a speed at a position; negative where none is needed."""
-    first, at_m = section
-    last = int(np.searchsorted(position_m, at_m - SHORTEST_M))
+def _reach(mesh: MeshData, cell: Cell, speed2: float) -> tuple[float, float, float]:
+    """Return the squares of speed that full braking, coasting and full power lead to."""
+    train, traction, braking, _ = shared_by_cells(mesh)
+    return (
+        exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
+        exit_speed2(cell, train, traction, braking, speed2, COAST),
+        exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION),
+    )
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _braking_fraction(mesh: MeshData, first: int, last: int, speed2: float, aim2: float) -> float:
+    """Return which fraction of full braking leads to a speed after cells; negative where none is needed."""
     if _braked(mesh, first, last, speed2, 0.0) <= aim2:
         return -1.0
     low, high = 0.0, 1.0
@@ -305,7 +265,7 @@ def _braking_fraction(
 def _braked(mesh: MeshData, first: int, last: int, speed2: float, fraction: float) -> float:
     """Return the square of speed after cells under part of full braking; negative where it stands before."""
     for i in range(first, last):
-        low, free, _ = _reach(mesh, cell_of(mesh, i), speed2)
+        low, free, _ = _reach(mesh, cell_at(mesh, i), speed2)
         speed2 = free + fraction * (low - free)
         if speed2 <= 0.0:
             # further below zero the earlier it stands, so that bisection sees which of two fractions is larger

@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, braking_envelope, drive
@@ -33,13 +32,14 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, notes_on, voltage_notes
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
-from railjoule.core.simulation.replanning import Replanner, dwell_at_end
-from railjoule.core.simulation.train_state import (
+from railjoule.core.simulation.leg import SAME_PLACE_M, DrivenPlan, Leg, append_leg, join_legs, make_leg
+from railjoule.core.simulation.replanning import (
+    Replanner,
     State,
+    dwell_at_end,
     event_words,
     knowing,
-    nodes_ahead,
+    mesh_ahead,
     require_events_on_the_line,
 )
 from railjoule.core.strategies import run_strategy
@@ -49,18 +49,14 @@ from railjoule.core.units import MS_PER_KMH
 
 # A later arrival than this is mentioned; less is what the solvers leave of a timetable.
 LATE_S = 0.05
-FORESEEABLE = (UnplannedStop, UnplannedLimit)
-"""Events that a plan can take into account before they begin."""
 
 
 @dataclass(frozen=True, eq=False)
-class DisturbedRun:
-    """A run with events, and its undisturbed plan.
+class DisturbedRun(DrivenPlan):
+    """A run with events, and its plan without them.
 
     Parameters
     ----------
-    planned, actual : Trajectory
-        The plan without the events, and the run.
     allowed_time_s : float
         Time that the timetable gives [s].
     notices : tuple of (float, float, str)
@@ -69,8 +65,6 @@ class DisturbedRun:
         Sentences on stops, limits and windows that could not be kept.
     """
 
-    planned: Trajectory
-    actual: Trajectory
     allowed_time_s: float
     notices: tuple[tuple[float, float, str], ...]
     notes: tuple[str, ...]
@@ -79,16 +73,6 @@ class DisturbedRun:
     def delay_s(self) -> float:
         """Arrival less that of the timetable [s]."""
         return self.actual.travel_time_s - self.allowed_time_s
-
-    @property
-    def stop_error_m(self) -> float:
-        """How far beyond the end of its plan the train stands [m]."""
-        return float(self.actual.position_m[-1] - self.planned.position_m[-1])
-
-    @property
-    def overconsumption(self) -> float:
-        """Share by which the energy lies above that of the undisturbed plan; NaN where that is no measure."""
-        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 def undisturbed_plan(scenario: Scenario) -> Trajectory:
@@ -126,38 +110,36 @@ def unknowing_scenario(scenario: Scenario) -> Scenario:
     return actual_vehicle(scenario.model_copy(update={"line": scenario.line.in_running_order()}))
 
 
-class _Simulation:
+class _Simulation(Replanner):
     """One run while it is driven: events, driven legs, notes."""
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
+        super().__init__(scenario.travel_time_s + scenario.disturbance.accepted_delay_s)
         require_events_on_the_line(scenario)
         self.scenario, self.unknowing = scenario, unknowing_scenario(scenario)
         events = scenario.disturbance.events
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
         self.notices: list[tuple[float, float, str]] = []
         voltages = any(isinstance(event, VoltageChange) for event in events)
-        self.replanner = Replanner(scenario.travel_time_s + scenario.disturbance.accepted_delay_s)
-        self.notes = self.replanner.notes
         self.notes += voltage_notes(scenario.vehicle) if voltages else notes_on(scenario)
         self.driven: tuple[Leg, ...] = ()
 
     def run(self, planned: Trajectory) -> DisturbedRun:
         """Drive it, with the plan without events."""
-        before: list[Event] = [
-            event for event in self.events if event.reaction == "known" and isinstance(event, FORESEEABLE)
-        ]
-        # by identity: two events may be equal in all their numbers
-        ahead = [event for event in self.events if not any(event is other for other in before)]
-        state = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, self.unknowing)
-        for event in before:
-            state = knowing(state, event, self.unknowing.vehicle)
-        plan = self.replanner.plan(state) if before else leg_of(planned)
+        state, ahead = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, self.unknowing), []
+        for event in self.events:
+            # only these can be planned for before they begin
+            if event.reaction == "known" and isinstance(event, UnplannedStop | UnplannedLimit):
+                state = knowing(state, event, self.unknowing.vehicle)
+            else:
+                ahead.append(event)
+        plan = self.plan(state) if len(ahead) < len(self.events) else make_leg(planned)
         while ahead:
             notice = self._next_notice(plan, state, ahead)
             if notice is None:
                 break
-            place, event = notice
-            ahead = [other for other in ahead if other is not event]
+            place, number = notice
+            event = ahead.pop(number)
             driven = plan.until(place)
             self.driven = append_leg(self.driven, driven)
             state = State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
@@ -173,8 +155,8 @@ class _Simulation:
             self.notes.append(f"The train arrives {delay:.1f} s late.")
         return DisturbedRun(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
-    def _next_notice(self, plan: Leg, state: State, ahead: Sequence[Event]) -> tuple[float, Event] | None:
-        """Return position and event of the next notice on a plan; None if there is none before its end."""
+    def _next_notice(self, plan: Leg, state: State, ahead: Sequence[Event]) -> tuple[float, int] | None:
+        """Return position and number of the event of the next notice on a plan; None if there is none on it."""
         found: list[tuple[float, int]] = []
         for number, event in enumerate(ahead):
             if event.noticed_at_s is None:
@@ -182,13 +164,13 @@ class _Simulation:
             elif event.noticed_at_s - state.time_s <= plan.duration_s:
                 found.append((plan.place_at(max(event.noticed_at_s - state.time_s, 0.0)), number))
         place, number = min(found, default=(np.inf, 0))
-        return (place, ahead[number]) if place < plan.position_m[-1] - SAME_PLACE_M else None
+        return (place, number) if place < plan.position_m[-1] - SAME_PLACE_M else None
 
     def _react(self, plan: Leg, state: State, event: Event) -> Leg:
         """Return the leg from a state to the end, as driver or computer react to an event."""
         informed = knowing(state, event, self.unknowing.vehicle)
         if event.reaction != "driver":
-            return self.replanner.plan(informed)
+            return self.plan(informed)
         rest = plan.beyond(state.position_m)
         if isinstance(event, UnplannedStop):
             return self._stop_by_driver(rest, informed, event)
@@ -198,48 +180,43 @@ class _Simulation:
 
     def _stop_by_driver(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
-        nodes = nodes_ahead(state, stop.position_m)
-        mesh = build_meshed_line(state.scenario, state.speed_ms, 0.0, nodes)
-        envelope = braking_envelope(mesh)
+        mesh = mesh_ahead(state, stop.position_m, 0.0)
+        nodes, envelope = mesh.position_m, braking_envelope(mesh)
         # too fast even for full braking: the replanning handles that
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self.replanner.plan(state)
+            return self.plan(state)
         # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
         moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * mesh.data.traction.constant_n
+        target2 = np.interp(nodes, rest.position_m, rest.speed2)
         if moves_steadily:
             is_coasting = abs(effort) <= 1e-6 * mesh.data.traction.constant_n
             held2 = np.full(len(nodes), 0.0 if is_coasting else state.speed2)
             target2, _ = drive(mesh.data, held2, state.speed2, coasts=np.full(len(nodes) - 1, is_coasting))
-        else:
-            target2 = np.interp(nodes, rest.position_m, rest.speed2)
         # only the braking before the stop cuts it: full braking, as a driver who is surprised does
         speed2 = np.minimum(target2, envelope)
         speed2[0] = state.speed2
         # one who coasts too slowly to arrive drives on
         if np.any(speed2[1:-1] <= STANDING_SPEED2):
-            return self.replanner.plan(state)
-        leg = Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stop.duration_s))
-        return self.replanner.drive_and_plan(leg, state)
+            return self.plan(state)
+        stands = dwell_at_end(nodes, stop.duration_s)
+        return self.drive_and_plan(Leg(state.scenario, nodes, speed2, stands), state)
 
     def _slow_by_driver(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
         # a leg ends at its first stop, as its meshed line has no dwell within
         end = min(limit.to_m, float(rest.position_m[-1]))
         stops = rest.position_m[rest.dwell_s > 0]
-        beyond = stops[(stops > state.position_m + SAME_PLACE_M) & (stops < end)]
-        if len(beyond):
-            end = float(beyond[0])
-        nodes = nodes_ahead(state, end)
+        end = float(np.min(stops[stops > state.position_m + SAME_PLACE_M], initial=end))
         final = min(float(np.sqrt(np.interp(end, rest.position_m, rest.speed2))), limit.limit_kmh * MS_PER_KMH)
-        mesh = build_meshed_line(state.scenario, state.speed_ms, final, nodes)
-        envelope = braking_envelope(mesh)
+        mesh = mesh_ahead(state, end, final)
+        nodes, envelope = mesh.position_m, braking_envelope(mesh)
         if state.speed2 > envelope[0] * (1 + 1e-9):
-            return self.replanner.plan(state)
+            return self.plan(state)
         target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
         speed2, _ = drive(mesh.data, target2, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
-        return self.replanner.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
+        return self.drive_and_plan(Leg(state.scenario, nodes, speed2, dwell_at_end(nodes, stands)), state)
 
 
 def _kept(rest: Leg, state: State) -> Leg:

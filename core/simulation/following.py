@@ -18,7 +18,6 @@ from typing import TypeVar
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
@@ -27,7 +26,7 @@ from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
-from railjoule.core.simulation.leg import leg_of
+from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -70,13 +69,11 @@ class Stretch:
 
 
 @dataclass(frozen=True, eq=False)
-class Following:
+class Following(DrivenPlan):
     """A plan and the run of a train that followed it.
 
     Parameters
     ----------
-    planned, actual : Trajectory
-        The run as planned, and as driven.
     stop_errors_m : tuple of float
         Overshoot at each stop, negative where the train stops short [m].
     stretches : tuple of list of Stretch
@@ -85,26 +82,14 @@ class Following:
         How much later than planned it left [s].
     """
 
-    planned: Trajectory
-    actual: Trajectory
     stop_errors_m: tuple[float, ...]
     stretches: tuple[list[Stretch], ...]
     departure_delay_s: float
 
     @property
-    def stop_error_m(self) -> float:
-        """How far beyond the last stop the train came to stand [m]."""
-        return self.stop_errors_m[-1]
-
-    @property
     def delay_s(self) -> float:
         """How much later than planned it arrived [s]."""
         return self.departure_delay_s + self.actual.travel_time_s - self.planned.travel_time_s
-
-    @property
-    def overconsumption(self) -> float:
-        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
-        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 def simulate_following(scenario: Scenario) -> Following:
@@ -140,7 +125,7 @@ def plannable_task(scenario: Scenario) -> Task:
     largest = mesh.data.limit_speed2
     # the target curve begins at D1, where the train learns its position; without that sensor it holds all along
     zone = options.reset_sensor_m or mesh.length_m
-    for stop in stops_of(scenario):
+    for stop in stop_positions_m(scenario):
         before = stop - mesh.position_m
         inside = (before >= 0) & (before <= zone)
         # the end of the line may be passed in motion, a station not
@@ -151,7 +136,7 @@ def plannable_task(scenario: Scenario) -> Task:
     return replace(task, can_be_remeshed=False)
 
 
-def stops_of(scenario: Scenario) -> list[float]:
+def stop_positions_m(scenario: Scenario) -> list[float]:
     """Return the stops of a run, its end included [m]."""
     line = scenario.line.in_running_order()
     return [*(station.position_m for station in line.inner_stations), line.length_m]
@@ -179,7 +164,7 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     entry2 = planned.speed_ms[:1] ** 2
     nodes, speeds, stop_nodes, errors, estimates = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
-    for stop in stops_of(scenario):
+    for stop in stop_positions_m(scenario):
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
         leg, speed2 = _drive_leg(planned, real, stretched, (start, planned_start, stop))
         nodes.append(leg[1:])
@@ -191,8 +176,10 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     mesh = build_meshed_line(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(mesh.cell_count + 1)
     # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
-    plan = leg_of(planned)
-    stands = [plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stops_of(scenario)[:-1])]
+    plan = make_leg(planned)
+    stands = [
+        plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stop_positions_m(scenario)[:-1])
+    ]
     dwell[[0, *stop_nodes[:-1]]] = stands
     mesh = replace(mesh, dwell_s=dwell)
     actual = make_trajectory(real, mesh, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
@@ -201,19 +188,15 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:
     """Raise ScenarioError where a position error or a sensor lies beyond the distance between two stops."""
-    shortest = min(np.diff([0.0, *stops_of(scenario)]))
-    error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
-    if abs(error) >= shortest:
-        raise ScenarioError(
-            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest distance between two stops, "
-            f"{shortest:g} m."
-        )
-    for name in ("reset_sensor_m", "stop_sensor_m"):
-        place = getattr(options, name)
-        if options.target_braking and place is not None and place >= shortest:
+    shortest, options = min(np.diff([0.0, *stop_positions_m(scenario)])), scenario.simulation
+    lengths = {"disturbance.coordinate_error_m": scenario.disturbance.coordinate_error_m}
+    if options.target_braking:
+        lengths["simulation.reset_sensor_m"] = options.reset_sensor_m or 0.0
+        lengths["simulation.stop_sensor_m"] = options.stop_sensor_m or 0.0
+    for key, length in lengths.items():
+        if abs(length) >= shortest:
             raise ScenarioError(
-                f"simulation.{name} = {place:g} must be less than the shortest distance between two stops, "
-                f"{shortest:g} m."
+                f"{key} = {length:g} must be less than the shortest distance between two stops, {shortest:g} m."
             )
 
 

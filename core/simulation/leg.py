@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from typing import Any
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.energy import total_energy
+from railjoule.core.energy import share_above, total_energy
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -28,6 +27,30 @@ CELL_FIELDS = (
     "gradient_permille",
 )
 """Fields of a trajectory with one value a cell."""
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenPlan:
+    """A plan and the run of a train that followed it.
+
+    Parameters
+    ----------
+    planned, actual : Trajectory
+        The run as planned, and as driven.
+    """
+
+    planned: Trajectory
+    actual: Trajectory
+
+    @property
+    def stop_error_m(self) -> float:
+        """How far beyond the end of its plan the train came to stand [m]."""
+        return float(self.actual.position_m[-1] - self.planned.position_m[-1])
+
+    @property
+    def overconsumption(self) -> float:
+        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
+        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +151,7 @@ class Leg:
         return make_trajectory(self.scenario, mesh, strategy, self.speed2)
 
 
-def leg_of(run: Trajectory) -> Leg:
+def make_leg(run: Trajectory) -> Leg:
     """Return the leg of a trajectory."""
     # a trajectory has a dwell as a cell without length, a leg as a time at its node
     standing = np.diff(run.position_m) == 0
@@ -151,26 +174,16 @@ def append_leg(legs: Sequence[Leg], leg: Leg) -> tuple[Leg, ...]:
 
 def join_legs(legs: Sequence[Leg], scenario: Scenario, strategy: str) -> Trajectory:
     """Return one trajectory of legs that follow one another, whose vehicles may differ."""
-    whole = reduce(_join_two, (leg.trajectory(strategy) for leg in legs))
-    return replace(whole, scenario=scenario)
-
-
-def _join_two(one: Trajectory, other: Trajectory) -> Trajectory:
-    """Return two trajectories as one; the second begins where and when the first ends."""
-    pairs = {name: (getattr(one, name), getattr(other, name)) for name in CELL_FIELDS}
-    # a drive without a current on one side leaves none for the whole: half a curve would look like zero
-    cells: dict[str, Any] = {
-        name: None if pair[0] is None or pair[1] is None else frozen_array(np.append(*pair))
-        for name, pair in pairs.items()
-    }
-    return replace(
-        one,
-        position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
-        speed_ms=frozen_array(np.append(one.speed_ms, other.speed_ms[1:])),
-        time_s=frozen_array(np.append(one.time_s, one.time_s[-1] + other.time_s[1:])),
-        supply_energy_j=frozen_array(
-            np.append(one.supply_energy_j, one.supply_energy_j[-1] + other.supply_energy_j[1:])
-        ),
-        energy=total_energy([one.energy, other.energy]),
-        **cells,
-    )
+    runs = [leg.trajectory(strategy) for leg in legs]
+    joined: dict[str, Any] = {}
+    for name in CELL_FIELDS:
+        parts = [getattr(run, name) for run in runs]
+        # a drive without a current on one side leaves none for the whole: half a curve would look like zero
+        joined[name] = None if any(part is None for part in parts) else frozen_array(np.concatenate(parts))
+    for name in ("position_m", "speed_ms", "time_s", "supply_energy_j"):
+        parts = [getattr(run, name) for run in runs]
+        # time and energy of each leg begin at zero
+        before = np.cumsum([0.0, *(part[-1] for part in parts)]) if name in ("time_s", "supply_energy_j") else None
+        rest = [part[1:] if before is None else before[k] + part[1:] for k, part in enumerate(parts)]
+        joined[name] = frozen_array(np.concatenate([parts[0][:1], *rest]))
+    return replace(runs[0], scenario=scenario, energy=total_energy([run.energy for run in runs]), **joined)

@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
@@ -31,14 +30,15 @@ from railjoule.core.simulation.disturbances import (
     undisturbed_plan,
     unknowing_scenario,
 )
-from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, leg_of
-from railjoule.core.simulation.replanning import plan_quickly, strategy_for_all_lines
-from railjoule.core.simulation.train_state import (
+from railjoule.core.simulation.leg import SAME_PLACE_M, Leg, append_leg, join_legs, make_leg
+from railjoule.core.simulation.replanning import (
     State,
     event_words,
     knowing,
-    nodes_ahead,
+    mesh_ahead,
+    plan_quickly,
     require_events_on_the_line,
+    strategy_for_all_lines,
 )
 from railjoule.core.trajectory import Trajectory
 
@@ -210,7 +210,7 @@ def start_run(scenario: Scenario) -> LiveRun:
     nominal = unknowing_scenario(scenario).model_copy(update={"disturbance": accepted})
     planned = undisturbed_plan(nominal)
     start = State(0.0, float(planned.speed_ms[0]) ** 2, 0.0, nominal)
-    return LiveRun(nominal, planned, (), start, leg_of(planned), planned, nominal.strategy)
+    return LiveRun(nominal, planned, (), start, make_leg(planned), planned, nominal.strategy)
 
 
 def advance(run: LiveRun, seconds: float) -> LiveRun:
@@ -301,24 +301,20 @@ def with_events(scenario: Scenario, events: Iterable[Event]) -> Scenario:
 
 def _require_ahead(run: LiveRun, event: Event) -> None:
     """Refuse a stop or a limit that lies behind the train."""
-    here = run.position_m
+    here, state = run.position_m, run.state
     if isinstance(event, UnplannedStop) and event.position_m <= here + SAME_PLACE_M:
+        mesh = mesh_ahead(state, state.scenario.line.length_m)
+        _, distance = brake_fully(mesh.data, state.speed2)
+        # brakes that do not stop the train leave the end of the line
+        nearest = float(mesh.position_m[-1]) if np.isnan(distance) else here + distance
         raise ScenarioError(
             f"A red signal at {event.position_m:g} m is not ahead of the train at {here:.0f} m. The nearest place "
-            f"where the train can stop is {here + _braking_distance_m(run):.0f} m."
+            f"where the train can stop is {nearest:.0f} m."
         )
     if isinstance(event, UnplannedLimit) and event.to_m <= here + SAME_PLACE_M:
         raise ScenarioError(
             f"A limit that ends at {event.to_m:g} m is not ahead of the train at {here:.0f} m. Choose an end beyond it."
         )
-
-
-def _braking_distance_m(run: LiveRun) -> float:
-    """Return the way to a stand under full braking [m], up to the end of the line at most."""
-    state = run.state
-    nodes = nodes_ahead(state, state.scenario.line.length_m)
-    _, distance = brake_fully(build_meshed_line(state.scenario, state.speed_ms, position_m=nodes).data, state.speed2)
-    return float(nodes[-1] - nodes[0]) if np.isnan(distance) else distance
 
 
 def _replanned(run: LiveRun, events: tuple[LiveEvent, ...], dwell_s: float) -> LiveRun:

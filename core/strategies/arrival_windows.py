@@ -15,16 +15,17 @@ from railjoule.core.bounds import every_run_statement, time_line, work_floor_j
 from railjoule.core.chain_proof.table import premise
 from railjoule.core.errors import ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
+from railjoule.core.lower_bound import ON_TIME_S, Bound, Window
 from railjoule.core.strategies.line_parts import (
     LineParts,
     Part,
     Solver,
     TimedRun,
     arrival_name,
-    arrivals_of,
+    arrival_times_s,
+    cut_part,
     inner_stations,
     longest_time_s,
-    part_of,
     parts_between,
     shortest_times_s,
     stop_nodes,
@@ -32,7 +33,7 @@ from railjoule.core.strategies.line_parts import (
     with_auxiliaries,
 )
 from railjoule.core.task import MIN_SLACK, Task
-from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, Window
+from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
 Windows = Mapping[int, tuple[float, float]]
@@ -231,7 +232,7 @@ def energy_j(task: Task, line: LineParts) -> float:
 
 def _max_missed(task: Task, line: LineParts, windows: Windows, fixed: Mapping[int, float]) -> tuple[int, float] | None:
     """Return the free station that misses its window by most, and the end that it misses; None where none does."""
-    arrivals = arrivals_of(task, line)
+    arrivals = arrival_times_s(task, line)
     nearest = {k: min(max(arrivals[k], low), high) for k, (low, high) in windows.items() if k not in fixed}
     missed_s, number = max(((abs(arrivals[k] - end), k) for k, end in nearest.items()), default=(0.0, 0))
     return (number, nearest[number]) if missed_s > ON_TIME_S else None
@@ -286,7 +287,7 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
     stops = stop_nodes(task)
     possible = _possible(task, windows, 0.0)
     ends = {stops[number + 1]: window for number, window in possible.items()}
-    arrivals = dict(zip(stops[1:], arrivals_of(task, line), strict=True))
+    arrivals = dict(zip(stops[1:], arrival_times_s(task, line), strict=True))
     exact = {0, *(node for node, (low, high) in ends.items() if low == high)}
     if not line[-1].takes_exactly:
         # its own bound covers any earlier end
@@ -299,7 +300,7 @@ def bound_within(task: Task, line: LineParts, windows: Windows) -> Bound | None:
             return None
         price_w, proven_j = 0.0, bound.energy_j
         if not {first, last} <= exact:
-            part = part_of(task, *timed.part)
+            part = cut_part(task, *timed.part)
             proven = time_line(with_auxiliaries(part, 0.0) if timed.takes_exactly else part)
             if proven is None:
                 return None

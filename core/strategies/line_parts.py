@@ -21,12 +21,13 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
+from railjoule.core.lower_bound import ON_TIME_S, Bound
 from railjoule.core.motion import running_time
-from railjoule.core.motion.cell_step import FULL_BRAKE, exit_speed2
-from railjoule.core.physics.mesh_data import cell_of, train_of
+from railjoule.core.motion.driving import drive
+from railjoule.core.physics.mesh_data import data_between
 from railjoule.core.scenario import Station
 from railjoule.core.task import MIN_SLACK, Task
-from railjoule.core.trajectory import ON_TIME_S, Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 
 Solver = Callable[[Task], Trajectory]
 """The best run of a task without windows."""
@@ -109,17 +110,14 @@ def longest_time_s(task: Task, stop: int) -> float:
 
     The train brakes fully from the start down to the lowest speed of a run, and keeps that.
     """
-    data = task.mesh.data
-    speed2 = np.empty(stop + 1)
-    speed2[0] = data.fixed_speed2[0]
-    for i in range(stop):
-        braked = exit_speed2(cell_of(data, i), train_of(data), data.traction, data.braking, speed2[i], FULL_BRAKE)
-        speed2[i + 1] = max(braked, SLOWEST_SPEED2)
-    speed2[stop] = np.nan_to_num(data.fixed_speed2[stop])
-    return running_time(data.cell_length_m[:stop], speed2)
+    data = data_between(task.mesh.data, 0, stop)
+    brake_fully = np.full(stop + 1, -np.inf)
+    speed2, _ = drive(data, brake_fully, float(data.fixed_speed2[0]), pace_speed2=SLOWEST_SPEED2)
+    speed2[-1] = np.nan_to_num(data.fixed_speed2[-1])
+    return running_time(data.cell_length_m, speed2)
 
 
-def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
+def cut_part(task: Task, first: int, last: int, running_time_s: float) -> Task:
     """Return the task between two nodes at which the train stands, over the same mesh.
 
     Parameters
@@ -175,7 +173,7 @@ def parts_between(task: Task, arrivals_s: Mapping[int, float]) -> tuple[Part, ..
 
 def timed_run(task: Task, part: Part, optimum: Solver, takes_exactly: bool) -> TimedRun:
     """Return the run of least energy of a part; arguments as for `TimedRun`, errors as `optimum`."""
-    whole = part_of(task, *part)
+    whole = cut_part(task, *part)
     if not takes_exactly:
         run = optimum(whole)
         return TimedRun(part, run, False, 0.0, run.price_of_time_w, run.bound)
@@ -226,7 +224,7 @@ def _in_time(task: Task, optimum: Solver) -> Trajectory:
     return run
 
 
-def arrivals_of(task: Task, line: LineParts) -> list[float]:
+def arrival_times_s(task: Task, line: LineParts) -> list[float]:
     """Return when the train arrives at each station behind the start, and at the end [s]."""
     arrivals, departed_s = [], 0.0
     stops = stop_nodes(task)

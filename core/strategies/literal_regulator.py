@@ -23,8 +23,7 @@ from railjoule.core.limit_search.literal import (
 from railjoule.core.limit_search.problem import SetSpeedRun
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import drive
-from railjoule.core.scenario.options import SearchOptions
-from railjoule.core.strategies.plain_line import check_accelerations, require_no_neutral_sections
+from railjoule.core.strategies.plain_line import check_accelerations, require_line_without
 from railjoule.core.task import Task
 from railjoule.core.trajectory import make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -59,17 +58,21 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     """
     options = task.scenario.search
     require_literal(task)
-    relay = _relay(options)
+    relay = Relay(
+        options.dead_zone_kmh * MS_PER_KMH,
+        options.regulation_speed_kmh * MS_PER_KMH,
+        options.full_effort_time_s,
+        options.effort_rate_share,
+        options.time_step_s,
+    )
     regulation, curve = literal_regulation(task.mesh, options.stop_deceleration_ms2, relay.dead_zone_ms)
-    # beside the steps, the node at the start and what rounds up
-    most = int(LONGEST_SHARE * task.running_time_s / options.time_step_s) + 2
-    position, speed2, effort = np.empty(most), np.empty(most), np.empty(most)
-    nodes, standing, switches, status = literal_trip(
-        task.mesh.data, regulation, curve, boundaries_m, limits_ms, relay, position, speed2, effort
+    max_steps = int(LONGEST_SHARE * task.running_time_s / options.time_step_s) + 1
+    position, speed2, effort, standing, switches, status = literal_trip(
+        task.mesh.data, regulation, curve, boundaries_m, limits_ms, relay, max_steps
     )
     if status != ARRIVED:
-        raise StrategyRefusedError(_failure(task, status, position[nodes - 1], speed2[nodes - 1]))
-    places, wanted2, coasts = _joined(position[:nodes], speed2[:nodes], effort[:nodes])
+        raise StrategyRefusedError(_failure(task, status, position[-1], speed2[-1]))
+    places, wanted2, coasts = _joined(position, speed2, effort)
     mesh = build_meshed_line(task.scenario, float(np.sqrt(speed2[0])), 0.0, position_m=places)
     # not into a stand, nor past the speed that is prescribed at the end
     coasts[0] &= wanted2[0] > 0.0
@@ -82,14 +85,13 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     _require_limits(task, mesh, driven2)
     check_accelerations(mesh, driven2)
     # the time in which effort grows at the start has no distance: the run has it as a dwell
-    dwell = np.zeros(len(mesh.position_m))
-    dwell[0] = standing
-    return SetSpeedRun(replace(mesh, dwell_s=frozen_array(dwell)), driven2, limits_ms, boundaries_m, switches)
+    dwell = frozen_array(np.where(np.arange(len(mesh.position_m)) == 0, standing, 0.0))
+    return SetSpeedRun(replace(mesh, dwell_s=dwell), driven2, limits_ms, boundaries_m, switches)
 
 
 def require_literal(task: Task) -> None:
     """Refuse a task that the literal regulator cannot drive at all; errors as `literal_run`."""
-    require_no_neutral_sections(task)
+    require_line_without(task, "neutral_sections")
     if (task.mesh.data.fixed_speed2[1:-1] == 0.0).any():
         raise StrategyRefusedError(
             "needs a line without stops between its ends for the literal regulator, or a search for each inter-station "
@@ -120,16 +122,6 @@ def literal_cost(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) ->
         return np.inf, np.inf
     made = make_trajectory(task.scenario, run.mesh, "speed_limits", run.speed2)
     return made.travel_time_s, made.energy.net_j
-
-
-def _relay(options: SearchOptions) -> Relay:
-    return Relay(
-        options.dead_zone_kmh * MS_PER_KMH,
-        options.regulation_speed_kmh * MS_PER_KMH,
-        options.full_effort_time_s,
-        options.effort_rate_share,
-        options.time_step_s,
-    )
 
 
 def _joined(

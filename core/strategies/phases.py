@@ -15,17 +15,15 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import MeshedLine, build_meshed_line, running_time
 from railjoule.core.phase_planning.line_planner import LinePlan, plan_line
-from railjoule.core.phase_planning.plan import PhasePlan
+from railjoule.core.phase_planning.plan import PhasePlan, lay_out
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
-from railjoule.core.phase_planning.run import lay_out
 from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.physics.adhesion import adhesive_weight
 from railjoule.core.strategies.plain_line import (
     check_accelerations,
     check_speeds,
     plain_limits_ms,
-    require_no_neutral_sections,
-    require_no_passing_points,
+    require_line_without,
 )
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
@@ -54,8 +52,7 @@ def phases(task: Task) -> Trajectory:
         If the line has passing points or neutral sections, the phases cannot be driven, or not in this time.
     """
     task.require_timetable()
-    require_no_passing_points(task)
-    require_no_neutral_sections(task)
+    require_line_without(task, "passing_points", "neutral_sections")
     try:
         return _plain_run(task) if _is_plain(task) else _line_run(task)
     except TimetableError as late:

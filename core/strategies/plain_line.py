@@ -73,8 +73,7 @@ def plain_line(task: Task) -> PlainLine:
     mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
-    require_no_passing_points(task)
-    require_no_neutral_sections(task)
+    require_line_without(task, "passing_points", "neutral_sections")
     is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
@@ -154,16 +153,11 @@ def _has_braking_curve(mesh: MeshedLine) -> bool:
     return bool(np.isfinite(mesh.permitted_deceleration_ms2))
 
 
-def require_no_passing_points(task: Task) -> None:
-    """Raise StrategyRefusedError if the train passes a place at a given speed."""
-    if task.scenario.line.passing_points:
-        raise StrategyRefusedError("needs a line without passing points.")
-
-
-def require_no_neutral_sections(task: Task) -> None:
-    """Raise StrategyRefusedError if a part of the line has no traction power."""
-    if task.scenario.line.neutral_sections:
-        raise StrategyRefusedError("needs a line without neutral sections.")
+def require_line_without(task: Task, *names: str) -> None:
+    """Raise StrategyRefusedError if a line has any of `passing_points` and `neutral_sections`, whichever are named."""
+    for name in names:
+        if getattr(task.scenario.line, name):
+            raise StrategyRefusedError(f"needs a line without {name.replace('_', ' ')}.")
 
 
 def check_feasible(mesh: MeshedLine, speed2: FloatArray) -> None:

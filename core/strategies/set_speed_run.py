@@ -1,22 +1,29 @@
 """Runs under limits of sections: the problem of a task, its trips made runs with one effort in each cell, refusals.
 
-A task may be that of a whole line or of one inter-station run, a part of its nodes.
+A task may be that of a whole line or of one inter-station run, a part of its nodes. The time of each inter-station run
+is (X_sum - X_tr) / v_sr, Shtompel, Khvorost 2025, (15): all have one average speed between two arrivals that the
+stations' `arrival_s` fix, or over the whole line where none is fixed. X_tr is the length of the train with
+`timetable.deduct_train_length`, else 0.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, SetSpeedRun, limit_problem
+from railjoule.core.limit_search.problem import Evaluation, LimitProblem, RelayRuns, SetSpeedRun
+from railjoule.core.limit_search.regulation import make_regulation
 from railjoule.core.limit_search.search import LimitSearch
-from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
+from railjoule.core.limit_search.trip import SHORTEST_PART_M
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.mesh import finer_at_stops
+from railjoule.core.strategies.line_parts import arrival_name, cut_part, inner_stations, parts_between, stop_nodes
 from railjoule.core.strategies.literal_regulator import literal_cost, literal_run, require_literal
-from railjoule.core.strategies.plain_line import require_no_neutral_sections
+from railjoule.core.strategies.plain_line import require_line_without
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
@@ -50,18 +57,13 @@ def build_limit_problem(task: Task) -> LimitProblem:
 
 def problem_within(task: Task, running_time_s: float) -> LimitProblem:
     """Return the problem of a task with an ideal regulator within a time [s]; the literal regulator's ideal brakes."""
-    require_no_neutral_sections(task)
+    require_line_without(task, "neutral_sections")
     options, vehicle = task.scenario.search, task.scenario.vehicle
     stops = task.mesh.position_m[task.mesh.data.fixed_speed2 == 0].tolist()
-    nodes = finer_at_stops(task.mesh.position_m, stops, HALVINGS_AT_STOPS)
-    return limit_problem(
-        mesh_over(task, nodes),
-        options.stop_deceleration_ms2,
-        options.regulator != "coast",
-        MIN_LIMIT_KMH * MS_PER_KMH,
-        vehicle.traction.max_speed_kmh * MS_PER_KMH,
-        running_time_s,
-    )
+    mesh = mesh_over(task, finer_at_stops(task.mesh.position_m, stops, HALVINGS_AT_STOPS))
+    regulation = make_regulation(mesh, options.stop_deceleration_ms2, options.regulator != "coast")
+    most_ms = vehicle.traction.max_speed_kmh * MS_PER_KMH
+    return LimitProblem(mesh, regulation, MIN_LIMIT_KMH * MS_PER_KMH, most_ms, running_time_s)
 
 
 def mesh_over(task: Task, position_m: FloatArray) -> MeshedLine:
@@ -86,7 +88,7 @@ def drive_limits(task: Task, problem: LimitProblem, best: Evaluation) -> SetSpee
     # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
     finer, best = _over_corners(task, problem, best, whole_cells=False)
     cells, best = _over_corners(task, finer, best, whole_cells=True)
-    places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
+    places, speed2 = cells.place_nodes(best.limits_ms, best.boundaries_m)
     if not np.isfinite(best.running_time_s):
         raise StrategyRefusedError(_failure(cells, places, speed2))
     if not np.isfinite(best.energy_j):
@@ -98,7 +100,7 @@ def _over_corners(
     task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
 ) -> tuple[LimitProblem, Evaluation]:
     """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
-    places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
+    places, speed2 = problem.place_nodes(best.limits_ms, best.boundaries_m)
     # the second time those cells are short already
     fast = [] if whole_cells else _within_fast_changes(places, speed2)
     nodes = _merged(problem.mesh.position_m, np.concatenate([places, fast]))
@@ -144,7 +146,7 @@ def no_limits_reason(task: Task, problem: LimitProblem, found: LimitSearch) -> s
     if np.isfinite(fastest.running_time_s):
         return _too_late(task, problem, fastest.running_time_s)
     cells = problem.over(problem.mesh, whole_cells=True)
-    return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
+    return _failure(cells, *cells.place_nodes(fastest.limits_ms, fastest.boundaries_m))
 
 
 def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) -> str:
@@ -187,3 +189,87 @@ def run_notes(task: Task, run: SetSpeedRun) -> tuple[str, ...]:
         f"The literal regulator switches {run.switches} times with time steps of {step} s; energy and time depend on "
         "that step."
     )
+
+
+def inter_station_runs(task: Task, needs_slack: bool = False) -> tuple[Task, ...]:
+    """Return the tasks from stop to stop, over the same mesh.
+
+    Raises
+    ------
+    ScenarioError
+        If an `arrival_s` is too early.
+    StrategyRefusedError
+        If a run that needs slack has no more than its shortest time.
+    """
+    stops = stop_nodes(task)
+    given = {k: s.arrival_s for k, s in enumerate(inner_stations(task)) if s.arrival_s is not None}
+    runs: list[Task] = []
+    for first, last, running_s in parts_between(task, given):
+        inside = [stop for stop in stops if first <= stop <= last]
+        length_m = np.diff(task.mesh.position_m[inside]) - task.scenario.deducted_m
+        for (a, b), share in zip(pairwise(inside), length_m / length_m.sum(), strict=True):
+            run = cut_part(task, a, b, float(share * running_s))
+            if needs_slack and not run.has_slack:
+                raise StrategyRefusedError(
+                    f"{run_words(task, len(runs))} needs more than the shortest {run.shortest_time_s:.1f} s: at the "
+                    f"average speed of the line it has {run.running_time_s:.1f} s. Use a longer time, arrival_s of the "
+                    "stations, or search.inter_station_runs = 'together'."
+                )
+            runs.append(run)
+    return tuple(runs)
+
+
+def drive_literal_runs(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> SetSpeedRun:
+    """Return the runs of the literal regulator from stop to stop as one; arguments and errors as `literal_run`."""
+    runs = []
+    for part in inter_station_runs(task):
+        first, last = part.mesh.position_m[[0, -1]]
+        sections = slice(np.searchsorted(boundaries_m, first, "right"), np.searchsorted(boundaries_m, last) + 1)
+        inside = boundaries_m[(boundaries_m > first) & (boundaries_m < last)]
+        runs.append(literal_run(part, limits_ms[sections], inside))
+    # as given: a station need not be a border
+    return join_runs(task, runs)._replace(limits_ms=limits_ms, boundaries_m=boundaries_m)
+
+
+def run_words(task: Task, number: int) -> str:
+    """Return from where to where an inter-station run goes, by its number, counted from 0."""
+    start = task.scenario.line.start_station
+    departs = arrival_name(task, number - 1) if number else start.name if start and start.name else "the start"
+    return f"from {departs} to {arrival_name(task, number)}"
+
+
+def join_runs(task: Task, runs: Sequence[SetSpeedRun]) -> SetSpeedRun:
+    """Return runs that follow one another as one, with the dwells of the stations between them."""
+    # the last node of a run is the first of the next one, at which the relay may stand until its effort moves the train
+    position, speed2 = (
+        np.concatenate([values[0], *(later[1:] for later in values[1:])])
+        for values in ([run.mesh.position_m for run in runs], [run.speed2 for run in runs])
+    )
+    mesh = build_meshed_line(task.scenario, *task.end_speeds_ms, position)
+    dwell, node = mesh.dwell_s.copy(), 0
+    for run in runs:
+        dwell[node] += run.mesh.dwell_s[0]
+        node += run.mesh.cell_count
+    stations = [station.position_m for station in inner_stations(task)]
+    return SetSpeedRun(
+        replace(mesh, dwell_s=frozen_array(dwell)),
+        speed2,
+        np.concatenate([run.limits_ms for run in runs]),
+        np.union1d(np.concatenate([run.boundaries_m for run in runs]), stations),
+        sum(run.switches for run in runs),
+    )
+
+
+def join_searches(task: Task, searches: Sequence[LimitSearch]) -> LimitSearch:
+    """Return the searches of the inter-station runs as one, whose sections are theirs, with the stations between."""
+    best = [search.best for search in searches]
+    stations = [station.position_m for station in inner_stations(task)]
+    whole = Evaluation(
+        stage="separate",
+        unscaled_ms=np.concatenate([one.unscaled_ms for one in best]),
+        limits_ms=np.concatenate([one.limits_ms for one in best]),
+        boundaries_m=np.union1d(np.concatenate([one.boundaries_m for one in best]), stations),
+        running_time_s=sum(one.running_time_s for one in best),
+        energy_j=sum(one.energy_j for one in best) + task.dwell_energy_j,
+    )
+    return LimitSearch(tuple(one for search in searches for one in search.evaluations), whole, tuple(searches))

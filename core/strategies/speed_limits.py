@@ -1,10 +1,9 @@
 """One speed limit for each section, found by search, under which an ordinary regulator drives the train.
 
 Source: Shtompel, Khvorost 2025. The regulators are in `railjoule.core.limit_search.trip` and `.literal`, the search in
-`railjoule.core.limit_search.search`, and the run, with one effort in each cell, in `.whole_cells`. The run may be late
-by `search.time_window`, and it is: time is what it pays with. The inter-station runs of a line are searched together,
-or each by itself within its own time, as the paper has it, which makes it more constrained: time cannot move from one
-of them to another.
+`railjoule.core.limit_search.search`. The run may be late by `search.time_window`, and it is: time is what it pays with.
+The inter-station runs of a line are searched together, or each by itself within its own time, as the paper has it,
+which makes it more constrained: time cannot move from one of them to another.
 """
 
 from dataclasses import replace
@@ -19,23 +18,20 @@ from railjoule.core.limit_search.problem import MIN_SECTION_M, LimitProblem, Set
 from railjoule.core.limit_search.search import LimitSearch, Start, search_limits
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.inter_station_runs import (
-    drive_literal_runs,
-    inter_station_runs,
-    join_runs,
-    join_searches,
-    require_slack,
-    run_words,
-)
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.plain_line import require_no_passing_points
+from railjoule.core.strategies.plain_line import require_line_without
 from railjoule.core.strategies.set_speed_run import (
     MIN_LIMIT_KMH,
     build_limit_problem,
     drive_limits,
+    drive_literal_runs,
+    inter_station_runs,
+    join_runs,
+    join_searches,
     no_limits_reason,
     problem_within,
     run_notes,
+    run_words,
 )
 from railjoule.core.strategy import Strategy, register
 from railjoule.core.task import Task
@@ -67,7 +63,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     borders = section_boundaries(task.scenario)
     if task.mesh.data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that ends at rest.")
-    require_no_passing_points(task)
+    require_line_without(task, "passing_points")
     if options.limits_kmh is not None:
         is_literal = options.regulator == "literal"
         limits = _given_limits(task.scenario)
@@ -83,7 +79,14 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
         problem = build_limit_problem(task)
         found = search_limits(problem, borders, options.free_boundaries, _separate_start(task, borders))
         run = _drive_found(task, problem, found)
-    return _made(task, run, _words(found, options.free_boundaries)), found
+    samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
+    moved = " and section ends" if options.free_boundaries else ""
+    each = ", each inter-station run by itself" if found.runs else ""
+    words = (
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
+        "not a proof."
+    )
+    return _made(task, run, words), found
 
 
 def _drive_found(task: Task, problem: LimitProblem, found: LimitSearch) -> SetSpeedRun:
@@ -95,9 +98,7 @@ def _drive_found(task: Task, problem: LimitProblem, found: LimitSearch) -> SetSp
 def _search_separately(task: Task, borders_m: FloatArray) -> tuple[SetSpeedRun, LimitSearch]:
     """Return the runs from station to station as one, each searched by itself within its own time, and the searches."""
     runs, searches = [], []
-    parts = inter_station_runs(task)
-    require_slack(task, parts)
-    for number, part in enumerate(parts):
+    for number, part in enumerate(inter_station_runs(task, needs_slack=True)):
         first, last = part.mesh.position_m[[0, -1]]
         inside = borders_m[(borders_m > first) & (borders_m < last)]
         try:
@@ -174,7 +175,7 @@ def _given_limits(scenario: Scenario) -> FloatArray:
     return np.array(given) * MS_PER_KMH
 
 
-def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Trajectory:
+def _made(task: Task, driven: SetSpeedRun, *words: str) -> Trajectory:
     """Return a trajectory with bound and reference for the time that it takes, which may be later than planned.
 
     The bound holds over its own nodes; what it is measured against is the optimum over the scenario's.
@@ -184,16 +185,6 @@ def _made(task: Task, driven: SetSpeedRun, words: tuple[str, ...] = ()) -> Traje
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
     best = known_optimum(late) if late.has_slack else None
     return run if best is None else replace(run, reference=best.reference)
-
-
-def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
-    samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
-    moved = " and section ends" if free else ""
-    each = ", each inter-station run by itself" if found.runs else ""
-    return (
-        f"{len(found.evaluations)} combinations of set speeds{moved} tried{each}, the first {samples} evenly spread; "
-        "not a proof.",
-    )
 
 
 register(

@@ -18,8 +18,7 @@ from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.studies.montecarlo import SENSOR_ERRORS, draw, drawn_scenario, planned_values
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.rows import RowByRow, all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 
@@ -55,18 +54,14 @@ class StopSpread:
 
     Parameters
     ----------
-    mean_m, deviation_m : float
-        Mean and standard deviation of the stopping error [m].
+    deviation_m : float
+        Standard deviation of the stopping error [m].
     half_width_m : float
         Distance from the stop that contains 95 % of the runs [m].
-    max_m : float
-        The largest stopping error in size [m].
     """
 
-    mean_m: float
     deviation_m: float
     half_width_m: float
-    max_m: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,12 +89,6 @@ class BrakingSensors:
     def spread_without(self) -> StopSpread:
         """The spread of the stopping position without precision braking."""
         return _spread(self.table["stop_error_without_sensors_m"])
-
-    @property
-    def reduction(self) -> float:
-        """Standard deviation of the stopping error without precision braking over that with it."""
-        deviation = self.spread_with.deviation_m
-        return self.spread_without.deviation_m / deviation if deviation else np.inf
 
 
 def study_braking_sensors(scenario: Scenario, executor: Executor | None = None) -> BrakingSensors:
@@ -166,6 +155,5 @@ def _spread(errors_m: FloatArray) -> StopSpread:
     """Return the spread of stopping errors [m]; NaN where no train arrives."""
     known = errors_m[np.isfinite(errors_m)]
     if not len(known):
-        return StopSpread(np.nan, np.nan, np.nan, np.nan)
-    size = np.abs(known)
-    return StopSpread(float(known.mean()), float(known.std()), float(np.quantile(size, COVERAGE)), float(size.max()))
+        return StopSpread(np.nan, np.nan)
+    return StopSpread(float(known.std()), float(np.quantile(np.abs(known), COVERAGE)))

@@ -12,9 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.machine import SteadyState, phase_voltage_v, steady_state, torque_constant
-from railjoule.core.drive.induction.traction import traction_machines
+from railjoule.core.drive.induction.traction import flux_current, traction_machines
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
 from railjoule.core.scenario import Vehicle
@@ -110,19 +109,19 @@ def sweep_flux(vehicle: Vehicle, speed_ms: float) -> FluxSweep:
     shaft_w = shaft_nm * machines.turns_per_metre * speed_ms
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed_ms
     torque_nm = shaft_nm + machine.mechanical_loss_torque_nm
-    best = flux_current_of_least_loss(machine, torque_nm, rotor_rads)
+    best = flux_current(machine, True, torque_nm, rotor_rads)
 
-    def at(flux_current: float) -> FluxPoint:
-        torque_current = torque_nm / (torque_constant(machine) * flux_current)
-        state = steady_state(machine, flux_current, torque_current, rotor_rads)
+    def at(flux_current_a: float) -> FluxPoint:
+        torque_current = torque_nm / (torque_constant(machine) * flux_current_a)
+        state = steady_state(machine, flux_current_a, torque_current, rotor_rads)
         return FluxPoint(
-            flux_current_a=flux_current,
+            flux_current_a=flux_current_a,
             torque_current_a=torque_current,
             phase_voltage_v=phase_voltage_v(state),
             input_power_w=state.input_power_w,
             loss_w=state.input_power_w - shaft_w,
             efficiency=shaft_w / state.input_power_w,
-            power_factor=power_factor(state, flux_current, torque_current),
+            power_factor=power_factor(state, flux_current_a, torque_current),
         )
 
     currents = np.linspace(FIRST_SHARE * best, machine.magnetising_current_a, POINTS).tolist()
@@ -132,7 +131,7 @@ def sweep_flux(vehicle: Vehicle, speed_ms: float) -> FluxSweep:
         max_phase_voltage_v=machine.max_phase_voltage_v,
         points=tuple(map(at, currents)),
         min_loss=at(best),
-        within_voltage=at(flux_current_within_voltage(machine, torque_nm, rotor_rads)),
+        within_voltage=at(flux_current(machine, False, torque_nm, rotor_rads)),
         rated=at(machine.magnetising_current_a),
     )
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,8 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulation.actual_vehicle import voltage_notes
-from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stops_of
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stop_positions_m
+from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 
@@ -93,7 +91,6 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
         }
         return StudyTable(scenario, {"run": range(done)}, columns, attributes, done)
 
-    yield table(np.empty((0, RESULTS)))
     work, samples = drawn_runs(planned, scenario), np.column_stack([drawn[name] for name in QUANTITIES])
     for rows in rows_in_order(work, samples, executor, RUNS_PER_STEP):
         yield table(rows.values)
@@ -109,14 +106,13 @@ def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
     scenario : Scenario
         The actual train and line; rows of random values replace its disturbance.
     """
+
+    def run(drawn: Sequence[float]) -> tuple[float, float, float]:
+        driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
+        return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+
     # a train may be too heavy for a ramp: such a run stays NaN
-    return RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
-
-
-def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> tuple[float, float, float]:
-    """Return energy [kWh], delay [s] and stopping error [m] of a run with a value of each of `QUANTITIES`."""
-    driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
-    return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+    return RowByRow(run, RESULTS, InfeasibleLineError)
 
 
 def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:
@@ -168,7 +164,7 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
             np.random.default_rng((options.seed, 1)).random((options.runs, len(QUANTITIES) - len(CONDITIONS))),
         ]
     )
-    shortest_distance_m = float(min(np.diff([0.0, *stops_of(scenario)])))
+    shortest_distance_m = float(min(np.diff([0.0, *stop_positions_m(scenario)])))
     # an error of a whole section would put the train at another stop; the bound itself is excluded
     places = np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)
     bounds = {

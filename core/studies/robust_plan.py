@@ -25,7 +25,7 @@ from railjoule.core.simulation.actual_vehicle import actual_vehicle
 from railjoule.core.simulation.disturbances import LATE_S
 from railjoule.core.simulation.following import plan_for, plannable_task
 from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs
-from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.rows import all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 

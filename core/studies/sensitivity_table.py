@@ -15,8 +15,7 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 
@@ -115,7 +114,6 @@ def sensitivity_steps(
         labels = {"load_factor": tuple(load_factors), "coordinate_error_m": tuple(coordinate_errors_m)}
         return StudyTable(scenario, labels, columns, attributes, len(results))
 
-    yield table(np.empty((0, 1 + RESULTS)))
     work = RowByRow(_cell_run(directions, plans, knows), 1 + RESULTS, ())
     for rows in rows_in_order(work, cells, executor):
         yield table(rows.values)
@@ -148,7 +146,10 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         followed = plans if knows in {"nothing", "place"} else own if complete else []
         update = {"actual_load_factor": load, "coordinate_error_m": 0.0 if knows in {"place", "both"} else error_m}
         try:
-            driven = [follow(plan, _disturbed(one, update)) for plan, one in zip(followed, directions, strict=False)]
+            actual = [
+                one.model_copy(update={"disturbance": one.disturbance.model_copy(update=update)}) for one in directions
+            ]
+            driven = [follow(plan, one) for plan, one in zip(followed, actual, strict=False)]
         except InfeasibleLineError:
             driven = []
         if not driven:
@@ -159,7 +160,3 @@ def _cell_run(directions: list[Scenario], plans: list[Trajectory], knows: Knows)
         return replanned, energy_kwh, delay_s, max(errors, key=abs)
 
     return run
-
-
-def _disturbed(direction: Scenario, update: dict[str, float]) -> Scenario:
-    return direction.model_copy(update={"disturbance": direction.disturbance.model_copy(update=update)})

@@ -21,14 +21,13 @@ from railjoule.core.dynamic_programming.labels import regime_labels
 from railjoule.core.dynamic_programming.power_table import NO_POWERS
 from railjoule.core.dynamic_programming.recursion import roll_out, sweep_back
 from railjoule.core.dynamic_programming.regimes import drive_regimes
-from railjoule.core.dynamic_programming.search import log_price_range
+from railjoule.core.dynamic_programming.search import log_price_range, supply_energy_j
 from railjoule.core.dynamic_programming.steps import POWER, tabulate_steps
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.mesh_data import MeshData
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.switching import supply_energy_j
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -148,7 +147,7 @@ class _Search:
         in_time = [run for driven in self._nearest_runs(changes) for run in self._adjusted_to_time(*driven)]
         if not in_time:
             raise SolverError(f"no run with at most {changes} changes of regime is in time.")
-        speed2, regimes = min(in_time, key=lambda driven: supply_energy_j(self.task, driven[0]))
+        speed2, regimes = min(in_time, key=lambda driven: supply_energy_j(self.task.mesh.data, driven[0]))
         run = make_trajectory(self.task.scenario, self.task.mesh, "advised", speed2)
         return SimpleRun(changes, _max_changes(self.data, regimes), replace(run, notes=missed_windows(self.task, run)))
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import pandas
     import xarray
 
-UNITS = {"_wh_per_s": "Wh/s", "_kwh": "kWh", "_m": "m", "_s": "s"}
+UNITS = {"_wh_per_s": "Wh/s", "_kwh": "kWh", "_m": "m", "_s": "s", "_a": "A", "_v": "V"}
 """Units by the end of a column's name; the first that fits counts."""
 
 

@@ -4,16 +4,17 @@ Each point is an optimum of `railjoule.core.bounds`. Only the time changes, so m
 The slope of the frontier is the negative price of time, which each optimum returns.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.bounds import certify
+from railjoule.core.bounds import OPTIMUM, certify
 from railjoule.core.continuous_bound.refinement import refined_optimum
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import Scenario
@@ -21,8 +22,7 @@ from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import arrival_windows
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.studies.sweep.rows import RowByRow
-from railjoule.core.studies.sweep.running import all_rows
+from railjoule.core.studies.rows import RowByRow, all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.task import MIN_SLACK, Task
 from railjoule.core.trajectory import Trajectory
@@ -108,10 +108,11 @@ def frontier_times(task: Task, count: int = 40, longest_share: float = 2.0) -> F
 def energy_time_frontier(
     task: Task,
     travel_times_s: FloatArray,
+    strategy: str = OPTIMUM,
     max_cells: int = MAX_CELLS,
     executor: Executor | None = None,
 ) -> Frontier:
-    """Return the least energy over travel times.
+    """Return the energy over travel times, by default the least one; NaN where the strategy refuses a time.
 
     Parameters
     ----------
@@ -119,54 +120,70 @@ def energy_time_frontier(
         The task; its time does not matter.
     travel_times_s : array of shape (m,)
         Times of the whole run, dwells included [s].
+    strategy : str
+        The strategy that drives.
     max_cells : int
         A finer mesh is replaced by one with about this many cells.
     executor : Executor, optional
         Executor of the points; by default this thread.
     """
-    if task.mesh.drive.has_idle_losses:
-        # its optimum with free switching is a bound, and no run
-        return strategy_frontier(task, travel_times_s, "optimal", max_cells, executor)
-    coarse = coarsened(task, max_cells)
+    coarse, times = coarsened(task, max_cells), np.asarray(travel_times_s, dtype=float)
+    notes = ["Windows of arrival do not count here."] if arrival_windows(task) else []
+    if coarse is not task:
+        notes.append(
+            f"Computed over {coarse.mesh.cell_count:,} cells of at most {coarse.scenario.solver.mesh_m:.3g} m instead "
+            f"of the {task.mesh.cell_count:,} of the mesh of {task.scenario.solver.mesh_m:g} m."
+        )
+    # the optimum of a drive with idle losses by free switching is a bound, and no run
+    point = _optimum if strategy == OPTIMUM and not task.mesh.drive.has_idle_losses else partial(_run, strategy)
 
-    def point(timed: Task) -> tuple[float, float, float]:
-        found = refined_optimum(timed)
-        bound = certify(found.task, found.solution.optimum, found.bound).energy_j
-        return found.solution.energy_j, found.solution.optimum.price_of_time_w, bound
+    def at(sample: Sequence[float]) -> tuple[float, float | None, float | None]:
+        (time,) = sample
+        # the meshed line and its fastest run do not depend on the time: they are made once for all points
+        timed = replace(coarse, running_time_s=time - coarse.dwell_s)
+        if not timed.running_time_s > coarse.shortest_time_s * (1 + MIN_SLACK):
+            raise TimetableError(time, coarse.shortest_travel_time_s)
+        return point(timed)
 
-    return _frontier(task, coarse, travel_times_s, "optimal", point, executor)
+    work = RowByRow(at, 3, (TimetableError, StrategyRefusedError, SolverError))
+    rows = all_rows(work, times[:, None], executor)
+    energy_j, price_w, bound_j = rows.values.T
+    columns = {
+        "energy_kwh": energy_j / J_PER_KWH,
+        "price_of_time_wh_per_s": price_w / J_PER_WH,
+        "lower_bound_kwh": bound_j / J_PER_KWH,
+    }
+    return Frontier(
+        coarse.scenario,
+        {"travel_time_s": frozen_array(times)},
+        columns,
+        {"notes": tuple(notes)},
+        len(times),
+        strategy=strategy,
+        shortest_travel_time_s=coarse.shortest_travel_time_s,
+        cell_count=coarse.mesh.cell_count,
+        refused=tuple((float(times[row]), reason) for row, reason in rows.reasons.items()),
+    )
 
 
-def strategy_frontier(
-    task: Task,
-    travel_times_s: FloatArray,
-    strategy: str,
-    max_cells: int = MAX_CELLS,
-    executor: Executor | None = None,
-) -> Frontier:
-    """Return the energy of any strategy over travel times; NaN where it refuses one.
+def _optimum(task: Task) -> tuple[float, float, float]:
+    """Return energy [J], price of time [W] and lower bound [J] of the optimum."""
+    found = refined_optimum(task)
+    bound = certify(found.task, found.solution.optimum, found.bound)
+    return found.solution.energy_j, found.solution.optimum.price_of_time_w, bound.energy_j
 
-    Parameters
-    ----------
-    task, travel_times_s, max_cells, executor
-        As in `energy_time_frontier`.
-    strategy : str
-        Which one.
-    """
 
-    def point(timed: Task) -> tuple[float, float, float]:
-        run = run_strategy(timed, strategy)
-        price = np.nan if run.price_of_time_w is None else run.price_of_time_w
-        return run.energy.net_j, price, np.nan if run.gap is None or run.bound is None else run.bound.energy_j
-
-    return _frontier(task, coarsened(task, max_cells), travel_times_s, strategy, point, executor)
+def _run(strategy: str, task: Task) -> tuple[float, float | None, float | None]:
+    """Return energy [J], price of time [W] and lower bound [J] of the run of a strategy."""
+    run = run_strategy(task, strategy)
+    return run.energy.net_j, run.price_of_time_w, None if run.gap is None or run.bound is None else run.bound.energy_j
 
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, max_cells: int = MAX_CELLS) -> Frontier:
     """Return the energy of ENOC with the best acceleration time for each travel time; arguments as above."""
     # without the acceleration time of the scenario, which is the best one for no other travel time
     free = task.scenario.model_copy(update={"enoc": EnocOptions()})
-    return strategy_frontier(replace(task, scenario=free), travel_times_s, "enoc", max_cells)
+    return energy_time_frontier(replace(task, scenario=free), travel_times_s, "enoc", max_cells)
 
 
 def coarsened(task: Task, max_cells: int) -> Task:
@@ -177,52 +194,6 @@ def coarsened(task: Task, max_cells: int) -> Task:
     # nodes at borders stay, so the count falls a little less than the length of the cells grows
     longer = task.scenario.replace(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / max_cells})
     return prepare_task(longer, *task.end_speeds_ms)
-
-
-def _frontier(
-    asked: Task,
-    task: Task,
-    travel_times_s: FloatArray,
-    strategy: str,
-    point: Callable[[Task], tuple[float, float, float]],
-    executor: Executor | None,
-) -> Frontier:
-    """Return the frontier of a task, whose mesh may be coarser than the one asked for."""
-    times = np.asarray(travel_times_s, dtype=float)
-    notes = ["Windows of arrival do not count here."] if arrival_windows(asked) else []
-    if task is not asked:
-        notes.append(
-            f"Computed over {task.mesh.cell_count:,} cells of at most {task.scenario.solver.mesh_m:.3g} m instead of "
-            f"the {asked.mesh.cell_count:,} of the mesh of {asked.scenario.solver.mesh_m:g} m."
-        )
-
-    def run(sample: Sequence[float]) -> tuple[float, float, float]:
-        (time,) = sample
-        # the meshed line and its fastest run do not depend on the time: they are made once for all points
-        timed = replace(task, running_time_s=time - task.dwell_s)
-        if not timed.running_time_s > task.shortest_time_s * (1 + MIN_SLACK):
-            raise TimetableError(time, task.shortest_travel_time_s)
-        return point(timed)
-
-    work = RowByRow(run, 3, (TimetableError, StrategyRefusedError, SolverError))
-    rows = all_rows(work, times[:, None], executor)
-    energy_j, price_w, bound_j = rows.values.T
-    columns = {
-        "energy_kwh": energy_j / J_PER_KWH,
-        "price_of_time_wh_per_s": price_w / J_PER_WH,
-        "lower_bound_kwh": bound_j / J_PER_KWH,
-    }
-    return Frontier(
-        task.scenario,
-        {"travel_time_s": frozen_array(times)},
-        columns,
-        {"notes": tuple(notes)},
-        len(times),
-        strategy=strategy,
-        shortest_travel_time_s=task.shortest_travel_time_s,
-        cell_count=task.mesh.cell_count,
-        refused=tuple((float(times[row]), reason) for row, reason in rows.reasons.items()),
-    )
 
 
 def one_speed_run(scenario: Scenario) -> Trajectory:

@@ -27,9 +27,9 @@ from railjoule.core.strategies.arrival_windows import (
 )
 from railjoule.core.strategies.line_parts import (
     LineParts,
+    cut_part,
     inner_stations,
     joined,
-    part_of,
     parts_between,
     shortest_times_s,
     station_name,
@@ -276,7 +276,7 @@ def leg_tables(task: Task, supplements_s: Sequence[float]) -> tuple[StudyTable, 
     stops = stop_nodes(task)
     tables = []
     for ends, shortest_s in zip(pairwise(stops), shortest_times_s(task, stops).tolist(), strict=True):
-        runs = [unwindowed_optimum(part_of(task, *ends, shortest_s + more_s)) for more_s in supplements_s]
+        runs = [unwindowed_optimum(cut_part(task, *ends, shortest_s + more_s)) for more_s in supplements_s]
         prices_w = np.array([run.price_of_time_w for run in runs], dtype=float)
         columns = {
             "energy_kwh": np.array([run.energy_kwh for run in runs]),

@@ -4,18 +4,18 @@ from collections.abc import Callable
 from functools import partial
 
 from railjoule.core.validation import ftorek, liashenko, rawicki, shtompel
-from railjoule.core.validation.figures.ftorek import FIGURES as FTOREK_FIGURES
-from railjoule.core.validation.figures.liashenko import FIGURES as LIASHENKO_FIGURES
-from railjoule.core.validation.figures.rawicki import FIGURES as RAWICKI_FIGURES
-from railjoule.core.validation.figures.shtompel import FIGURES as SHTOMPEL_FIGURES
+from railjoule.core.validation.figures import ftorek as ftorek_figures
+from railjoule.core.validation.figures import liashenko as liashenko_figures
+from railjoule.core.validation.figures import rawicki as rawicki_figures
+from railjoule.core.validation.figures import shtompel as shtompel_figures
 from railjoule.core.validation.papers import compare
 from railjoule.core.validation.table import Claim, Comparison, Erratum, Row, Table, Validation, first_comparisons
 
 COMPARISONS: dict[str, Callable[[], Comparison]] = {
-    "ftorek": partial(compare, "ftorek-2025", ftorek, FTOREK_FIGURES),
-    "liashenko": partial(compare, "liashenko-2025", liashenko, LIASHENKO_FIGURES),
-    "rawicki": partial(compare, "rawicki-2013", rawicki, RAWICKI_FIGURES),
-    "shtompel": partial(compare, "shtompel-2025", shtompel, SHTOMPEL_FIGURES),
+    "ftorek": partial(compare, "ftorek-2025", ftorek, ftorek_figures),
+    "liashenko": partial(compare, "liashenko-2025", liashenko, liashenko_figures),
+    "rawicki": partial(compare, "rawicki-2013", rawicki, rawicki_figures),
+    "shtompel": partial(compare, "shtompel-2025", shtompel, shtompel_figures),
 }
 """The comparison of each paper, not computed yet, by its name in `railjoule validate`."""
 

@@ -8,11 +8,13 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 from railjoule.core.bounds import minimise
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.scenario import load_scenario, preset_names
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
+from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.ipopt import IpoptProblem, is_installed, is_known
 
@@ -76,34 +78,22 @@ def benchmark(budget_s: float = BUDGET_S) -> Iterator[Timing]:
     """
     for name in preset_names("scenarios"):
         task = prepare_task(load_scenario(name))
-        yield from _time_strategies(name, task, budget_s)
-        yield time_solver_alone(name, task, budget_s)
-        # CasADi is no dependency: without it the table has no lines of IPOPT
-        if is_installed() and is_known(task):
-            yield from time_ipopt(name, task, budget_s)
+        for solver, call in _solvers(task):
+            try:
+                found = call()
+            except StrategyRefusedError:
+                continue
+            energy_kwh = found.energy_kwh if isinstance(found, Trajectory) else found.energy_j / J_PER_KWH
+            median = warm_median_s(call, budget_s)
+            yield Timing(name, task.mesh.cell_count, solver, energy_kwh, found.iterations, median)
 
 
-def _time_strategies(name: str, task: Task, budget_s: float) -> Iterator[Timing]:
+def _solvers(task: Task) -> Iterator[tuple[str, Callable[[], Any]]]:
+    """Yield name and call of each solver of a task; IPOPT without building its problem."""
     for strategy in STRATEGIES:
-        try:
-            run = run_strategy(task, strategy)
-        except StrategyRefusedError:
-            continue
-        median = warm_median_s(partial(run_strategy, task, strategy), budget_s)
-        yield Timing(name, task.mesh.cell_count, strategy, run.energy_kwh, run.iterations, median)
-
-
-def time_solver_alone(name: str, task: Task, budget_s: float = BUDGET_S) -> Timing:
-    """Measure the interior-point method on given arrays, without lower bound and energy balance."""
-    solution = minimise(task)
-    median = warm_median_s(partial(minimise, task), budget_s)
-    return Timing(name, task.mesh.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
-
-
-def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Timing]:
-    """Yield the times of IPOPT on the textbook and on railjoule's formulation, without building the problem."""
-    for words, textbook in ((TEXTBOOK, True), (TUNED, False)):
-        problem = IpoptProblem(task, textbook)
-        run = problem.solve()
-        median = warm_median_s(problem.solve, budget_s)
-        yield Timing(name, task.mesh.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)
+        yield strategy, partial(run_strategy, task, strategy)
+    yield ALONE, partial(minimise, task)
+    # CasADi is no dependency: without it the table has no lines of IPOPT
+    if is_installed() and is_known(task):
+        yield TEXTBOOK, IpoptProblem(task, textbook=True).solve
+        yield TUNED, IpoptProblem(task).solve

@@ -4,9 +4,10 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from scipy.integrate import cumulative_simpson
 from scipy.optimize import minimize_scalar
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.citation import printed_numbers
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
@@ -16,10 +17,11 @@ from railjoule.core.strategies.eoc import Variant, solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, SampledRun, plain_line
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation._trapezoid import sample_trapezoid
 
 # EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
 FINE_MESH_M = 0.5
+PAPER = printed_numbers("ftorek-2025")
+"""The printed numbers; not to be changed."""
 STRATEGIES = ("eoc", "enoc")
 TIMES_S = (270, 300, 330)
 """Travel times of Tables 1 and 2 [s]."""
@@ -31,18 +33,15 @@ TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
 # far beyond the printed minimum, so that the bracket does not choose it
 LONGEST_TIME_S = 20_000.0
-
-
-@cache
-def paper() -> dict[str, Any]:
-    """Return the paper's printed numbers; not to be changed."""
-    return printed_numbers("ftorek-2025")
+# The power is a polynomial of fourth degree in time, which Simpson integrates with an error of the fourth power of the
+# step: 1001 samples are far below the printed digits, and place the extremes to a thousandth of a part.
+SAMPLES_A_PART = 1001
 
 
 @cache
 def paper_scenario() -> Scenario:
     """Return the paper's run of 300 s."""
-    return load_scenario(paper()["scenario"])
+    return load_scenario(PAPER["scenario"])
 
 
 @cache
@@ -79,9 +78,47 @@ def printed_run(strategy: str, travel_time_s: float) -> SampledRun:
     return sample_trapezoid(paper_line(), travel_time_s, ramp)
 
 
+def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s: float) -> SampledRun:
+    """Return ENOC's run between rest and rest, sampled over time: Ftorek et al. 2025, Figure 2 and (11).
+
+    Parameters
+    ----------
+    line : PlainLine
+        Length, inertia, resistance and copper loss.
+    travel_time_s, acceleration_time_s : float
+        T_m and T_e [s]; T_e is at most half of T_m.
+    """
+    peak = line.distance_m / (travel_time_s - acceleration_time_s)
+    ramp_ms2 = peak / acceleration_time_s
+    parts = (
+        (acceleration_time_s, 0.0, ramp_ms2),
+        (travel_time_s - 2 * acceleration_time_s, peak, 0.0),
+        (acceleration_time_s, peak, -ramp_ms2),
+    )
+    columns = []
+    # part by part, as the effort jumps at the corners and Simpson across a jump would be of first order
+    start_s, start_m, start_j, shaft = 0.0, 0.0, 0.0, 0.0
+    for duration_s, start_ms, acceleration_ms2 in parts:
+        if duration_s <= 0:  # a triangle has no cruise
+            continue
+        time = np.linspace(0, duration_s, SAMPLES_A_PART)
+        speed = start_ms + acceleration_ms2 * time
+        resistance = line.resistance_n(speed)
+        effort = line.inertia_kg * acceleration_ms2 + resistance
+        power = effort * speed + line.loss_coefficient * effort**2
+        energies = start_j + cumulative_simpson(power, x=time, initial=0)
+        places = start_m + (start_ms + 0.5 * acceleration_ms2 * time) * time
+        columns.append((start_s + time, places, speed, np.full_like(time, acceleration_ms2), effort, energies))
+        start_s, start_m, start_j = start_s + duration_s, float(places[-1]), float(energies[-1])
+        shaft += float(cumulative_simpson(resistance * speed, x=time)[-1])
+    joined = (frozen_array(np.concatenate(column)) for column in zip(*columns, strict=True))
+    time, place, speed, accelerations, effort, energies = joined
+    return SampledRun(time, place, speed, accelerations, effort, energies, shaft)
+
+
 def printed_entry(strategy: str, travel_time_s: float) -> dict[str, float]:
     """Return the entry of Table 1 (`eoc`) or Table 2 (`enoc`) for a travel time [s]."""
-    table: list[dict[str, float]] = paper()["table_1" if strategy == "eoc" else "table_2"]
+    table: list[dict[str, float]] = PAPER["table_1" if strategy == "eoc" else "table_2"]
     return next(entry for entry in table if entry["travel_time_s"] == travel_time_s)
 
 

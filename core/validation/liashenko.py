@@ -16,17 +16,17 @@ from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulation.following import follow, plan_for
 from railjoule.core.strategies import solve
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 from railjoule.core.validation.liashenko_runs import (
     MIN_SHOWN,
-    ComparedTable,
+    PAPER,
     above_own_time,
     both_directions,
     compared_table,
     compared_tables,
     example,
-    paper_numbers,
     plan_knowing,
     rms,
 )
@@ -47,45 +47,50 @@ PASSENGER_KG = 75.0
 def cells(place: str) -> list[Quantities]:
     """Compute the cells of one of Tables 4 to 7 by both measures, with the reasons of their differences."""
     table = compared_table(place)
-    loads = [_load(table, k) for k in range(len(table.loads))]
+    loads = [_load(table, k) for k in range(len(table.load_factor))]
     records = []
-    for (m, k), printed in np.ndenumerate(table.printed):
-        by_plan, by_load = table.by_plan[m, k], table.by_load[m, k]
-        records.append(
-            {
-                **loads[k],
-                "error": table.errors_m[m],
-                "printed": float(printed),
-                "by_plan": by_plan,
-                "by_load": by_load,
-                "load_note": "assumed" if by_load >= 0 else loads[k]["load_note"],
-                "is_plan_off": abs(by_plan - printed) > MIN_SHOWN,
-                "is_load_off": abs(by_load - printed) > MIN_SHOWN,
-            }
-        )
+    # in the order of the paper, whose rows are errors
+    for m, error in enumerate(table.coordinate_error_m):
+        for k, load in enumerate(loads):
+            printed, by_plan, by_load = (table[key][k, m] for key in ("printed", "by_plan", "by_load"))
+            records.append(
+                {
+                    **load,
+                    "error": error,
+                    "printed": float(printed),
+                    "by_plan": by_plan,
+                    "by_load": by_load,
+                    "load_note": "assumed" if by_load >= 0 else load["load_note"],
+                    "is_plan_off": abs(by_plan - printed) > MIN_SHOWN,
+                    "is_load_off": abs(by_load - printed) > MIN_SHOWN,
+                }
+            )
     return records
 
 
-def _load(table: ComparedTable, k: int) -> Quantities:
-    """Compute the quantities of a table's column that explain its numbers: mass, plan, and the arrival below zero."""
-    mass, change = 100 * table.mass_change(table.loads[k]), table.load_change[k]
-    below, late = table.by_plan[:, k] < 0, table.by_load[:, k] < -SMALL_PERCENT
-    delay = float(np.max(table.delay_s[below, k], initial=0.0))
+def _load(table: StudyTable, k: int) -> Quantities:
+    """Compute the quantities of a load of a table that explain its numbers: mass, plan, and the arrival below zero."""
+    load, planned = table.load_factor[k], table.scenario.vehicle
+    loaded = table.scenario.replace(**{"vehicle.load_factor": load}).vehicle
+    mass = 100 * share_above(loaded.total_mass_kg, planned.total_mass_kg)
+    change = 100 * share_above(table.replanned_kwh[k], table.planned_energy_kwh)
+    below, late = table.by_plan[k] < 0, table.by_load[k] < -SMALL_PERCENT
+    delay = float(np.max(table.delay_s[k, below], initial=0.0))
     plan_note = "heavier" if mass > 0 else "lighter_below_zero" if below.any() else "lighter"
-    changes = {"disturbance.actual_load_factor": float(table.loads[k])}
+    changes = {"disturbance.actual_load_factor": load}
     above = [
-        above_own_time(both_directions(table.scenario, **changes, **{"disturbance.coordinate_error_m": float(error)}))
-        for error in table.errors_m[late]
+        above_own_time(both_directions(table.scenario, **changes, **{"disturbance.coordinate_error_m": error}))
+        for error in np.compress(late, table.coordinate_error_m).tolist()
     ]
     return {
-        "load": table.loads[k],
+        "load": load,
         "mass": abs(mass),
         "change": change if mass > 0 else -change,
         "arrival": f"at most {delay:.1f} s late" if delay >= MIN_SHOWN else "not late",
-        "stop_error_m": float(np.max(np.abs(table.stop_error_m[below, k]), initial=0.0)),
-        "plan_note": "assumed" if k == table.planned_load else plan_note,
+        "stop_error_m": float(np.max(np.abs(table.stop_error_m[k, below]), initial=0.0)),
+        "plan_note": "assumed" if load == planned.load_factor else plan_note,
         "load_note": "late" if late.any() else "assumed",
-        "late_s": float(np.max(table.delay_s[late, k], initial=0.0)),
+        "late_s": float(np.max(table.delay_s[k, late], initial=0.0)),
         "above": _range(above),
     }
 
@@ -98,33 +103,39 @@ def _range(shares: list[float]) -> str:
 def summary(place: str) -> Quantities:
     """Compute the root mean square of the differences of a table by each measure, and its cells without an error."""
     table = compared_table(place)
-    by_plan, by_load = (rms(values - table.printed) for values in (table.by_plan, table.by_load))
+    by_plan, by_load = (rms(table[key] - table.printed) for key in ("by_plan", "by_load"))
     corners = []
-    for k in (0, len(table.loads) - 1):
-        numbers = {key: float(getattr(table, key)[table.planned_error, k]) for key in MEASURES}
+    for k in (0, -1):
+        numbers = {key: float(_without_error(table, key)[k]) for key in MEASURES}
         words = {"by_plan": "(12)", "by_load": "the plan for the actual load"}
         same = [word for key, word in words.items() if numbers[key] * numbers["printed"] > 0]
-        corners.append({"load": table.loads[k], **numbers, "same": " and ".join(same) or "neither"})
+        corners.append({"load": table.load_factor[k], **numbers, "same": " and ".join(same) or "neither"})
     nearer = "(12)" if by_plan < by_load else "the plan for the actual load"
     return {"by_plan": by_plan, "by_load": by_load, "nearer": nearer, "corners": corners}
 
 
+def _without_error(table: StudyTable, key: str) -> FloatArray:
+    """Return a column of a table over the loads, where the position has no error."""
+    return table[key][:, table.coordinate_error_m.index(0)]
+
+
 def followed_plan(entry: Quantities) -> Quantities:
     """Compute the plan of one of Figures 3 to 6 and the run that follows it."""
-    one = example(entry["place"])
-    run = one.following
+    run, own_plan = example(entry["place"])
+    by_load = share_above(run.actual.energy_kwh, own_plan.energy_kwh)
+    above = [above_own_time((load_scenario(entry["scenario"]),))] if by_load < 0 else []
     return {
         "planned_kwh": run.planned.energy_kwh,
         "by_plan": 100 * run.overconsumption,
-        "by_load": 100 * one.by_load,
+        "by_load": 100 * by_load,
         "is_below_plan": run.overconsumption < 0,
-        "is_below_load": one.by_load < 0,
-        "less": -100 * (one.own_plan.energy_kwh / run.planned.energy_kwh - 1),
+        "is_below_load": by_load < 0,
+        "less": -100 * (own_plan.energy_kwh / run.planned.energy_kwh - 1),
         "delay_s": run.delay_s,
         "stop_error_m": run.stop_error_m,
         "arrival": f"{abs(run.delay_s):.1f} s {'late' if run.delay_s > 0 else 'early'}",
         "late_s": run.delay_s,
-        "above": _range([above_own_time((one.scenario,))] if one.by_load < 0 else []),
+        "above": _range(above),
     }
 
 
@@ -153,7 +164,7 @@ def changes_by_mass() -> Quantities:
         "high": max(changes),
         "least": min(map(abs, changes)),
         "speed_kmh": max(speeds),
-        "wrong": max(abs(table.by_load[table.planned_error]).max() for table in compared_tables()),
+        "wrong": max(abs(_without_error(table, "by_load")).max() for table in compared_tables()),
     }
 
 
@@ -173,7 +184,7 @@ def recursion() -> Quantities:
 
 def scheduled_times() -> Quantities:
     """Compute the times of the plans [s]."""
-    figures = [example(entry["place"]).following.planned for entry in paper_numbers()["figure"]]
+    figures = [example(entry["place"])[0].planned for entry in PAPER["figure"]]
     return {
         "figures": [plan.travel_time_s for plan in figures],
         "base": [plan.travel_time_s for plan in _plans()[::2]],
@@ -184,7 +195,7 @@ def scheduled_times() -> Quantities:
 def passenger_weight() -> Quantities:
     """Compute the weight of a passenger, and its difference from the print."""
     weight = PASSENGER_KG * STANDARD_GRAVITY_MS2 / N_PER_KN
-    return {"weight_kn": weight, "off": 100 * (weight / paper_numbers()["passenger_weight_kn"] - 1)}
+    return {"weight_kn": weight, "off": 100 * (weight / PAPER["passenger_weight_kn"] - 1)}
 
 
 def gradient() -> Quantities:
@@ -196,7 +207,7 @@ def gradient() -> Quantities:
 def stops() -> Quantities:
     """Compute the largest stopping error of Tables 4 to 7."""
     worst = max(float(np.max(np.abs(table.stop_error_m))) for table in compared_tables())
-    errors = max(float(np.max(np.abs(table.errors_m))) for table in compared_tables())
+    errors = max(float(np.max(np.abs(table.coordinate_error_m))) for table in compared_tables())
     return {"worst_m": worst, "errors_m": errors, "share": worst / errors}
 
 
@@ -257,42 +268,43 @@ def braking_zone() -> Quantities:
 def cells_below_zero() -> Quantities:
     """Count the cells below zero by each measure."""
     tables = compared_tables()
-    counts = {key: sum(int(np.sum(getattr(table, key) < -MIN_SHOWN)) for table in tables) for key in MEASURES}
-    fourth = 100 * example("Fig. 4").following.overconsumption
+    counts = {key: sum(int(np.sum(table[key] < -MIN_SHOWN)) for table in tables) for key in MEASURES}
+    fourth = 100 * example("Fig. 4")[0].overconsumption
     return {**counts, "cells": sum(table.printed.size for table in tables), "fourth": fourth}
 
 
 def largest(place: str) -> Quantities:
     """Compute the largest cell of a table by each measure."""
     table = compared_table(place)
-    found: Quantities = {"is_same": np.argmax(table.by_plan) == np.argmax(table.printed)}
-    for key in MEASURES:
-        m, k = np.unravel_index(np.argmax(getattr(table, key)), table.printed.shape)
-        found[key] = {"most": getattr(table, key)[m, k], "error": table.errors_m[m], "load": table.loads[k]}
-    return found
+    places = {key: np.unravel_index(np.argmax(table[key]), table.printed.shape) for key in MEASURES}
+    found = {
+        key: {"most": table[key][k, m], "error": table.coordinate_error_m[m], "load": table.load_factor[k]}
+        for key, (k, m) in places.items()
+    }
+    return {**found, "is_same": places["by_plan"] == places["printed"]}
 
 
 def max_values() -> Quantities:
     """Compute the largest values of Tables 4 to 7 by each measure, and whether they grow by one of them."""
-    values = {key: [float(getattr(table, key).max()) for table in compared_tables()] for key in MEASURES}
+    values = {key: [float(table[key].max()) for table in compared_tables()] for key in MEASURES}
     return {**values, "grows": any(np.all(np.diff(values[key]) > 0) for key in ("by_plan", "by_load"))}
 
 
 def effects(claim: Quantities) -> Quantities:
     """Compute the largest effect of the position error and of the load, each without the other [points]."""
     tables = [compared_table(place) for place in claim["places"]]
-    found = {key: [_effects(table, getattr(table, key)) for table in tables] for key in MEASURES}
+    found = {key: [_effects(table, key) for table in tables] for key in MEASURES}
     held = {key: sum((a > b) == claim["is_position"] for a, b in found[key]) for key in MEASURES}
     return {**found, "held": held}
 
 
-def _effects(table: ComparedTable, values: FloatArray) -> tuple[float, float]:
-    position, load = values[:, table.planned_load], values[table.planned_error]
-    return float(np.max(np.abs(position))), float(np.max(np.abs(load)))
+def _effects(table: StudyTable, key: str) -> tuple[float, float]:
+    position = table[key][table.load_factor.index(table.scenario.vehicle.load_factor)]
+    return float(np.max(np.abs(position))), float(np.max(np.abs(_without_error(table, key))))
 
 
 def _profiles() -> list[Scenario]:
-    return [load_scenario(entry["scenario"]) for entry in paper_numbers()["table"]]
+    return [load_scenario(entry["scenario"]) for entry in PAPER["table"]]
 
 
 @cache

@@ -1,7 +1,7 @@
 """Runs of Liashenko, Yatsko 2025 that tables, claims and figures share; each is computed once."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -13,133 +13,51 @@ from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.simulation.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.sensitivity_table import sensitivity
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
 
-PAPER = "liashenko-2025"
-BOTH_DIRECTIONS = (False, True)
-"""Values of `line.reverse` over which (12) adds energies."""
+PAPER = printed_numbers("liashenko-2025")
+"""The content of the file of the paper; not to be changed."""
 MIN_SHOWN = 0.05
 """A difference [percentage points] or delay [s] below this reads as 0.0."""
 
 
-@dataclass(frozen=True, eq=False)
-class ComparedTable:
-    """One of Tables 4 to 7 beside railjoule's, over m position errors and k loads.
-
-    Parameters
-    ----------
-    place : str
-        Its name in the paper.
-    scenario : Scenario
-        The plan is for its load.
-    errors_m, loads : array of shape (m,), (k,)
-        Position errors [m] and load factors.
-    printed, by_plan, by_load : array of shape (m, k)
-        Overconsumption: printed; computed by (12), over the plan; computed over the plan for the actual load [%].
-    load_change : array of shape (k,)
-        Energy of the plan for each load over that of the plan [%].
-    delay_s, stop_error_m : array of shape (m, k)
-        As in `StudyTable`.
-    """
-
-    place: str
-    scenario: Scenario
-    errors_m: FloatArray
-    loads: FloatArray
-    printed: FloatArray
-    by_plan: FloatArray
-    by_load: FloatArray
-    load_change: FloatArray
-    delay_s: FloatArray
-    stop_error_m: FloatArray
-
-    @property
-    def planned_error(self) -> int:
-        """Row without a position error."""
-        return int(np.flatnonzero(self.errors_m == 0)[0])
-
-    @property
-    def planned_load(self) -> int:
-        """Column of the load of the plan."""
-        return int(np.flatnonzero(self.loads == self.scenario.vehicle.load_factor)[0])
-
-    def mass_change(self, load_factor: float) -> float:
-        """Return the mass at a load over that of the plan, minus 1."""
-        planned = self.scenario.vehicle.total_mass_kg
-        return self.scenario.replace(**{"vehicle.load_factor": load_factor}).vehicle.total_mass_kg / planned - 1
-
-
-@dataclass(frozen=True, eq=False)
-class Example:
-    """The run of one of Figures 3 to 6.
-
-    Parameters
-    ----------
-    place : str
-        Its name in the paper.
-    scenario : Scenario
-        With its disturbance.
-    following : Following
-        The plan and the actual run.
-    own_plan : Trajectory
-        The plan for the actual load.
-    """
-
-    place: str
-    scenario: Scenario
-    following: Following
-    own_plan: Trajectory
-
-    @property
-    def by_load(self) -> float:
-        """Share by which the energy lies above that of the plan for the actual load."""
-        return share_above(self.following.actual.energy_kwh, self.own_plan.energy_kwh)
-
-
 @cache
-def paper_numbers() -> dict[str, Any]:
-    """Return the content of the paper's file."""
-    return printed_numbers(PAPER)
+def compared_table(place: str) -> StudyTable:
+    """Return one of Tables 4 to 7 beside railjoule's, over loads and position errors.
 
-
-@cache
-def compared_table(place: str) -> ComparedTable:
-    """Return one of Tables 4 to 7 beside railjoule's."""
-    paper = paper_numbers()
-    entry = next(entry for entry in paper["table"] if entry["place"] == place)
+    The columns are those of `sensitivity`, and overconsumption [%] as `printed`, `by_plan`, computed by (12), and
+    `by_load`, over the plan for the actual load.
+    """
+    entry = next(entry for entry in PAPER["table"] if entry["place"] == place)
     # the grid of the paper and not that of the study, which may change
-    errors, loads = ([float(value) for value in paper[key]] for key in ("coordinate_errors_m", "load_factors"))
+    loads, errors = ([float(value) for value in PAPER[key]] for key in ("load_factors", "coordinate_errors_m"))
     table = sensitivity(load_scenario(entry["scenario"]), loads, errors)
-    return ComparedTable(
-        place=place,
-        scenario=table.scenario,
-        errors_m=np.array(errors),
-        loads=np.array(loads),
-        printed=np.array(entry["overconsumption_percent"]),
-        by_plan=100 * table.overconsumption.T,
-        by_load=100 * table.over_replanned.T,
-        load_change=100 * share_above(table.replanned_kwh, table.planned_energy_kwh),
-        delay_s=table.delay_s.T,
-        stop_error_m=table.stop_error_m.T,
-    )
+    columns = {
+        **table.columns,
+        "printed": np.transpose(entry["overconsumption_percent"]),
+        "by_plan": 100 * table.overconsumption,
+        "by_load": 100 * table.over_replanned,
+    }
+    return replace(table, columns=columns)
 
 
-def compared_tables() -> tuple[ComparedTable, ...]:
+def compared_tables() -> tuple[StudyTable, ...]:
     """Return Tables 4 to 7 beside railjoule's."""
-    return tuple(compared_table(entry["place"]) for entry in paper_numbers()["table"])
+    return tuple(compared_table(entry["place"]) for entry in PAPER["table"])
 
 
 @cache
-def example(place: str) -> Example:
-    """Return the run of one of Figures 3 to 6."""
-    entry = next(entry for entry in paper_numbers()["figure"] if entry["place"] == place)
+def example(place: str) -> tuple[Following, Trajectory]:
+    """Return the run of one of Figures 3 to 6, and the plan for its actual load."""
+    entry = next(entry for entry in PAPER["figure"] if entry["place"] == place)
     scenario = load_scenario(entry["scenario"])
-    return Example(place, scenario, follow(plan_for(scenario), scenario), plan_knowing(scenario))
+    return follow(plan_for(scenario), scenario), plan_knowing(scenario)
 
 
 def both_directions(scenario: Scenario, **changes: Any) -> tuple[Scenario, ...]:
-    """Return a scenario with changes, there and back."""
-    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in BOTH_DIRECTIONS)
+    """Return a scenario with changes, there and back: the runs over which (12) adds energies."""
+    return tuple(scenario.replace(**changes, **{"line.reverse": reverse}) for reverse in (False, True))
 
 
 def above_own_time(scenarios: Sequence[Scenario]) -> float:

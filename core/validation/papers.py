@@ -14,6 +14,8 @@ name.
   `found` and `reason`, and its tolerances: it is supported if each quantity of `holds_between` lies strictly between
   its two bounds, and cannot be decided without bounds. Claims of one kind share the entries of `[kinds]` that they
   name as their `kind`. Several mappings are the list `all`.
+- A `[[rebuilt]]` figure has `place`, `caption`, `scenario` and `changes` as in `PaperFigure`, and `compute` with the
+  argument `of` for its data.
 
 All texts can contain quantities as in `str.format`.
 """
@@ -25,8 +27,7 @@ from types import ModuleType
 from typing import Any
 
 from railjoule.core.citation import printed_numbers
-from railjoule.core.validation.figure import PaperFigure
-from railjoule.core.validation.table import Claim, Comparison, Erratum, Row, Table, Verdict
+from railjoule.core.validation.table import Claim, Comparison, Erratum, PaperFigure, Row, Table, Verdict
 
 Quantities = Mapping[str, Any]
 
@@ -37,7 +38,7 @@ def citation(paper: dict[str, Any]) -> str:
     return f"{paper['authors']}: {paper['title']}, {place}, {paper['year']}"
 
 
-def compare(name: str, quantities: ModuleType, figures: tuple[PaperFigure, ...]) -> Comparison:
+def compare(name: str, quantities: ModuleType, figures: ModuleType) -> Comparison:
     """Return the tables and claims of a paper, not computed yet.
 
     Parameters
@@ -45,8 +46,9 @@ def compare(name: str, quantities: ModuleType, figures: tuple[PaperFigure, ...])
     name : str
         Name of its file, such as 'ftorek-2025'.
     quantities : module
-        Contains the functions that the file names.
-    figures : tuple of PaperFigure
+        Contains the functions that tables and claims of the file name.
+    figures : module
+        Contains the functions that its figures name.
     """
     paper = printed_numbers(name)
     return Comparison(
@@ -55,7 +57,7 @@ def compare(name: str, quantities: ModuleType, figures: tuple[PaperFigure, ...])
         tables=tuple(partial(_table, paper, quantities, table) for table in paper["comparison"]),
         errata=tuple(Erratum(**entry) for entry in paper["erratum"]),
         claims=tuple(partial(_claim, paper, quantities, claim) for claim in paper["claim"]),
-        figures=figures,
+        figures=tuple(_figure(figures, entry) for entry in paper.get("rebuilt", ())),
     )
 
 
@@ -103,8 +105,13 @@ def _claim(paper: Quantities, module: ModuleType, claim: Quantities) -> Claim:
     return Claim(claim["place"], claim["text"], found, verdict, reason)
 
 
+def _figure(module: ModuleType, entry: Quantities) -> PaperFigure:
+    compute = partial(_computed, module, entry, entry.get("of"))
+    return PaperFigure(entry["place"], entry["caption"], compute, entry["scenario"], entry.get("changes", {}))
+
+
 def _computed(module: ModuleType, entry: Quantities, argument: Any) -> Any:
-    """Return the quantities of a group or claim for one argument."""
+    """Return the quantities of a group or claim, or the data of a figure, for one argument."""
     function = getattr(module, entry["compute"])
     return function() if argument is None else function(argument)
 

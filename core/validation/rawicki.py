@@ -6,13 +6,13 @@ most functions is the recuperation factor kr.
 """
 
 from functools import cache
+from operator import attrgetter
 from typing import Any, get_args
 
 import numpy as np
 
 from railjoule.core.bounds import minimise
 from railjoule.core.energy import share_above
-from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.strategies import prepare_task, run_strategy, solve
@@ -27,6 +27,7 @@ from railjoule.core.validation.rawicki_identification import (
     value_names,
 )
 from railjoule.core.validation.rawicki_runs import (
+    PAPER,
     RECUPERATION_FACTORS,
     drive_part_one,
     energy_kwh,
@@ -35,7 +36,6 @@ from railjoule.core.validation.rawicki_runs import (
     part_two_time_s,
     plan_part_two,
     plan_run,
-    printed_paper,
     printed_phases,
     replan,
     replan_two_segments,
@@ -57,13 +57,13 @@ GENTLE_SHARE = 0.5
 
 def _entry(key: str, kr: float, place: str = "") -> Quantities:
     """Return the first entry of a list of the file with a recuperation factor and the start of a place."""
-    entries = printed_paper()[key]
+    entries = PAPER[key]
     return next(one for one in entries if one["recuperation_factor"] == kr and one["place"].startswith(place))
 
 
 def figure(place: str) -> Quantities:
     """Compute the energies of one of Figures 1 to 4 [kWh]; the run with the stop as two plans."""
-    entry = next(one for one in printed_paper()["figure"] if one["place"] == place)
+    entry = next(one for one in PAPER["figure"] if one["place"] == place)
     kr = float(entry["recuperation_factor"])
     undisturbed, whole = energy_kwh(plan_run(kr)), energy_with_stop_kwh(kr)
     penalty = 100 * share_above(whole, undisturbed)
@@ -81,14 +81,14 @@ def figure(place: str) -> Quantities:
 
 def printed_part_two(kr: float) -> float:
     """Return the printed energy of the run with the stop, less that of part I [kWh]."""
-    entry = next(one for one in printed_paper()["figure"][2:] if one["recuperation_factor"] == kr)
+    entry = next(one for one in PAPER["figure"][2:] if one["recuperation_factor"] == kr)
     part_one = sum(supply_energy_kwh(phase, kr) for phase in printed_phases("part I"))
     return float(round(entry["energy_kwh"] - part_one, 3))
 
 
 def planned_phases(kr: float) -> list[Quantities]:
     """Compute the phases of part II in the best run with the same distance and time."""
-    planned = {phase.phase: phase for phase in make_planner(kr).phases_of(plan_part_two(kr))}
+    planned = {phase.phase: phase for phase in make_planner(kr).planned_phases(plan_part_two(kr))}
     return [{"printed": one, "own": planned[one["phase"]]} for one in printed_phases(f"part II, kr = {kr:g}")]
 
 
@@ -118,7 +118,7 @@ def best_force_law(kr: float) -> Quantities:
 
 def driven_phases() -> list[Quantities]:
     """Compute the 24 printed numbers of phases, each phase driven between its printed speeds."""
-    phases = printed_paper()["phase"]
+    phases = PAPER["phase"]
     named = [(phase, name) for phase in phases for name in value_names(phase)]
     values = driven_values(tram_scenario(0.0).vehicle, phases)
     return [
@@ -142,7 +142,7 @@ def replanned(kr: float) -> list[Quantities]:
 
 def nameplate() -> Quantities:
     """Compute the nameplate of a motor at rated flux, frequency and speed."""
-    plate = printed_paper()["nameplate"]
+    plate = PAPER["nameplate"]
     printed, own = nameplate_values(plate), machine_values(tram_scenario(0.0).vehicle, plate)
     apparent = 3**0.5 * plate["voltage_v"] * plate["current_a"] * plate["power_factor"]
     voltage, current, power, factor = own
@@ -161,16 +161,13 @@ def parameters() -> list[Quantities]:
     show.
     """
     vehicle = tram_scenario(0.0).vehicle
-    identification = identify(vehicle, printed_paper())
+    identification = identify(vehicle, PAPER)
     records = []
     for key, value in zip(identification.names, identification.values, strict=True):
-        shipped: Any = vehicle.model_dump()
-        for name in key.split("."):
-            shipped = shipped[name]
         records.append(
             {
                 "key": key,
-                "shipped": shipped,
+                "shipped": attrgetter(key)(vehicle),
                 "value": value,
                 "percent": identification.uncertainty_percent(key),
                 "flux_percent": identification.uncertainty_percent(*FLUX),
@@ -183,7 +180,7 @@ def parameters() -> list[Quantities]:
 def whole_trajectory(kr: float) -> Quantities:
     """Compute the energies of the strategy `phases`, whose start takes no more current than helps [kWh]."""
     part = {
-        "line.sections": [{"length_m": printed_paper()["part_ii_length_m"]}],
+        "line.sections": [{"length_m": PAPER["part_ii_length_m"]}],
         "timetable.travel_time_s": part_two_time_s(),
     }
     return {
@@ -207,12 +204,13 @@ def saving(kr: float) -> Quantities:
 
 def phase_lengths() -> Quantities:
     """Compute the lengths of cruise and coasting with kr = 0 and 1, in the whole run and in its second part [m]."""
-    lengths = {
-        name: [_length_m(kr, plan(kr), phase) for kr in RECUPERATION_FACTORS]
-        for plan, prefix in ((plan_run, ""), (plan_part_two, "second_"))
-        for phase in ("cruise", "coast")
-        for name in [prefix + phase]
-    }
+    lengths: dict[str, list[float]] = {}
+    for plan, prefix in ((plan_run, ""), (plan_part_two, "second_")):
+        for kr in RECUPERATION_FACTORS:
+            phases = make_planner(kr).planned_phases(plan(kr))
+            for name in ("cruise", "coast"):
+                length_m = float(sum(one.distance_m for one in phases if one.phase == name))
+                lengths.setdefault(prefix + name, []).append(length_m)
     cruise, coast = lengths["second_cruise"], lengths["second_coast"]
     return {
         **lengths,
@@ -221,10 +219,6 @@ def phase_lengths() -> Quantities:
         "free_cruise": [plan_run(kr, free_starting_current=True).cruise_m for kr in RECUPERATION_FACTORS],
         "differs": min(cruise[1] - cruise[0], coast[0] - coast[1]),
     }
-
-
-def _length_m(kr: float, plan: PhasePlan, phase: str) -> float:
-    return float(sum(one.distance_m for one in make_planner(kr).phases_of(plan) if one.phase == phase))
 
 
 @cache
@@ -260,7 +254,7 @@ def start_above_resistance() -> Quantities:
 def recuperation() -> Quantities:
     """Compare the energies of Figs. 1 and 2 [kWh]."""
     energy = [energy_kwh(plan_run(kr)) for kr in RECUPERATION_FACTORS]
-    printed = [entry["energy_kwh"] for entry in printed_paper()["figure"][:2]]
+    printed = [entry["energy_kwh"] for entry in PAPER["figure"][:2]]
     return {
         "energy": energy,
         "printed": printed,
@@ -296,7 +290,7 @@ def second_part() -> Quantities:
     undisturbed, second, later = plan_run(0.0), plan_part_two(0.0), plan_part_two(0.0, LATER_S)
     starts = [
         sum(phase.energy_j for phase in phases if phase.phase == "start") / J_PER_KWH
-        for phases in (drive_part_one(0.0), make_planner(0.0).phases_of(second))
+        for phases in (drive_part_one(0.0), make_planner(0.0).planned_phases(second))
     ]
     return {
         "speed_ms": [undisturbed.cruise_speed_ms, second.cruise_speed_ms],
@@ -318,7 +312,7 @@ def changed_recuperation() -> Quantities:
 def printed_times() -> Quantities:
     """Compute the sum of the printed times [s]."""
     first = sum(phase["duration_s"] for phase in printed_phases("part I"))
-    stop, total = printed_paper()["stop_duration_s"], tram_scenario(0.0).travel_time_s
+    stop, total = PAPER["stop_duration_s"], tram_scenario(0.0).travel_time_s
     whole = first + stop + part_two_time_s()
     nearer = abs(whole - total) - abs(first + part_two_time_s() - total)
     return {"first": first, "second": part_two_time_s(), "stop": stop, "whole": whole, "total": total, "nearer": nearer}

@@ -9,6 +9,8 @@ than to one percent; its efficiency is printed as '90,6.8%' and left out.
 
 import math
 from dataclasses import dataclass
+from functools import reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -16,7 +18,7 @@ from scipy.optimize import least_squares
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import make_drive
-from railjoule.core.drive.induction.machine import machine_of, phase_voltage_v, steady_state
+from railjoule.core.drive.induction.machine import make_machine, phase_voltage_v, steady_state
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
@@ -51,7 +53,7 @@ Printed = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Identification:
-    """The tram that fits the printed numbers best; p parameters, m printed numbers.
+    """The numbers that fit the printed ones best; p parameters.
 
     Parameters
     ----------
@@ -61,23 +63,16 @@ class Identification:
         Their values, each in its key's unit.
     covariance : array of shape (p, p)
         Of their relative errors, if the differences that stay were independent errors of the printed numbers.
-    differences_percent : array of shape (m,)
-        Computed over printed less 1: those of `printed_values`, then those of `nameplate_values`.
     """
 
     names: tuple[str, ...]
     values: FloatArray
     covariance: FloatArray
-    differences_percent: FloatArray
 
     def uncertainty_percent(self, *names: str) -> float:
         """Return the standard error of a parameter, or of the product of several."""
         sum_of = np.isin(self.names, names).astype(float)
         return 100 * float(np.sqrt(sum_of @ self.covariance @ sum_of))
-
-    def vehicle(self, base: Vehicle) -> Vehicle:
-        """Return a vehicle with the identified numbers in the place of its own."""
-        return with_numbers(base, dict(zip(self.names, self.values.tolist(), strict=True)))
 
 
 def identify(base: Vehicle, paper: Printed) -> Identification:
@@ -100,12 +95,10 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
         vehicle = with_numbers(base, dict(zip(names, (factors * guess).tolist(), strict=True)))
         computed = np.concatenate([driven_values(vehicle, phases), machine_values(vehicle, plate)])
         percent: FloatArray = 100 * (computed / printed - 1)
-        return percent
+        return weights * percent
 
     # in factors of the first guess, as the parameters span from 0.1 ohm to 1500 N; x_scale is the size of a first step
-    fit = least_squares(
-        lambda factors: weights * differences(factors), np.ones(len(guess)), x_scale=0.05, **LEAST_SQUARES_OPTIONS
-    )
+    fit = least_squares(differences, np.ones(len(guess)), x_scale=0.05, **LEAST_SQUARES_OPTIONS)
     freedom = len(printed) - len(guess)
     # s^2 (J^T J)^-1 with s^2 = 2 cost / freedom, of the factors; divided by them on return, that of relative errors
     covariance = np.linalg.inv(fit.jac.T @ fit.jac) * (2 * fit.cost / freedom)
@@ -113,7 +106,6 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
         names=names,
         values=frozen_array(fit.x * guess),
         covariance=frozen_array(covariance / np.outer(fit.x, fit.x)),
-        differences_percent=frozen_array(differences(fit.x)),
     )
 
 
@@ -122,10 +114,7 @@ def with_numbers(base: Vehicle, numbers: dict[str, float]) -> Vehicle:
     document = base.model_dump(exclude_none=True)
     for key, value in numbers.items():
         *tables, last = key.split(".")
-        table = document
-        for name in tables:
-            table = table[name]
-        table[last] = value
+        reduce(getitem, tables, document)[last] = value
     # at the terminals only M^2 / Lr and Rr / Lr show, so with both free the fit would have no single minimum
     document["drive"]["rotor_inductance_mh"] = document["drive"]["stator_inductance_mh"]
     return Vehicle.model_validate(document)
@@ -146,7 +135,7 @@ def driven_values(vehicle: Vehicle, phases: list[Printed]) -> FloatArray:
     """Return distances [m], times [s] and energies [kWh] of phases with a recuperation factor of 1."""
     planner = printed_planner(vehicle, 1.0)
     model = planner.model
-    tables = {"start": model.full_start, "coast": model.coasting, "brake": model.braking}
+    tables = {"start": model.table("start"), "coast": model.coasting, "brake": model.braking}
     values: list[float] = []
     for phase in phases:
         low, high = sorted((float(phase["start_ms"]), float(phase["end_ms"])))
@@ -183,7 +172,7 @@ def nameplate_values(plate: Printed) -> FloatArray:
 
 def machine_values(vehicle: Vehicle, plate: Printed) -> FloatArray:
     """Return the same of a vehicle's motor at rated flux, frequency and speed."""
-    machine = machine_of(make_drive(vehicle.drive).parameters)
+    machine = make_machine(make_drive(vehicle.drive).parameters)
     shaft_rads = plate["speed_rpm"] * 2 * math.pi / 60
     rotor_rads = machine.pole_pairs * shaft_rads
     slip = 2 * math.pi * plate["frequency_hz"] - rotor_rads

@@ -15,6 +15,8 @@ from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.rawicki_identification import printed_planner
 
+PAPER = printed_numbers("rawicki-2013")
+"""The printed numbers; not to be changed."""
 RECUPERATION_FACTORS = (0.0, 1.0)
 """Of Figs. 1 and 3, and of Figs. 2 and 4."""
 STATION_DWELL_S = 20.0
@@ -24,15 +26,9 @@ Printed = dict[str, Any]
 
 
 @cache
-def printed_paper() -> Printed:
-    """Return the printed numbers of the paper."""
-    return printed_numbers("rawicki-2013")
-
-
-@cache
 def tram_scenario(kr: float) -> Scenario:
     """Return the run of Figs. 1 or 2."""
-    return load_scenario(printed_paper()["scenario"]).replace(**{"drive.recuperation_factor": kr})
+    return load_scenario(PAPER["scenario"]).replace(**{"drive.recuperation_factor": kr})
 
 
 @cache
@@ -58,7 +54,7 @@ def plan_part_two(kr: float, later_s: float = 0.0) -> PhasePlan:
     later_s : float
         Accepted delay [s].
     """
-    paper = printed_paper()
+    paper = PAPER
     return make_planner(kr).plan(float(paper["part_ii_length_m"]), part_two_time_s() + later_s)
 
 
@@ -68,7 +64,7 @@ def drive_part_one(kr: float) -> tuple[PlannedPhase, ...]:
     start, cruise, _ = printed_phases("part I")
     speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
     driven = replace(plan_part_two(kr), cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
-    return make_planner(kr).phases_of(driven)
+    return make_planner(kr).planned_phases(driven)
 
 
 @cache
@@ -110,7 +106,7 @@ def energy_kwh(plan: PhasePlan) -> float:
 
 def printed_phases(part: str) -> list[Printed]:
     """Return the printed phases of a part."""
-    return [phase for phase in printed_paper()["phase"] if phase["part"] == part]
+    return [phase for phase in PAPER["phase"] if phase["part"] == part]
 
 
 def part_two_time_s() -> float:

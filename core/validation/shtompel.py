@@ -163,7 +163,7 @@ def _near_best_share(run: Trajectory) -> float:
 
 @cache
 def driving(speed_kmh: int) -> Quantities:
-    """Compute energies and shares of the optimum and of runs under the best limits."""
+    """Compute energies and shares of the optimum and of runs under the best limits, and the best efficiency."""
     best, scheduled = solve_optimum(speed_kmh), kharkiv_scenario(speed_kmh).travel_time_s
     runs = {
         "optimum": best,
@@ -175,7 +175,7 @@ def driving(speed_kmh: int) -> Quantities:
     shares = {
         name: _effort_share(run, run.tractive_effort_n > FULL_SHARE * run.max_effort_n) for name, run in runs.items()
     }
-    return {
+    found: Quantities = {
         name: {
             "energy_kwh": run.energy_kwh,
             "more": 100 * share_above(run.energy_kwh, best.energy_kwh),
@@ -189,16 +189,12 @@ def driving(speed_kmh: int) -> Quantities:
         }
         for name, run in runs.items()
     }
+    return {**found, "best": efficiency()["drive"]}
 
 
 def both_speeds() -> Quantities:
     """Return the quantities of driving at 20 and 40 km/h."""
     return {f"at_{speed}": driving(speed) for speed in SCENARIOS}
-
-
-def near_best_efficiency(speed_kmh: int) -> Quantities:
-    """Return the quantities of driving and the largest efficiency of the drive."""
-    return {**driving(speed_kmh), "best": efficiency()["drive"]}
 
 
 @cache

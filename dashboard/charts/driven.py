@@ -3,7 +3,7 @@
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.simulation.following import Following, stops_of
+from railjoule.core.simulation.following import Following, stop_positions_m
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
@@ -117,7 +117,7 @@ class PositionErrorChart(LoneChart):
     def draw(self, following: Following) -> None:
         """Draw the error of the position; at a sensor it jumps."""
         run, places, errors, marks = following.actual, [], [], []
-        ends = np.add(stops_of(run.scenario), following.stop_errors_m)
+        ends = np.add(stop_positions_m(run.scenario), following.stop_errors_m)
         for stretches, end in zip(following.stretches, ends, strict=True):
             borders = [stretch.from_m for stretch in stretches[1:]]
             for stretch, until in zip(stretches, [*borders, float(end)], strict=True):

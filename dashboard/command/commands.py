@@ -204,7 +204,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         sensitivity,
         study_braking_sensors,
     )
-    from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
+    from railjoule.core.studies.rows import worker_count  # noqa: PLC0415
 
     path = table_file(target, "-o", LABELLED_SUFFIXES)
     scenario = load(file, changes)

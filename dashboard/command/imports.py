@@ -17,10 +17,10 @@ from railjoule.core.imports import (
     ImportedLine,
     IntervalKind,
     SourceFile,
-    line_of,
+    build_line,
     read_intervals,
 )
-from railjoule.core.imports.numbers import position_of
+from railjoule.core.imports.numbers import parse_position
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
 from railjoule.core.scenario._sentences import counted
 from railjoule.core.scenario.text_file import read_text, read_toml
@@ -72,7 +72,7 @@ def intervals(options: argparse.Namespace) -> None:
         kind: read_intervals(SourceFile.read(file, options.encoding), kind, maps.get(kind))
         for kind, file in files.items()
     }
-    line = line_of(
+    line = build_line(
         **tables,
         begin_m=_place("--begin", options.begin),
         end_m=_place("--end", options.end),
@@ -203,10 +203,10 @@ def measured_run(options: argparse.Namespace) -> None:
     source = SourceFile.read(options.file, options.encoding)
     path = table_file(str(target), "-o")  # says what parquet needs
     run = run_table(recorder_cells(source, form, options.sheet), form)
-    write_table(pandas.DataFrame(run.to_columns()), path, index=False)
+    write_table(pandas.DataFrame(run.columns), path, index=False)
     _print_on_stderr(f"{run.source}: {note}" for note in run.notes)
-    length, time = run.position_m[-1] - run.position_m[0], run.time_s[-1] - run.time_s[0]
-    rows = counted(len(run.time_s), "row")
+    length, time = (float(run.columns[name][-1]) for name in ("position_m", "time_s"))
+    rows = counted(len(run.columns["time_s"]), "row")
     print(f"{target}: {terminal.distance(length)} km in {terminal.time(time)} s, {rows}")
 
 
@@ -261,7 +261,7 @@ def _place(option: str, text: str | None) -> float | None:
     if text is None:
         return None
     try:
-        return position_of(text, "m", ".")
+        return parse_position(text, "m", ".")
     except ValueError as error:
         raise CommandError(f"{option} {shortened(text)} {error}.") from None
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification import Fit, GaugeErrors, HeldOut, fit_runs, hold_out, monte_carlo_scenario
-from railjoule.core.identification.posterior import resistance_deviation
+from railjoule.core.identification.fit import resistance_deviation
 from railjoule.core.measured import MeasuredRun, RecorderFormat, Saving, load_run, possible_saving
 from railjoule.core.scenario import Scenario, save_scenario
 from railjoule.dashboard.command import commands, terminal

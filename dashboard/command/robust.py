@@ -5,7 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan, find_robust_plan
-from railjoule.core.studies.sweep.running import worker_count
+from railjoule.core.studies.rows import worker_count
 from railjoule.dashboard.command.commands import (
     LABELLED_SUFFIXES,
     Output,

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
-from railjoule.core.trajectory import Bound, Reference
+from railjoule.core.lower_bound import Bound, Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.work.simple_advice import first_told
 

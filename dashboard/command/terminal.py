@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 
 from railjoule.core.advice import Instruction
-from railjoule.core.trajectory import Reference
+from railjoule.core.lower_bound import Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.command.summary import Summary
 from railjoule.dashboard.look import comparisons, words

@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from railjoule.core.scenario import Scenario
-from railjoule.core.scenario.csv_table import MAP_COLUMNS
+from railjoule.core.scenario.text_file import MAP_COLUMNS
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.look.key_names import split_unit, words_of
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE

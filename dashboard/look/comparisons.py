@@ -13,7 +13,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
-from railjoule.core.trajectory import Reference
+from railjoule.core.lower_bound import Reference
 from railjoule.dashboard.look import words
 
 # half of the tenth in which times are told

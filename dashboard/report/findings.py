@@ -8,6 +8,7 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import with_tighter_bound
+from railjoule.core.lower_bound import Bound
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulation.actual_run import actual_run
 from railjoule.core.simulation.disturbances import DisturbedRun
@@ -17,7 +18,6 @@ from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strate
 from railjoule.core.studies.sensitivity_table import sensitivity_steps
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
-from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.work.refusals import named_refusals

@@ -8,7 +8,7 @@ from typing import Any
 import param
 
 from railjoule.core import Scenario, Trajectory
-from railjoule.core.scenario import document_of, format_scenario, preset_names, scenario_from_document
+from railjoule.core.scenario import format_scenario, preset_names, scenario_from_document, to_document
 from railjoule.core.scenario._base import without_misleading
 from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
@@ -144,7 +144,7 @@ class KeptPin(Kept):
         RailjouleError
             If its text is no scenario.
         """
-        document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
+        document = None if self.toml is None else to_document(open_scenario(self.toml, "the pinned run").scenario)
         changes = dict(self.changes)
         return Recipe(self.preset, document, changes, self.strategy, self.simple, self.recording, self.driven)
 
@@ -173,9 +173,9 @@ def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe
     """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
     if model.scenario() != scenario:
         # the page has moved on while the run was computed, or what it asks for cannot be run
-        return Recipe(None, document_of(scenario), {}, strategy)
+        return Recipe(None, to_document(scenario), {}, strategy)
     if model.opened is not None:
-        return Recipe(None, document_of(model.opened), dict(model.changes), strategy)
+        return Recipe(None, to_document(model.opened), dict(model.changes), strategy)
     return Recipe(model.preset, None, dict(model.changes), strategy)
 
 

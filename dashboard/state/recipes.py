@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.scenario import document_of, format_scenario
+from railjoule.core.scenario import format_scenario, to_document
 from railjoule.dashboard.state.program import Program
 from railjoule.dashboard.state.programs import page_run
 from railjoule.dashboard.state.workbench import Workbench
@@ -50,7 +50,7 @@ class Recipe:
 def recipe_of(state: Workbench) -> Recipe:
     """Return what the page in sight computes."""
     scenario, computed = state.scenario, page_run(state)
-    changes = _effective({**scenario.changes, **computed.changes}, document_of(scenario.base))
+    changes = _effective({**scenario.changes, **computed.changes}, to_document(scenario.base))
     # named only where it differs, as all keys: without changes the command is the name of the scenario alone
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]

@@ -8,8 +8,8 @@ import param
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
+from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import STRATEGIES
-from railjoule.core.trajectory import Bound
 from railjoule.dashboard.actual.model import ActualModel
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults

@@ -10,9 +10,9 @@ from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
+from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
-from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look.key_names import without_keys
 
 

@@ -14,7 +14,7 @@ from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing.connection import wait
 from typing import TypeVar
 
-from railjoule.core.studies.sweep.running import worker_count
+from railjoule.core.studies.rows import worker_count
 
 NICE, NICE_OF_LOOKS = 10, 5
 """Priorities below that of the server: of the runs, and of what a page waits for."""

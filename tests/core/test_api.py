@@ -100,7 +100,7 @@ def test_what_a_table_leaves_open_is_a_warning_unless_the_settings_say_it():
             "travel_time_s and timetable exclude each other",
         ),
         (lambda: own_scenario(strategy="fast"), "strategy = 'fast' must be 'optimal', 'bellman'"),
-        (rj.Line.from_tables, "Line.from_tables needs at least one table"),
+        (rj.Line.from_tables, "no table of the line is given"),
         (
             lambda: rj.Line.from_tables(gradients=3),
             "gradients has the type int; it must be the path of a table",

@@ -32,15 +32,12 @@ def test_resistance_and_losses_never_come_back(scenario: Scenario) -> None:
         assert np.diff(getattr(along, name)).min() >= -1e-9 * along.drawn_j[-1], name
 
 
-def test_stretches_sum_to_the_account_and_their_time_to_the_timetable() -> None:
+def test_stretches_sum_to_the_account() -> None:
     run = solve(ACCOUNT_CASES["copper loss over hills"])
     parts, energy = stretches(run), run.energy
     assert [part.phase for part in parts] == list(run.phases)
     assert sum(part.drawn_j for part in parts) == pytest.approx(energy.traction_j, rel=1e-9)
     assert sum(part.losses_j for part in parts) == pytest.approx(sum(energy.losses_j.values()), rel=1e-9)
-    assert run.price_of_time_w is not None
-    worth = sum(part.time_worth_j or 0.0 for part in parts)
-    assert worth == pytest.approx(run.price_of_time_w * run.travel_time_s, rel=1e-9)
 
 
 def test_coasting_draws_nothing_and_pays_the_resistance_with_motion_and_height() -> None:
@@ -51,9 +48,3 @@ def test_coasting_draws_nothing_and_pays_the_resistance_with_motion_and_height()
         # energy is conserved where no effort acts; up to what power or brakes do in a cell that ends or begins it
         assert part.resistance_j == pytest.approx(-part.motion_j - part.height_j, rel=2e-2)
         assert part.drawn_j == pytest.approx(0.0, abs=1e-2 * run.energy.traction_j)
-
-
-def test_a_run_without_a_price_has_no_worth_of_time() -> None:
-    run = solve(ACCOUNT_CASES["constant efficiency"], "fastest")
-    assert all(part.time_worth_j is None for part in stretches(run))
-    assert all(part.time_worth_j for part in stretches(run, 1000.0))

@@ -30,6 +30,15 @@ def force(m):
 """
 
 
+CACHES = (
+    kernel_cache._path,
+    kernel_cache._source,
+    kernel_cache._store,
+    kernel_cache.module_hash,
+    kernel_cache.cache_folder,
+)
+
+
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """A package in the place of the core: `kernel` imports `helper`, and `other` imports nothing."""
@@ -50,7 +59,7 @@ def package(tmp_path, monkeypatch):
 
 def keys():
     """Return the keys of both modules, read anew."""
-    for known in (kernel_cache._source, kernel_cache._store, kernel_cache.module_hash, kernel_cache.cache_folder):
+    for known in CACHES:
         known.cache_clear()
     return module_hash("railjoule.core.kernel"), module_hash("railjoule.core.other")
 
@@ -59,7 +68,7 @@ def keys():
 def forget():
     """Read the real sources again after each test."""
     yield
-    for known in (kernel_cache._source, kernel_cache._store, kernel_cache.module_hash, kernel_cache.cache_folder):
+    for known in CACHES:
         known.cache_clear()
 
 

@@ -3,7 +3,7 @@ import pytest
 from builders import plain_scenario
 
 from railjoule.core import ScenarioError, load_scenario, solve
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import supply_current_a
 from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
 from railjoule.core.simulation.disturbances import simulate_disturbances
 

@@ -7,10 +7,10 @@ import pytest
 from builders import plain_scenario
 
 from railjoule.core import TimetableError, solve
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.strategies import prepare_task
 from railjoule.core.task import MIN_SLACK
-from railjoule.core.trajectory import LATE_SHARE
 
 STOPS = {
     "line.stations": [

@@ -7,8 +7,9 @@ import pytest
 from builders import COPPER_LOSS, plain_scenario
 
 from railjoule.core import Bound, solve
+from railjoule.core.lower_bound import Reference
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.trajectory import Reference, make_trajectory
+from railjoule.core.trajectory import make_trajectory
 
 DWELL = {
     "line.stations": [{"position_m": 900.0, "dwell_s": 30.0}],

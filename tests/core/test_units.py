@@ -1,13 +1,19 @@
 import pytest
+import scipy
 from builders import plain_scenario
 
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH, distinct_numbers
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, VACUUM_PERMEABILITY_H_PER_M, distinct_numbers
 
 
 def test_factors_by_their_definitions():
     assert 36 * MS_PER_KMH == 10
     assert J_PER_KWH == 1000 * 3600
+
+
+def test_the_permeability_of_vacuum_is_that_of_scipy():
+    """Importing scipy.constants takes 0.05 s; editions of CODATA differ in the tenth digit."""
+    assert pytest.approx(scipy.constants.mu_0, rel=1e-9) == VACUUM_PERMEABILITY_H_PER_M
 
 
 def test_weight_is_that_of_all_four_papers():

@@ -25,7 +25,7 @@ from railjoule.core.drive.geared import (
     turns_per_metre,
 )
 from railjoule.core.drive.induction.limits import corner_speed, fill_efforts, fill_full_current
-from railjoule.core.drive.induction.machine import Machine, machine_of, steady_state, torque_constant
+from railjoule.core.drive.induction.machine import Machine, make_machine, steady_state, torque_constant
 from railjoule.core.drive.induction.min_loss import best_ratio
 from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.drive.line_power import resistor_power
@@ -66,7 +66,8 @@ class InductionDrive(Drive):
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
         """Return the largest effort [N] within current, voltage and rated flux; shape as the argument's."""
-        return self.effort_at_current_n(self._max_current_a(braking), speed_ms, braking)
+        current = self.braking_current_a if braking else self.starting_current_a
+        return self.effort_at_current_n(current, speed_ms, braking)
 
     def weakening_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
         """Return the largest effort [N] within the voltage and either of the two other limits, whichever is less.
@@ -76,16 +77,25 @@ class InductionDrive(Drive):
         limit of all; that of flux and current is the constant one, the two others vary with speed. If the
         pull-out lies at a smaller ratio than full current at rated flux, flux and voltage bind without the current.
         """
-        with_current = self._efforts_n(speed_ms, self._max_current_a(braking), braking, False)
-        return np.minimum(with_current, self._efforts_n(speed_ms, np.inf, braking, True))
+        current = self.braking_current_a if braking else self.starting_current_a
+        with_current = self.effort_at_current_n(current, speed_ms, braking, rated_flux=False)
+        return np.minimum(with_current, self.effort_at_current_n(np.inf, speed_ms, braking))
 
     def corner_speed_ms(self, current_a: float, braking: bool = False) -> float:
         """Return the speed [m/s] up to which the voltage carries a current at rated flux; 0 if it never does."""
         return float(corner_speed(self.parameters, braking, current_a))
 
-    def effort_at_current_n(self, current_a: float, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
-        """Return the largest effort [N] of machines that carry at most a current [A]; shape as the speeds'."""
-        return self._efforts_n(speed_ms, current_a, braking, True)
+    def effort_at_current_n(
+        self, current_a: float, speed_ms: FloatArray, braking: bool = False, rated_flux: bool = True
+    ) -> FloatArray:
+        """Return the largest effort [N] of machines that carry at most a current [A]; shape as the speeds'.
+
+        The flux is at most the rated one, unless `rated_flux` is False: then only current and voltage count.
+        """
+        speed = np.asarray(speed_ms, dtype=float)
+        effort = np.empty(speed.size)
+        fill_efforts(self.parameters, braking, current_a, rated_flux, speed.ravel(), effort)
+        return effort.reshape(speed.shape)
 
     def full_current_start(self, speed_ms: FloatArray, current_a: float) -> tuple[FloatArray, FloatArray]:
         """Return effort [N] and supply power [W] of a start that holds a current at all speeds, as Rawicki's does.
@@ -98,15 +108,6 @@ class InductionDrive(Drive):
         fill_full_current(self.parameters, current_a, speed.ravel(), *found)
         effort, power = found.reshape(2, *speed.shape)
         return effort, power
-
-    def _max_current_a(self, braking: bool) -> float:
-        return self.braking_current_a if braking else self.starting_current_a
-
-    def _efforts_n(self, speed_ms: FloatArray, current_a: float, braking: bool, rated_flux: bool) -> FloatArray:
-        speed = np.asarray(speed_ms, dtype=float)
-        effort = np.empty(speed.size)
-        fill_efforts(self.parameters, braking, current_a, rated_flux, speed.ravel(), effort)
-        return effort.reshape(speed.shape)
 
     def _machines(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         effort, speed = np.broadcast_arrays(np.asarray(effort_n, float), np.asarray(speed_ms, float))
@@ -175,7 +176,7 @@ def _fill_losses(parameters: FloatArray, effort: FloatArray, speed: FloatArray, 
 
     Efforts are signed [N], speeds in [m/s]; shapes (n,) and (6, n).
     """
-    machine, motors, turns = machine_of(parameters), parameters[MOTORS], parameters[TURNS]
+    machine, motors, turns = make_machine(parameters), parameters[MOTORS], parameters[TURNS]
     for i in range(effort.shape[0]):
         work, share = effort[i] * speed[i], parameters[DRIVING_SHARE if effort[i] > 0.0 else BRAKING_SHARE]
         torque = parameters[FRICTION] + effort[i] * share / (motors * turns)

@@ -18,7 +18,7 @@ from railjoule.core.drive.geared import BRAKING_SHARE, DRIVING_SHARE, FRICTION, 
 from railjoule.core.drive.induction.machine import (
     Machine,
     leakage_share,
-    machine_of,
+    make_machine,
     slip_rate,
     steady_state,
     torque_constant,
@@ -94,7 +94,7 @@ def fill_efforts(
     speed_ms, effort_n : array of shape (n,)
         Speeds and efforts.
     """
-    machine, sign = machine_of(parameters), -1.0 if braking else 1.0
+    machine, sign = make_machine(parameters), -1.0 if braking else 1.0
     wheel = parameters[MOTORS] * parameters[TURNS] / parameters[BRAKING_SHARE if braking else DRIVING_SHARE]
     flux_current = machine.magnetising_current_a if rated_flux else np.inf
     for i in range(speed_ms.shape[0]):
@@ -117,7 +117,7 @@ def corner_speed(parameters: FloatArray, braking: bool, current_a: float) -> flo
     current_a : float
         Current of one machine [A], above that of the rated flux.
     """
-    machine = machine_of(parameters)
+    machine = make_machine(parameters)
     sign, flux_current = -1.0 if braking else 1.0, machine.magnetising_current_a
     # Of a current I the torque goes as Ix Iy = I^2 q / (1 + q^2), greatest at q = 1, where Ix = I / sqrt(2): so little
     # current gives its most at less than rated flux.
@@ -190,7 +190,7 @@ def fill_full_current(
     speed_ms, effort_n, power_w : array of shape (n,)
         Speeds, efforts and powers.
     """
-    machine = machine_of(parameters)
+    machine = make_machine(parameters)
     wheel = parameters[MOTORS] * parameters[TURNS] / parameters[DRIVING_SHARE]
     for i in range(speed_ms.shape[0]):
         rotor_rads = machine.pole_pairs * parameters[TURNS] * speed_ms[i]

@@ -82,7 +82,7 @@ class SteadyState(NamedTuple):
 
 
 @njit(cache=True)
-def machine_of(parameters: FloatArray) -> Machine:
+def make_machine(parameters: FloatArray) -> Machine:
     """Return the machine in the parameters of a drive: they follow those of all geared drives."""
     m = parameters[LOSSES:]
     return Machine(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10])
@@ -109,23 +109,6 @@ def slip_rate(machine: Machine) -> float:
 
 
 @njit(cache=True)
-def iron_loss_w(machine: Machine, flux_current_a: float, stator_rads: float) -> float:
-    """Return hysteresis and eddy-current loss [W], (10)-(11).
-
-    Parameters
-    ----------
-    machine : Machine
-        Its numbers.
-    flux_current_a, stator_rads : float
-        Ix [A] and w1, of either sign [rad/s].
-    """
-    flux = flux_current_a / machine.magnetising_current_a
-    # both losses grow with the square of the flux, that is of Ix
-    by_frequency = machine.hysteresis_loss_ws + machine.eddy_loss_ws2 * abs(stator_rads)
-    return by_frequency * abs(stator_rads) * flux * flux
-
-
-@njit(cache=True)
 def steady_state(machine: Machine, flux_current_a: float, torque_current_a: float, rotor_rads: float) -> SteadyState:
     """Return the steady state of a machine with its two currents.
 
@@ -147,7 +130,10 @@ def steady_state(machine: Machine, flux_current_a: float, torque_current_a: floa
     # steady state: no derivatives, so only the stator's frequency turns fluxes into voltages
     voltage_x = resistance * i_x - frequency * leakage_share(machine) * inductance * i_y
     voltage_y = resistance * i_y + frequency * inductance * i_x
-    iron = iron_loss_w(machine, i_x, frequency)
+    # hysteresis and eddy-current losses, (10)-(11), grow with the square of the flux, that is of Ix
+    flux = i_x / machine.magnetising_current_a
+    by_frequency = machine.hysteresis_loss_ws + machine.eddy_loss_ws2 * abs(frequency)
+    iron = by_frequency * abs(frequency) * flux * flux
     # of amplitudes, three phases have 3/2 of the product
     return SteadyState(
         slip,

@@ -8,10 +8,12 @@ stator's side; with k = M / L_W its rotor flux is k times that of the T circuit,
 with k times the flux, the rotor has 1 / k of the current for the same torque, and the same loss. Both behave alike at
 the stator's terminals and at the shaft. Source: Slemon 1989, "Modelling of induction machines for electric drives",
 (16)-(20).
+
+The flux of a machine is the rated one as long as the voltage carries it, or that of least loss; both are given by the
+current Ix that makes them in steady state. Without torque only the voltage bounds it.
 """
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +22,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.geared import turns_per_metre
 from railjoule.core.drive.induction.drive import machine_from
-from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.limits import max_torque_nm
 from railjoule.core.drive.induction.machine import Machine, phase_voltage_v, steady_state, torque_constant
+from railjoule.core.drive.induction.min_loss import best_ratio
+from railjoule.core.drive.induction.voltage import pull_out_ratio, ratio_within_voltage, value, voltage_quartic
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction, InductionMachine
 
@@ -39,14 +42,15 @@ class InverseGammaCircuit(NamedTuple):
     leakage_inductance_h: float
 
 
-@dataclass(frozen=True)
-class TractionMachines:
+class TractionMachines(NamedTuple):
     """Equal induction machines that turn the wheels of a train.
 
     Parameters
     ----------
     machine : Machine
         One of them.
+    circuit : InverseGammaCircuit
+        The same machine with all leakage on the stator's side.
     motors : int
         Their number.
     turns_per_metre : float
@@ -60,30 +64,12 @@ class TractionMachines:
     """
 
     machine: Machine
+    circuit: InverseGammaCircuit
     motors: int
     turns_per_metre: float
     gear_efficiency: float
     driving_current_a: float
     braking_current_a: float
-
-    @property
-    def circuit(self) -> InverseGammaCircuit:
-        """Return the inverse-gamma circuit of one machine."""
-        machine = self.machine
-        k = machine.mutual_inductance_h / machine.rotor_inductance_h
-        magnetising_h = k * machine.mutual_inductance_h
-        return InverseGammaCircuit(
-            stator_resistance_ohm=machine.stator_resistance_ohm,
-            rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
-            magnetising_inductance_h=magnetising_h,
-            leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
-        )
-
-    @property
-    def rated_flux_vs(self) -> float:
-        """Return the rated flux linkage of the rotor in the T circuit [V s]."""
-        # in steady state the rotor's flux is M Ix: its current has no part along x
-        return self.machine.mutual_inductance_h * self.machine.magnetising_current_a
 
     def max_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
         """Return the greatest torque of the shaft, without sign, within current and voltage [N m].
@@ -146,7 +132,20 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     else:
         gear, parameters = 1.0, drive.machine
         currents = drive.machine.max_current_a, drive.machine.max_current_a
-    return TractionMachines(machine_from(parameters), drive.motors, turns_per_metre(drive), gear, *currents)
+    machine = machine_from(parameters)
+    return TractionMachines(machine, inverse_gamma(machine), drive.motors, turns_per_metre(drive), gear, *currents)
+
+
+def inverse_gamma(machine: Machine) -> InverseGammaCircuit:
+    """Return the circuit of a machine with all leakage on the stator's side."""
+    k = machine.mutual_inductance_h / machine.rotor_inductance_h
+    magnetising_h = k * machine.mutual_inductance_h
+    return InverseGammaCircuit(
+        stator_resistance_ohm=machine.stator_resistance_ohm,
+        rotor_resistance_ohm=k * k * machine.rotor_resistance_ohm,
+        magnetising_inductance_h=magnetising_h,
+        leakage_inductance_h=machine.stator_inductance_h - magnetising_h,
+    )
 
 
 @njit(cache=True, nogil=True)
@@ -165,14 +164,11 @@ def fill_efficiency(
         for i in range(torque_nm.shape[0]):
             # friction takes its torque from the shaft in both directions
             torque = torque_nm[i] + machine.mechanical_loss_torque_nm
-            if min_loss:
-                flux_current = flux_current_of_least_loss(machine, torque, rotor_rads)
-            else:
-                flux_current = flux_current_within_voltage(machine, torque, rotor_rads)
-            torque_current = torque / (torque_constant(machine) * flux_current)
-            state = steady_state(machine, flux_current, torque_current, rotor_rads)
+            flux_current_a = flux_current(machine, min_loss, torque, rotor_rads)
+            torque_current = torque / (torque_constant(machine) * flux_current_a)
+            state = steady_state(machine, flux_current_a, torque_current, rotor_rads)
             max_a = driving_current_a if torque >= 0.0 else braking_current_a
-            current, voltage = math.hypot(flux_current, torque_current) / max_a, phase_voltage_v(state)
+            current, voltage = math.hypot(flux_current_a, torque_current) / max_a, phase_voltage_v(state)
             shaft = torque_nm[i] * speed_rads[j]
             if max(current, voltage / machine.max_phase_voltage_v) > 1.0 + ALLOWED_EXCESS:
                 efficiency[i, j] = np.nan
@@ -182,3 +178,50 @@ def fill_efficiency(
                 efficiency[i, j] = state.input_power_w / shaft
             else:
                 efficiency[i, j] = 0.0
+
+
+# a torque below this share of that at Ix = Iy = Imu counts as none: kappa = 0 would leave the ratio, and the flux, open
+MIN_STRENGTH_SHARE = 1e-6
+
+
+@njit(cache=True)
+def flux_current(machine: Machine, min_loss: bool, torque_nm: float, rotor_rads: float) -> float:
+    """Return the Ix that a torque gets [A].
+
+    Parameters
+    ----------
+    machine : Machine
+    min_loss : bool
+        Whether it is the one with which the torque loses least; else the largest one up to the rated one with which the
+        voltage carries the torque, or that of the pull-out torque if none does.
+    torque_nm : float
+        Electromagnetic torque, negative where it generates [N m].
+    rotor_rads : float
+        Electrical angular frequency of the rotor [rad/s].
+    """
+    sign = 1.0 if torque_nm >= 0.0 else -1.0
+    rated2 = machine.magnetising_current_a * machine.magnetising_current_a
+    strength = max(sign * torque_nm / torque_constant(machine), MIN_STRENGTH_SHARE * rated2)
+    if min_loss:
+        best, _ = best_ratio(machine, sign, strength, rotor_rads)
+        return min(math.sqrt(strength / best), machine.magnetising_current_a)
+    quartic = voltage_quartic(machine, sign, rotor_rads)
+    # at rated flux q = kappa / Imu^2, which the voltage carries where kappa D <= U_m^2 q, as `voltage` derives
+    ratio, voltage2 = strength / rated2, machine.max_phase_voltage_v * machine.max_phase_voltage_v
+    if strength * value(quartic, ratio) <= voltage2 * ratio:
+        return machine.magnetising_current_a
+    bound = ratio_within_voltage(quartic, strength, voltage2, ratio)
+    if bound < 0.0:
+        # U_m^2 = Ix^2 D(q)
+        pull_out = pull_out_ratio(quartic)
+        return min(machine.max_phase_voltage_v / math.sqrt(value(quartic, pull_out)), machine.magnetising_current_a)
+    return math.sqrt(strength / bound)
+
+
+@njit(cache=True, nogil=True)
+def fill_flux_currents(
+    machine: Machine, min_loss: bool, torque_nm: FloatArray, rotor_rads: FloatArray, flux_current_a: FloatArray
+) -> None:
+    """Fill the currents Ix [A] of `flux_current` for torques [N m] at frequencies [rad/s]; all of shape (n,)."""
+    for i in range(torque_nm.shape[0]):
+        flux_current_a[i] = flux_current(machine, min_loss, torque_nm[i], rotor_rads[i])

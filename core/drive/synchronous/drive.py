@@ -9,14 +9,15 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.drive.geared import BRAKING_SHARE, DRIVING_SHARE, MOTORS, TURNS
 from railjoule.core.drive.loss_map import LossMap, MapDrive, map_fields
-from railjoule.core.drive.synchronous.harmonics import Winding, side_bands
 from railjoule.core.drive.synchronous.losses import (
     CONDUCTION,
     KINDS,
     MOTOR_KINDS,
     LossNumbers,
+    Winding,
     fill_envelope,
     fill_points,
+    side_bands,
 )
 from railjoule.core.drive.synchronous.machine import Machine
 from railjoule.core.errors import ScenarioError

@@ -1,58 +1,49 @@
 """A journey of TTOBench: where a train stops, how long, and when it must be where."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Literal
 
+from pydantic import Field
+
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.findings import Finding, Notes
+from railjoule.core.imports.findings import Foreign, FromFile, Notes
 from railjoule.core.imports.line import Stop
-from railjoule.core.imports.source_file import SourceFile, json_of
+from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.table import place
-from railjoule.core.imports.ttobench.train import (
-    KMH_UNITS,
-    M_UNITS,
-    SECOND_UNITS,
-    Journey,
-    TimingPoints,
-    column_factor,
-    notes_on,
-)
+from railjoule.core.imports.ttobench.train import Columns, Metadata, notes_on
+from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import validated
 
 StopChoice = Literal["all", "ends"]
 """Whether a train stops at all possible stops, or only at the ends."""
 
 
-@dataclass(frozen=True)
-class Service:
-    """A journey as a run: its ends [m], the stops between, the maximum time [s], and the speeds at the ends [km/h]."""
+TimingPoint = tuple[Number, Number | None, Number | None, Number | None, Number | None]
 
-    source: str
+
+class TimingPoints(Columns):
+    """Position, least and largest time, least and largest speed; an empty one is free."""
+
+    values: tuple[TimingPoint, ...] = Field(min_length=2, max_length=2000)
+
+
+class Journey(Foreign):
+    """When a train is where."""
+
+    metadata: Metadata
+    timing_points: TimingPoints = Field(alias="timing points")
+
+
+@dataclass(frozen=True)
+class Service(FromFile):
+    """A journey as a run: its ends [m], the stops between, and its time and end speeds as in a scenario's timetable."""
+
     begin_m: float
     end_m: float
     stops: tuple[Stop, ...]
-    travel_time_s: float | None
-    entry_kmh: float
-    exit_kmh: float
-    findings: tuple[Finding, ...] = field(default=(), kw_only=True)
-    unused: tuple[str, ...] = field(default=(), kw_only=True)
-
-    def ends_within(self, first_m: float, last_m: float, track: str) -> tuple[float, float]:
-        """Return the ends of the journey [m].
-
-        Raises
-        ------
-        ScenarioError
-            If that is not on the track.
-        """
-        if self.begin_m < first_m or self.end_m > last_m:
-            raise ScenarioError(
-                f"{self.source}: runs from {place(self.begin_m)} to {place(self.end_m)} m, and must stay within "
-                f"{place(first_m)} to {place(last_m)} m of {track}."
-            )
-        return self.begin_m, self.end_m
+    timetable: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -64,11 +55,6 @@ class _Point:
     latest_s: float | None
     min_kmh: float | None
     max_kmh: float | None
-
-    @property
-    def stands(self) -> bool:
-        """Whether the train stands there."""
-        return self.max_kmh == 0
 
 
 def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
@@ -86,7 +72,7 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     ScenarioError
         If anything is wrong with the file.
     """
-    journey = validated(Journey, json_of(source), source.name)
+    journey = validated(Journey, read_json(source), source.name)
     notes = notes_on(journey, source.name)
     points = _points(journey.timing_points, f"{source.name}: timing points")
     halts, passed = _halts_and_passed(points)
@@ -102,52 +88,46 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     stops_between = tuple(_stop(arrival, departure, leaves) for arrival, departure in halts)
     for (arrival, departure), stop in zip(halts, stops_between, strict=True):
         demands = []  # the dwell between them is used
-        if not stop.window:
+        if stop.earliest_arrival_s is None and stop.latest_arrival_s is None:
             demands.append(_range("the arrival", arrival.earliest_s, arrival.latest_s, "s"))
         if arrival is not departure:
             demands.append(_range("the departure", departure.earliest_s, departure.latest_s, "s"))
         _note_demands(demands, arrival, notes)
-    travel_time = _travel_time(leaves, points[-1], notes)
-    entry, leaving = _speed(points[0], "start", notes), _speed(points[-1], "end", notes)
+    timetable = {
+        "travel_time_s": _travel_time(leaves, points[-1], notes),
+        "entry_speed_kmh": _speed(points[0], "start", notes),
+        "exit_speed_kmh": _speed(points[-1], "end", notes),
+    }
     return Service(
         source.name,
         points[0].position_m,
         points[-1].position_m,
         stops_between,
-        travel_time,
-        entry,
-        leaving,
+        {key: value for key, value in timetable.items() if value},
         findings=tuple(notes.findings),
         unused=tuple(notes.unused),
     )
 
 
 def _points(given: TimingPoints, where: str) -> list[_Point]:
-    metre = column_factor(given.units, "position", M_UNITS, where)
-    times = [column_factor(given.units, f"{end} time constraint", SECOND_UNITS, where) for end in ("lower", "upper")]
-    speeds = [column_factor(given.units, f"{end} speed constraint", KMH_UNITS, where) for end in ("lower", "upper")]
-    points = [
-        _Point(
-            metre * row[0],
-            *(
-                None if value is None else factor * value
-                for value, factor in zip(row[1:], (*times, *speeds), strict=True)
-            ),
-        )
-        for row in given.values
+    metre = given.factor("position", "m", where)
+    factors = [
+        given.factor(f"{end} {what} constraint", unit, where)
+        for what, unit in (("time", "s"), ("speed", "km/h"))
+        for end in ("lower", "upper")
     ]
-    for index, (earlier, later) in enumerate(pairwise(points), 1):
-        if later.position_m < earlier.position_m:
-            raise ScenarioError(
-                f"{where}.values[{index}]: position = {later.position_m:g} lies before {earlier.position_m:g}."
-            )
-    for index, point in enumerate(points):
-        for low, high, what in (
-            (point.earliest_s, point.latest_s, "time"),
-            (point.min_kmh, point.max_kmh, "speed"),
-        ):
+    points: list[_Point] = []
+    for index, (position, *demands) in enumerate(given.values):
+        values = (None if one is None else factor * one for one, factor in zip(demands, factors, strict=True))
+        point = _Point(metre * position, *values)
+        place_words, before = f"{where}.values[{index}]", points[-1].position_m if points else -math.inf
+        if point.position_m < before:
+            raise ScenarioError(f"{place_words}: position = {point.position_m:g} lies before {before:g}.")
+        ranges = ("time", point.earliest_s, point.latest_s), ("speed", point.min_kmh, point.max_kmh)
+        for what, low, high in ranges:
             if low is not None and high is not None and low > high:
-                raise ScenarioError(f"{where}.values[{index}]: the least {what} {low:g} is above the largest {high:g}.")
+                raise ScenarioError(f"{place_words}: the least {what} {low:g} is above the largest {high:g}.")
+        points.append(point)
     return points
 
 
@@ -163,7 +143,7 @@ def _halts_and_passed(points: Sequence[_Point]) -> tuple[list[tuple[_Point, _Poi
             halts[-1] = (halts[-1][0], point)  # two points at one place are arrival and departure
         elif passed and passed[-1].position_m == point.position_m:
             halts.append((passed.pop(), point))
-        elif point.stands:
+        elif point.max_kmh == 0:
             halts.append((point, point))
         else:
             passed.append(point)

@@ -1,39 +1,78 @@
 """Tracks of TTOBench, and scenarios of a track, a train and optionally a journey."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Any
 
+from pydantic import Field
+
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.findings import Finding, Imported, Notes
-from railjoule.core.imports.line import ImportedLine, Stop, line_of
+from railjoule.core.imports.findings import Finding, Foreign, Imported, Notes
+from railjoule.core.imports.line import ImportedLine, Stop, build_line
 from railjoule.core.imports.numbers import STRAIGHT
-from railjoule.core.imports.source_file import SourceFile, json_of
-from railjoule.core.imports.table import ImportedTable, Interval, add_continuity, bounded, place
+from railjoule.core.imports.source_file import SourceFile, read_json
+from railjoule.core.imports.table import (
+    ImportedTable,
+    Interval,
+    add_continuity,
+    bounded,
+    place,
+    require_rising,
+    stepwise,
+)
 from railjoule.core.imports.ttobench.journey import Service, StopChoice, read_service
 from railjoule.core.imports.ttobench.train import (
-    AREA_UNITS,
-    KMH_UNITS,
-    M_UNITS,
-    PERMILLE_UNITS,
-    Curvatures,
-    Pairs,
-    Track,
+    Columns,
+    Metadata,
+    Positive,
     TunnelCoefficients,
-    Tunnels,
-    column_factor,
-    factor_of,
     notes_on,
     read_train,
+    unit_factor,
 )
 from railjoule.core.imports.units import IntervalKind
 from railjoule.core.scenario import Line, Vehicle
+from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import counted, show, shown_list, validated
 
 # a larger radius than a section's key can have is as good as straight
 MAX_RADIUS_M = 1e6
+
+
+class PossibleStops(Foreign):
+    """Possible stops; the track reaches from the first to the last."""
+
+    unit: str
+    values: tuple[Number, ...] = Field(min_length=2, max_length=1000)
+
+
+class Steps(Columns):
+    """Values that hold from a position on."""
+
+    values: tuple[tuple[Number, Number], ...] = Field(min_length=1, max_length=100_000)
+
+
+class Curvatures(Columns):
+    """Radii at the begin and at the end of a curve or a transition, or 'infinity'."""
+
+    values: tuple[tuple[Number, Number | str, Number | str], ...] = Field(min_length=1, max_length=100_000)
+
+
+class Tunnels(Columns):
+    """Begin, length and cross section of tunnels."""
+
+    values: tuple[tuple[Number, Positive, Positive], ...] = Field(max_length=10_000)
+
+
+class Track(Foreign):
+    """A line."""
+
+    metadata: Metadata
+    stops: PossibleStops
+    speed_limits: Steps = Field(alias="speed limits")
+    gradients: Steps | None = None
+    curvatures: Curvatures | None = None
+    tunnels: Tunnels | None = None
 
 
 def read_track(
@@ -61,18 +100,21 @@ def read_track(
     ScenarioError
         If anything is wrong with the file.
     """
-    track = validated(Track, json_of(source), source.name)
-    name = source.name
+    track = validated(Track, read_json(source), source.name)
+    name, slopes = source.name, track.gradients
     notes = notes_on(track, name)
-    m = factor_of(track.stops.unit, M_UNITS, f"{name}: stops.unit")
-    places = _rising([m * position for position in track.stops.values], f"{name}: stops.values")
-    begin, end = (places[0], places[-1]) if service is None else service.ends_within(places[0], places[-1], name)
-    limits = _steps(track.speed_limits, "limits", "speed limits", "velocity", KMH_UNITS, name)
-    slopes = track.gradients
-    gradients = _steps(slopes, "gradients", "gradients", "slope", PERMILLE_UNITS, name) if slopes else None
-    line = line_of(
-        limits=limits,
-        gradients=gradients,
+    metre = unit_factor(track.stops.unit, "m", f"{name}: stops.unit")
+    places = [metre * position for position in track.stops.values]
+    require_rising(places, f"{name}: stops.values")
+    begin, end = (places[0], places[-1]) if service is None else (service.begin_m, service.end_m)
+    if service is not None and (begin < places[0] or end > places[-1]):
+        raise ScenarioError(
+            f"{service.source}: runs from {place(begin)} to {place(end)} m, and must stay within {place(places[0])} to "
+            f"{place(places[-1])} m of {name}."
+        )
+    line = build_line(
+        limits=_steps(track.speed_limits, "limits", "speed limits", "velocity", "km/h", name),
+        gradients=_steps(slopes, "gradients", "gradients", "slope", "permille", name) if slopes else None,
         curves=_curves(track.curvatures, notes) if track.curvatures else None,
         tunnels=_tunnels(track.tunnels, tunnels, notes) if track.tunnels and track.tunnels.values else None,
         stops=_stops(places, stops, service, notes),
@@ -83,42 +125,41 @@ def read_track(
     return replace(line, findings=(*notes.findings, *line.findings), unused=(*line.unused, *notes.unused))
 
 
-def _steps(
-    pairs: Pairs, kind: IntervalKind, key: str, column: str, units: dict[str, float], source: str
-) -> ImportedTable:
+def _steps(steps: Steps, kind: IntervalKind, key: str, column: str, unit: str, source: str) -> ImportedTable:
     """Return values that hold from their position to that of the next."""
     where = f"{source}: {key}"
-    metre = column_factor(pairs.units, "position", M_UNITS, where)
-    factor = column_factor(pairs.units, column, units, where)
-    begins = _rising([metre * row[0] for row in pairs.values], f"{where}.values")
+    begins, factor = _begins(steps.values, steps, where), steps.factor(column, unit, where)
     values = [
-        bounded(f"{where}.values[{index}]", column, row[1], factor * row[1], kind, "")
-        for index, row in enumerate(pairs.values)
+        bounded(f"{where}.values[{index}]", column, row[1], factor * row[1], kind)
+        for index, row in enumerate(steps.values)
     ]
-    return ImportedTable(kind, source, _intervals(begins, values))
+    return stepwise(kind, source, begins, values)
 
 
-def _intervals(begins: Sequence[float], values: Sequence[float]) -> tuple[Interval, ...]:
-    ends = [*begins[1:], math.inf]
-    return tuple(Interval(*row, number) for number, row in enumerate(zip(begins, ends, values, strict=True), 1))
+def _begins(rows: Sequence[tuple[float, *tuple[Any, ...]]], columns: Columns, where: str) -> list[float]:
+    """Return the positions of rows [m]; ScenarioError if they do not rise."""
+    metre = columns.factor("position", "m", where)
+    begins = [metre * row[0] for row in rows]
+    require_rising(begins, f"{where}.values")
+    return begins
 
 
 def _curves(curvatures: Curvatures, notes: Notes) -> ImportedTable:
     """Read curves; a transition has its mean curvature."""
     where = f"{notes.source}: curvatures"
-    metre = column_factor(curvatures.units, "position", M_UNITS, where)
-    at_start, at_end = (column_factor(curvatures.units, f"radius at {end}", M_UNITS, where) for end in ("start", "end"))
-    begins = _rising([metre * row[0] for row in curvatures.values], f"{where}.values")
+    begins = _begins(curvatures.values, curvatures, where)
+    metres = [curvatures.factor(f"radius at {end}", "m", where) for end in ("start", "end")]
     radii, transitions = [], 0
-    for index, (_, start, end) in enumerate(curvatures.values):
-        first = _curvature(start, at_start, f"{where}.values[{index}]")
-        last = _curvature(end, at_end, f"{where}.values[{index}]")
+    for index, (_, *ends) in enumerate(curvatures.values):
+        first, last = (
+            _curvature(radius, metre, f"{where}.values[{index}]") for radius, metre in zip(ends, metres, strict=True)
+        )
         transitions += first != last
         mean = _mean_curvature(first, last)
         radii.append(float(f"{1 / mean:.10g}") if mean > 1 / MAX_RADIUS_M else 0.0)
     if transitions:
         notes.add("reading", f"{counted(transitions, 'transition')} between radii: taken at their mean curvature.")
-    return ImportedTable("curves", notes.source, _intervals(begins, radii))
+    return stepwise("curves", notes.source, begins, radii)
 
 
 def _curvature(radius: float | str, metre: float, where: str) -> float:
@@ -139,9 +180,8 @@ def _mean_curvature(first: float, last: float) -> float:
 def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, notes: Notes) -> ImportedTable:
     """Read tunnels with the factor on quadratic resistance, or if that is unknown with the cross section."""
     where = f"{notes.source}: tunnels"
-    metre = column_factor(tunnels.units, "position", M_UNITS, where)
-    length = column_factor(tunnels.units, "length", M_UNITS, where)
-    area = column_factor(tunnels.units, "cross section", AREA_UNITS, where)
+    metre, length = (tunnels.factor(column, "m", where) for column in ("position", "length"))
+    area = tunnels.factor("cross section", "m2", where)
     rows = [(metre * begin, metre * begin + length * long, area * section) for begin, long, section in tunnels.values]
     stretches = sorted((Interval(*row, number) for number, row in enumerate(rows, 1)), key=lambda one: one.from_m)
     add_continuity("tunnels", stretches, Notes(where, notes.findings))
@@ -149,10 +189,10 @@ def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, notes: N
     for one in stretches:
         factor = coefficients.factor_in(one.value or 0.0) if coefficients else None
         if factor is None:  # a factor of one tunnel would make the others look like open line
-            return ImportedTable("tunnels", notes.source, tuple(stretches), "m2")
+            return ImportedTable(notes.source, "tunnels", tuple(stretches), "m2")
         factor = bounded(f"{where}.values[{one.row - 1}]", "factor", factor, factor, "tunnels", "factor")
         with_factors.append(replace(one, value=factor))
-    return ImportedTable("tunnels", notes.source, tuple(with_factors), "factor")
+    return ImportedTable(notes.source, "tunnels", tuple(with_factors), "factor")
 
 
 def _stops(places: Sequence[float], choice: StopChoice, service: Service | None, notes: Notes) -> list[Stop]:
@@ -172,15 +212,6 @@ def _stops(places: Sequence[float], choice: StopChoice, service: Service | None,
 
 def _places(positions: Sequence[float]) -> str:
     return shown_list([place(position) for position in positions])
-
-
-def _rising(positions: list[float], where: str) -> list[float]:
-    for index, (earlier, later) in enumerate(pairwise(positions), 1):
-        if later <= earlier:
-            raise ScenarioError(
-                f"{where}[{index}]: position = {later:g} must lie beyond {earlier:g}, the one before it."
-            )
-    return positions
 
 
 @dataclass(frozen=True)
@@ -233,9 +264,7 @@ def read_ttobench(
     timetable: dict[str, Any] = {}
     if service is not None:
         findings, unused = [*findings, *service.findings], [*unused, *service.unused]
-        speeds = {"entry_speed_kmh": service.entry_kmh, "exit_speed_kmh": service.exit_kmh}
-        timetable = {key: speed for key, speed in speeds.items() if speed}
-        travel_time_s = service.travel_time_s if travel_time_s is None else travel_time_s
+        timetable |= service.timetable
     if travel_time_s is not None:
         timetable["travel_time_s"] = travel_time_s
     if vehicle.vehicle.resistance.curve_constant_m_n_per_kn == 0 and any(s.curve_radius_m for s in line.line.sections):
@@ -245,5 +274,11 @@ def read_ttobench(
     document: dict[str, Any] = {"title": f"{line.line.name}, {vehicle.vehicle.name}"[:200]}
     document |= {**vehicle.document, **line.document, **({"timetable": timetable} if timetable else {})}
     return ImportedScenario(
-        sources, document, line.line, vehicle.vehicle, travel_time_s, findings=tuple(findings), unused=tuple(unused)
+        sources,
+        document,
+        line.line,
+        vehicle.vehicle,
+        timetable.get("travel_time_s"),
+        findings=tuple(findings),
+        unused=tuple(unused),
     )

@@ -165,11 +165,13 @@ def target_position_m(plant: Plant, point: ReferencePoint, state: State) -> tupl
 @njit(cache=True, error_model="numpy", forceinline=True)
 def assumed_machine(plant: Plant, state: State, measured_ms: float) -> AssumedMachine:
     """Return the control's own model at a measured speed [m/s]."""
-    resistance = plant.rotor_resistance_factor * plant.rotor_resistance_ohm
-    flux = max(state.assumed_flux_vs, SMALLEST_FLUX_FRACTION * plant.rated_flux_vs)
-    rotor = plant.pole_pairs * (plant.turns_per_metre * measured_ms)
+    true, circuit = plant.machines.machine, plant.machines.circuit
+    resistance = plant.rotor_resistance_factor * circuit.rotor_resistance_ohm
+    rated_flux = circuit.magnetising_inductance_h * true.magnetising_current_a
+    flux = max(state.assumed_flux_vs, SMALLEST_FLUX_FRACTION * rated_flux)
+    rotor = true.pole_pairs * (plant.machines.turns_per_metre * measured_ms)
     frame = rotor + resistance * state.current.imag / flux
-    return AssumedMachine(resistance, flux, rotor, frame, 1.5 * plant.pole_pairs * flux)
+    return AssumedMachine(resistance, flux, rotor, frame, 1.5 * true.pole_pairs * flux)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -180,25 +182,25 @@ def requested_current(
 
     The limits are those of the current and of the voltage, in this order.
     """
-    largest = plant.driving_current_a
+    machines, circuit, largest = plant.machines, plant.machines.circuit, plant.machines.driving_current_a
     # the rotor equation in its own frame, dpsi/dt = Rr id - (Rr / Lm) psi, solved for the current that makes the flux
-    flux_current = point.flux_vs / plant.magnetising_inductance_h + point.flux_rate_v / machine.rotor_resistance_ohm
+    flux_current = point.flux_vs / circuit.magnetising_inductance_h + point.flux_rate_v / machine.rotor_resistance_ohm
     flux_current = min(max(flux_current, 0.0), largest) - state.flux_current_reduction_a
     # at most sqrt(1/2) of the limit demagnetises, so that as much is left for torque
     flux_current = max(flux_current, -math.sqrt(0.5) * largest)
     force = plant.assumed_inertia_kg * state.requested_acceleration_ms2 + state.observed_load_n
-    requested = (shaft_torque_nm(plant, force) + plant.mechanical_loss_torque_nm) / machine.torque_per_current_nm
+    torque = shaft_torque_nm(plant, force) + machines.machine.mechanical_loss_torque_nm
+    requested = torque / machine.torque_per_current_nm
     # the flux has the first call on the current, torque gets the rest of the circle
-    driving = math.sqrt(max(plant.driving_current_a**2 - flux_current**2, 0.0))
-    braking = -math.sqrt(max(plant.braking_current_a**2 - flux_current**2, 0.0))
+    driving = math.sqrt(max(largest**2 - flux_current**2, 0.0))
+    braking = -math.sqrt(max(machines.braking_current_a**2 - flux_current**2, 0.0))
     # Pull-out. In steady state, without the drop in the stator's resistance, the voltage is wc times the stator's flux:
     # (U / wc)^2 = (Ls iq)^2 + (Ls id + psi)^2, and with psi = Lm id the torque goes with the product of the two
     # brackets. At a given sum of squares the product is largest where both are alike: Ls iq = sqrt(1/2) U / wc. More iq
     # costs more flux than it brings. Neglecting Rs makes the limit a little too high while driving, and matters at
     # low wc only, where the circle of current binds first.
-    pull_out = (
-        math.sqrt(0.5) * plant.max_phase_voltage_v / (max(abs(machine.frame_rads), 1e-6) * plant.leakage_inductance_h)
-    )
+    slowest, max_v = max(abs(machine.frame_rads), 1e-6), machines.machine.max_phase_voltage_v
+    pull_out = math.sqrt(0.5) * max_v / (slowest * circuit.leakage_inductance_h)
     allowed = min(max(requested, braking, -pull_out), driving, pull_out)
     # a torque that stops at the pull-out current is limited by the voltage, though no voltage is cut off
     is_limited, is_below = requested != allowed, abs(allowed) < pull_out
@@ -215,16 +217,16 @@ def current_control(
     di/dt = bandwidth x error + integral, without a coupling to the other. The lack is the missing fraction of the
     limit, at most 1.
     """
-    l_s, fast = plant.leakage_inductance_h, max(CURRENT_BANDWIDTH_RADS, CURRENT_BANDWIDTH_RATIO * plant.bandwidth_rads)
-    decay = machine.rotor_resistance_ohm / plant.magnetising_inductance_h
-    impedance = complex(plant.stator_resistance_ohm + machine.rotor_resistance_ohm, machine.frame_rads * l_s)
+    circuit, fast = plant.machines.circuit, max(CURRENT_BANDWIDTH_RADS, CURRENT_BANDWIDTH_RATIO * plant.bandwidth_rads)
+    l_s, decay = circuit.leakage_inductance_h, machine.rotor_resistance_ohm / circuit.magnetising_inductance_h
+    impedance = complex(circuit.stator_resistance_ohm + machine.rotor_resistance_ohm, machine.frame_rads * l_s)
     error = request - state.current
     requested = (
         l_s * (fast * error + state.integral)
         + impedance * state.current
         + machine.flux_vs * complex(-decay, machine.rotor_rads)
     )
-    limit, amplitude = plant.max_phase_voltage_v, math.hypot(requested.real, requested.imag)
+    limit, amplitude = plant.machines.machine.max_phase_voltage_v, math.hypot(requested.real, requested.imag)
     voltage = min(1.0, limit / max(amplitude, 1e-9)) * requested
     # the second part takes back the voltage that the limit cut off, at the currents' own speed: without it the
     # integrals wind up
@@ -252,7 +254,7 @@ def position_control(
     wp, wo, inertia = plant.bandwidth_rads, OBSERVER_RATIO * plant.bandwidth_rads, plant.assumed_inertia_kg
     # Friction counts against the motion as if the train ran forward always: at a stand it is part of the load
     # that the observer finds, which takes up every other difference between the assumed force and the true one too.
-    torque = machine.torque_per_current_nm * state.current.imag - plant.mechanical_loss_torque_nm
+    torque = machine.torque_per_current_nm * state.current.imag - plant.machines.machine.mechanical_loss_torque_nm
     feasible = (wheel_force_n(plant, torque) - state.observed_load_n) / inertia
     error = measured_ms - state.observed_speed_ms
     requested = state.requested_acceleration_ms2
@@ -278,8 +280,8 @@ def control_at(plant: Plant, point: ReferencePoint, measured_ms: float, state: S
     acceleration_rate, speed_rate, load_rate = position_control(
         plant, machine, by_current or by_voltage, target, measured_ms, state
     )
-    flux_decay = machine.rotor_resistance_ohm / plant.magnetising_inductance_h
-    growth = WEAKENING_RATE * plant.driving_current_a * lack
+    flux_decay = machine.rotor_resistance_ohm / plant.machines.circuit.magnetising_inductance_h
+    growth = WEAKENING_RATE * plant.machines.driving_current_a * lack
     return Control(
         voltage=voltage,
         frame_rads=machine.frame_rads,

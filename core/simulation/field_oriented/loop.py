@@ -5,7 +5,6 @@ control's limits switch within it at instants that an adaptive step would search
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +15,6 @@ from railjoule.core.simulation.field_oriented.control import ReferencePoint, con
 from railjoule.core.simulation.field_oriented.plant import (
     Plant,
     State,
-    Track,
     electric_powers,
     machine_rates,
     train_motion,
@@ -52,34 +50,14 @@ STANDING_MS, STANDING_M = 1e-3, 2e-3
 DONE, TOO_LONG, UNSTABLE = range(3)
 
 
-class RunSettings(NamedTuple):
-    """Length of a run and distance of its samples.
-
-    Parameters
-    ----------
-    time_step_s : float
-        Step of the integration [s].
-    end_m, arrival_m : float
-        End of the reference, and the position whose passing counts as the arrival [m].
-    steps_per_sample : int
-        Steps from one sample to the next.
-    """
-
-    time_step_s: float
-    end_m: float
-    arrival_m: float
-    steps_per_sample: int
-
-
 # Only this kernel touches arrays. Those that it calls take and return numbers, which stay in registers once they are
 # inlined; an array among their arguments would cost an atomic count of its references at each call, half as much time
 # again.
 @njit(cache=True, error_model="numpy")
 def fill_rates(
     plant: Plant,
-    track: Track,
+    ground: tuple[float, float, float],
     reference: Reference,
-    cell: int,
     noise_ms: float,
     states: FloatArray,
     rates: FloatArray,
@@ -100,13 +78,12 @@ def fill_rates(
     )
     samples, last = reference.samples, reference.samples.shape[0] - 1
     index = min(states[CLOCK] / reference.step_s, last + 0.0)
-    # written so that a clock that is not a number reads as 0: `has_diverged` finds it, a wild index would crash before
+    # written so that a clock that is not a number reads as 0: a wild index would crash before stability is tested
     if not index > 0.0:
         index = 0.0
     k = int(index)
     sample = ReferencePoint(samples[k, 0], samples[k, 1], samples[k, 2], samples[k, 3], samples[k, 4], samples[k, 5])
     point = reference_between(sample, samples[min(k + 1, last), 3], (index - k) * reference.step_s, reference.step_s)
-    ground = track.gradient_force_n[cell], track.curve_force_n[cell], track.resistance_quadratic[cell]
     control = control_at(plant, point, state.speed_ms + noise_ms, state)
     current, flux, torque = machine_rates(plant, state, control.voltage, control.frame_rads)
     acceleration, mechanical, gear, running, curve, climb = train_motion(plant, ground, state.speed_ms, torque)
@@ -139,11 +116,15 @@ def fill_rates(
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_plant(
     plant: Plant,
-    track: Track,
+    border_m: FloatArray,
+    ground: FloatArray,
     reference: Reference,
     noise_ms: FloatArray,
     start: FloatArray,
-    settings: RunSettings,
+    h: float,
+    end_m: float,
+    arrival_m: float,
+    steps_per_sample: int,
     states: FloatArray,
     outputs: FloatArray,
     extremes: FloatArray,
@@ -154,14 +135,22 @@ def run_plant(
     ----------
     plant : Plant
         Train, machines and control.
-    track, reference : Track, Reference
-        The track under the train, and the motion that it follows.
+    border_m : array of shape (m + 1,)
+        Borders of the cells of the line [m].
+    ground : array of shape (m, 3)
+        Gradient force, curve force and quadratic resistance of each cell [N, N, N s2/m2].
+    reference : Reference
+        The motion that the train follows.
     noise_ms : array
         Errors of the measured speed [m/s], one for each `NOISE_STEP_S`, repeated at the end.
     start : array of shape (STATES,)
         The states at the reference's first sample.
-    settings : RunSettings
-        Step, end and samples.
+    h : float
+        Step of the integration [s].
+    end_m, arrival_m : float
+        End of the reference, and the position whose passing counts as the arrival [m].
+    steps_per_sample : int
+        Steps from one sample to the next.
     states, outputs : array of shape (k, STATES), (k, OUTPUTS)
         Filled with the samples; limits are those of any step since the sample before.
     extremes : array of shape (2, 4)
@@ -181,27 +170,32 @@ def run_plant(
     arrival_s = math.nan
     limited_current = limited_voltage = 0.0
     cell, kept, step = 0, 0, 0
-    h, reference_end_s = settings.time_step_s, (reference.samples.shape[0] - 1) * reference.step_s
+    reference_end_s = (reference.samples.shape[0] - 1) * reference.step_s
     while True:
         # a product, not a sum of steps, which would drift by its rounding
         time = step * h
-        if has_diverged(now[CURRENT_D], now[CURRENT_Q], now[SPEED]):
+        current = math.hypot(now[CURRENT_D], now[CURRENT_Q])
+        # negated, as every comparison with NaN is false
+        if not (current < DIVERGED_A and abs(now[SPEED]) < DIVERGED_MS):
             return UNSTABLE, kept, arrival_s
-        cell = cell_at(track.border_m, now[POSITION], cell)
+        cell = cell_at(border_m, now[POSITION], cell)
+        forces = ground[cell, 0], ground[cell, 1], ground[cell, 2]
         noise, noise_change = noise_at(noise_ms, time)
-        fill_rates(plant, track, reference, cell, noise, now, stages[0], output)
+        fill_rates(plant, forces, reference, noise, now, stages[0], output)
         limited_current = max(limited_current, output[CURRENT_LIMITED])
         limited_voltage = max(limited_voltage, output[VOLTAGE_LIMITED])
         lag = planned_position_m(reference.planned_m, time / reference.step_s) - now[POSITION]
-        widen(extremes, CURRENT_REACHED, math.hypot(now[CURRENT_D], now[CURRENT_Q]))
+        widen(extremes, CURRENT_REACHED, current)
         widen(extremes, TORQUE_CURRENT_REACHED, now[CURRENT_Q])
         widen(extremes, VOLTAGE_REACHED, output[VOLTAGE])
         widen(extremes, LAG_REACHED, lag)
         # a nanosecond of rounding, in a clock that is the sum of all steps
         is_over = now[CLOCK] >= reference_end_s - 1e-9
-        stands = is_over and has_stopped(now[POSITION], now[SPEED], settings.end_m)
+        is_there = abs(now[SPEED]) < STANDING_MS and abs(now[POSITION] - end_m) < STANDING_M
+        # at its end, or beyond it, where it overran
+        stands = is_over and (is_there or (now[SPEED] <= 0.0 and now[POSITION] >= end_m))
         full = kept == states.shape[0] - 1
-        if step % settings.steps_per_sample == 0 or stands or full:
+        if step % steps_per_sample == 0 or stands or full:
             states[kept], outputs[kept] = now, output
             outputs[kept, CURRENT_LIMITED], outputs[kept, VOLTAGE_LIMITED] = limited_current, limited_voltage
             limited_current = limited_voltage = 0.0
@@ -209,19 +203,18 @@ def run_plant(
         if stands or full:
             return DONE if stands else TOO_LONG, kept, arrival_s
         before = now[POSITION]
-        rk4_step(plant, track, reference, cell, (noise, noise_change), h, now, stages, output)
+        rk4_step(plant, forces, reference, (noise, noise_change), h, now, stages, output)
         step += 1
         # the first passing counts: a train that rolls back and comes again has arrived before
-        if before < settings.arrival_m <= now[POSITION] and math.isnan(arrival_s):
-            arrival_s = time + h * (settings.arrival_m - before) / (now[POSITION] - before)
+        if before < arrival_m <= now[POSITION] and math.isnan(arrival_s):
+            arrival_s = time + h * (arrival_m - before) / (now[POSITION] - before)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def rk4_step(
     plant: Plant,
-    track: Track,
+    ground: tuple[float, float, float],
     reference: Reference,
-    cell: int,
     noise: tuple[float, float],
     h: float,
     now: FloatArray,
@@ -230,8 +223,8 @@ def rk4_step(
 ) -> None:
     """Advance `now` by one step of time, from the rates at its start in the first of the stages.
 
-    The others are memory, and the outputs are overwritten. The cell stays that of the start: forces that change within
-    a step would cost the rule its order anyhow, and a step of a millisecond is a few centimetres.
+    The others are memory, and the outputs are overwritten. The ground stays that of the start: forces that change
+    within a step would cost the rule its order anyhow, and a step of a millisecond is a few centimetres.
     """
     rate_sum, rates, trial = stages
     noise_ms, noise_change_ms = noise
@@ -240,24 +233,17 @@ def rk4_step(
     # loops, not expressions of arrays: those allocate, and are a third slower here
     for i in range(STATES):
         trial[i] = now[i] + 0.5 * h * rate_sum[i]
-    fill_rates(plant, track, reference, cell, half_way, trial, rates, outputs)
+    fill_rates(plant, ground, reference, half_way, trial, rates, outputs)
     for i in range(STATES):
         trial[i] = now[i] + 0.5 * h * rates[i]
         rate_sum[i] += 2.0 * rates[i]
-    fill_rates(plant, track, reference, cell, half_way, trial, rates, outputs)
+    fill_rates(plant, ground, reference, half_way, trial, rates, outputs)
     for i in range(STATES):
         trial[i] = now[i] + h * rates[i]
         rate_sum[i] += 2.0 * rates[i]
-    fill_rates(plant, track, reference, cell, afterwards, trial, rates, outputs)
+    fill_rates(plant, ground, reference, afterwards, trial, rates, outputs)
     for i in range(STATES):
         now[i] += h / 6.0 * (rate_sum[i] + rates[i])
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def has_diverged(current_d: float, current_q: float, speed_ms: float) -> bool:
-    """Return whether currents [A] or speed [m/s] have left all bounds, or are not numbers."""
-    # negated, as every comparison with NaN is false
-    return not (math.hypot(current_d, current_q) < DIVERGED_A and abs(speed_ms) < DIVERGED_MS)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -294,10 +280,3 @@ def widen(extremes: FloatArray, column: int, value: float) -> None:
     """Include a value in a column of least and greatest values."""
     extremes[0, column] = min(extremes[0, column], value)
     extremes[1, column] = max(extremes[1, column], value)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def has_stopped(position_m: float, speed_ms: float, end_m: float) -> bool:
-    """Return whether a train whose reference is over stands: at its end, or beyond it, where it overran."""
-    is_there = abs(speed_ms) < STANDING_MS and abs(position_m - end_m) < STANDING_M
-    return is_there or (speed_ms <= 0.0 and position_m >= end_m)

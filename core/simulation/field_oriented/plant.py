@@ -16,8 +16,8 @@ dynamics control".
 
 from typing import NamedTuple
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.physics.resistance import running_resistance
 
 # Friction has a direction of its own, so it would jump at a stand and let the integration chatter between two signs.
@@ -32,16 +32,8 @@ class Plant(NamedTuple):
 
     Parameters
     ----------
-    stator_resistance_ohm, rotor_resistance_ohm : float
-        Of the inverse-gamma circuit [ohm].
-    magnetising_inductance_h, leakage_inductance_h : float
-        Of the inverse-gamma circuit [H].
-    pole_pairs, motors, turns_per_metre, gear_efficiency, mechanical_loss_torque_nm : float
-        As in `railjoule.core.drive.induction`.
-    hysteresis_loss_ws, eddy_loss_ws2, rated_flux_vs : float
-        Iron losses at the rated flux of the inverse-gamma circuit [W s, W s2, V s].
-    driving_current_a, braking_current_a, max_phase_voltage_v : float
-        Limits of the inverter [A, V].
+    machines : TractionMachines
+        The true machines.
     recuperation_factor : float
         Fraction of the generated energy that the supply takes back.
     inertia_kg, assumed_inertia_kg : float
@@ -56,21 +48,7 @@ class Plant(NamedTuple):
         Assumed rotor resistance over the true one.
     """
 
-    stator_resistance_ohm: float
-    rotor_resistance_ohm: float
-    magnetising_inductance_h: float
-    leakage_inductance_h: float
-    pole_pairs: float
-    motors: float
-    turns_per_metre: float
-    gear_efficiency: float
-    mechanical_loss_torque_nm: float
-    hysteresis_loss_ws: float
-    eddy_loss_ws2: float
-    rated_flux_vs: float
-    driving_current_a: float
-    braking_current_a: float
-    max_phase_voltage_v: float
+    machines: TractionMachines
     recuperation_factor: float
     inertia_kg: float
     assumed_inertia_kg: float
@@ -79,23 +57,6 @@ class Plant(NamedTuple):
     bandwidth_rads: float
     precompensator: bool
     rotor_resistance_factor: float
-
-
-class Track(NamedTuple):
-    """The track under the train.
-
-    Parameters
-    ----------
-    border_m : array of shape (n + 1,)
-        Borders of the cells [m].
-    gradient_force_n, curve_force_n, resistance_quadratic : array of shape (n,)
-        Forces against the train in each cell, and the factor of the squared speed [N, N, N s2/m2].
-    """
-
-    border_m: FloatArray
-    gradient_force_n: FloatArray
-    curve_force_n: FloatArray
-    resistance_quadratic: FloatArray
 
 
 class State(NamedTuple):
@@ -132,17 +93,17 @@ class State(NamedTuple):
 @njit(cache=True, error_model="numpy", forceinline=True)
 def wheel_force_n(plant: Plant, torque_nm: float) -> float:
     """Return the force of all machines at the wheels [N] at a torque of each shaft [N m]."""
-    ideal = plant.motors * plant.turns_per_metre * torque_nm
-    force: float = ideal * plant.gear_efficiency if torque_nm > 0.0 else ideal / plant.gear_efficiency
-    return force
+    machines = plant.machines
+    ideal = machines.motors * machines.turns_per_metre * torque_nm
+    return ideal * machines.gear_efficiency if torque_nm > 0.0 else ideal / machines.gear_efficiency
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def shaft_torque_nm(plant: Plant, force_n: float) -> float:
     """Return the torque of each shaft [N m] that gives a force of the train at the wheels [N]."""
-    ideal = force_n / (plant.motors * plant.turns_per_metre)
-    torque: float = ideal / plant.gear_efficiency if force_n > 0.0 else ideal * plant.gear_efficiency
-    return torque
+    machines = plant.machines
+    ideal = force_n / (machines.motors * machines.turns_per_metre)
+    return ideal / machines.gear_efficiency if force_n > 0.0 else ideal * machines.gear_efficiency
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -152,12 +113,13 @@ def machine_rates(plant: Plant, state: State, voltage: complex, frame_rads: floa
     The iron has no branch in this circuit: its loss neither damps the flux nor brakes the rotor, and is added to
     the input power instead, as in `railjoule.core.drive.induction`.
     """
-    i, psi, rotor_rads = state.current, state.flux, plant.pole_pairs * plant.turns_per_metre * state.speed_ms
-    r_r, l_s = plant.rotor_resistance_ohm, plant.leakage_inductance_h
-    decay, resistance = r_r / plant.magnetising_inductance_h, plant.stator_resistance_ohm + r_r
+    circuit, pole_pairs = plant.machines.circuit, plant.machines.machine.pole_pairs
+    i, psi, rotor_rads = state.current, state.flux, pole_pairs * plant.machines.turns_per_metre * state.speed_ms
+    r_r, l_s = circuit.rotor_resistance_ohm, circuit.leakage_inductance_h
+    decay, resistance = r_r / circuit.magnetising_inductance_h, circuit.stator_resistance_ohm + r_r
     current_rate = voltage - complex(resistance, frame_rads * l_s) * i + complex(decay, -rotor_rads) * psi
     flux_rate = r_r * i - complex(decay, frame_rads - rotor_rads) * psi
-    return (1.0 / l_s) * current_rate, flux_rate, 1.5 * plant.pole_pairs * (i * psi.conjugate()).imag
+    return (1.0 / l_s) * current_rate, flux_rate, 1.5 * pole_pairs * (i * psi.conjugate()).imag
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -169,8 +131,9 @@ def electric_powers(
     Input power with the iron loss, power at the shafts, and losses: copper of the stator but for magnetising, copper of
     the rotor, magnetising, iron.
     """
-    i, psi, motors = state.current, state.flux, plant.motors
-    r_s, r_r = plant.stator_resistance_ohm, plant.rotor_resistance_ohm
+    i, psi, motors = state.current, state.flux, plant.machines.motors
+    machine, circuit = plant.machines.machine, plant.machines.circuit
+    r_s, r_r = circuit.stator_resistance_ohm, circuit.rotor_resistance_ohm
     # Re(u conj(i)), with u of the first circuit equation and psi conj(psi)' of the second put in, is
     #   Rs |i|^2 + Rr |i - psi / Lm|^2 + p w Im(i conj(psi)) + d/dt (Ls |i|^2 + |psi|^2 / Lm) / 2:
     # copper of the stator, copper of the rotor, whose current is psi / Lm - i, work at the shaft, and the magnetic
@@ -178,12 +141,13 @@ def electric_powers(
     current2, flux2 = i.real * i.real + i.imag * i.imag, psi.real * psi.real + psi.imag * psi.imag
     # the magnetising part of the stator's loss is that of the current along the true flux, whatever the control assumes
     along2 = (i * psi.conjugate()).real ** 2 / flux2 if flux2 > 0.0 else current2
-    rotor_current = i - (1.0 / plant.magnetising_inductance_h) * psi
+    rotor_current = i - (1.0 / circuit.magnetising_inductance_h) * psi
     turning = abs(frame_rads)
-    iron = (plant.hysteresis_loss_ws + plant.eddy_loss_ws2 * turning) * turning * flux2 / plant.rated_flux_vs**2
+    rated_flux = circuit.magnetising_inductance_h * machine.magnetising_current_a
+    iron = (machine.hysteresis_loss_ws + machine.eddy_loss_ws2 * turning) * turning * flux2 / rated_flux**2
     return (
         motors * (1.5 * (voltage * i.conjugate()).real + iron),
-        motors * torque_nm * plant.turns_per_metre * state.speed_ms,
+        motors * torque_nm * plant.machines.turns_per_metre * state.speed_ms,
         motors * 1.5 * r_s * (current2 - along2),
         motors * 1.5 * r_r * (rotor_current.real * rotor_current.real + rotor_current.imag * rotor_current.imag),
         motors * 1.5 * r_s * along2,
@@ -203,7 +167,7 @@ def train_motion(
     ----------
     plant : Plant
     ground : tuple of three floats
-        Gradient force, curve force and quadratic resistance of a cell, as in `Track`.
+        Gradient force, curve force and quadratic resistance of a cell [N, N, N s2/m2].
     speed_ms, torque_nm : float
         Speed of the train, electromagnetic torque of each machine [m/s, N m].
     """
@@ -213,8 +177,12 @@ def train_motion(
         plant.resistance_constant_n, plant.resistance_linear, quadratic, abs(speed_ms), speed_ms * speed_ms
     )
     curve *= direction
-    friction = plant.mechanical_loss_torque_nm * direction
-    wheel, shafts_rads = wheel_force_n(plant, torque_nm - friction), plant.motors * plant.turns_per_metre * speed_ms
+    machines = plant.machines
+    friction, shafts_rads = (
+        machines.machine.mechanical_loss_torque_nm * direction,
+        machines.motors * machines.turns_per_metre * speed_ms,
+    )
+    wheel = wheel_force_n(plant, torque_nm - friction)
     return (
         (wheel - running - curve - gradient) / plant.inertia_kg,
         friction * shafts_rads,

@@ -12,8 +12,7 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.drive.induction.flux import fill_flux_currents
-from railjoule.core.drive.induction.traction import TractionMachines
+from railjoule.core.drive.induction.traction import TractionMachines, fill_flux_currents
 from railjoule.core.motion import MeshedLine
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.trajectory import Trajectory

@@ -8,8 +8,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.drive.line_power import line_power, resistor_power
-from railjoule.core.energy import Energy
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import Energy, supply_current_a
 from railjoule.core.motion import MeshedLine
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction
@@ -136,7 +135,6 @@ def make_run(
         magnetising_so_far_j=frozen_array(states[loop.MAGNETISING]),
         parts_j={name: float(energy[-1]) for name, energy in parts.items()},
         max_tracking_error_m=float(max(greatest[loop.LAG_REACHED], -least[loop.LAG_REACHED])),
-        final_error_m=float(states[loop.POSITION, -1]) - end_m,
         max_current_a=float(greatest[loop.CURRENT_REACHED]),
         max_torque_current_a=float(greatest[loop.TORQUE_CURRENT_REACHED]),
         min_torque_current_a=float(least[loop.TORQUE_CURRENT_REACHED]),

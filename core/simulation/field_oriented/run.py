@@ -5,9 +5,8 @@ from typing import Literal, NamedTuple
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.induction.traction import TractionMachines
-from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario
-from railjoule.core.trajectory import Trajectory
+from railjoule.core.simulation.leg import DrivenPlan
 from railjoule.core.units import J_PER_KWH
 
 
@@ -31,7 +30,7 @@ class Saturation(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class FieldOrientedRun:
+class FieldOrientedRun(DrivenPlan):
     """A plan and its run by the machines; arrays of shape (n,), on the plan's clock.
 
     The clock begins half of `reference_window_s` before the plan. Currents, flux, voltage and torque are those of one
@@ -41,8 +40,6 @@ class FieldOrientedRun:
     ----------
     scenario : Scenario
         The simulated scenario.
-    planned, actual : Trajectory
-        The run as planned, and as driven.
     machines : TractionMachines
         The true machines.
     time_s, position_m, speed_ms : array
@@ -70,8 +67,8 @@ class FieldOrientedRun:
     parts_j : dict of str to float
         Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, and the energy stored in the
         magnetic fields, which is no loss [J].
-    max_tracking_error_m, final_error_m : float
-        Largest distance from the planned position, and position beyond its end at the end of the run [m].
+    max_tracking_error_m : float
+        Largest distance from the planned position [m].
     max_current_a : float
         Largest current of a phase [A].
     max_torque_current_a, min_torque_current_a : float
@@ -87,8 +84,6 @@ class FieldOrientedRun:
     """
 
     scenario: Scenario
-    planned: Trajectory
-    actual: Trajectory
     machines: TractionMachines
     time_s: FloatArray
     position_m: FloatArray
@@ -106,7 +101,6 @@ class FieldOrientedRun:
     magnetising_so_far_j: FloatArray
     parts_j: dict[str, float]
     max_tracking_error_m: float
-    final_error_m: float
     max_current_a: float
     max_torque_current_a: float
     min_torque_current_a: float
@@ -137,10 +131,5 @@ class FieldOrientedRun:
 
     @property
     def stop_error_m(self) -> float:
-        """Position of the stop beyond the end of the plan [m]."""
-        return self.final_error_m
-
-    @property
-    def overconsumption(self) -> float:
-        """Fraction by which the energy exceeds that of the plan; NaN where that is no measure."""
-        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
+        """How far beyond the end of its plan the train came to stand [m], even where it rolled back."""
+        return float(self.position_m[-1] - self.planned.position_m[-1])

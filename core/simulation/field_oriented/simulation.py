@@ -18,7 +18,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
 from railjoule.core.simulation.field_oriented import loop
-from railjoule.core.simulation.field_oriented.plant import Plant, Track
+from railjoule.core.simulation.field_oriented.plant import Plant
 from railjoule.core.simulation.field_oriented.reference import (
     Reference,
     make_reference,
@@ -113,39 +113,67 @@ def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
 def _run(
     scenario: Scenario, machines: TractionMachines, mesh: MeshedLine, reference: Reference, planned: Trajectory
 ) -> tuple[Samples, float]:
-    """Return the samples of a run and the delay of its arrival [s]."""
-    step = scenario.simulation.loop_step_s
+    """Return the samples of a run and the delay of its arrival [s].
+
+    Raises
+    ------
+    InfeasibleLineError, SolverError
+        As `simulate_field_oriented`.
+    """
+    options, data, step = scenario.simulation, mesh.data, scenario.simulation.loop_step_s
     nominal_s = reference.step_s * (len(reference.samples) - 1)
     longest_s = nominal_s * (1 + OVERTIME_RATIO) + OVERTIME_S
     end = float(planned.position_m[-1])
-    settings = loop.RunSettings(
-        time_step_s=step,
-        end_m=end,
-        arrival_m=max(end - ARRIVAL_M, 0.5 * end),
-        steps_per_sample=max(int(np.ceil(nominal_s / step / SAMPLES)), 1),
+    arrival = max(end - ARRIVAL_M, 0.5 * end)
+    steps_per_sample = max(int(np.ceil(nominal_s / step / SAMPLES)), 1)
+    plant = Plant(
+        machines=machines,
+        recuperation_factor=data.recuperation_factor,
+        inertia_kg=2 * data.half_inertia_kg,
+        assumed_inertia_kg=scenario.vehicle.total_inertia_kg,
+        resistance_constant_n=data.resistance_constant_n,
+        resistance_linear=data.resistance_linear,
+        bandwidth_rads=options.bandwidth_rads,
+        precompensator=options.precompensator,
+        rotor_resistance_factor=options.rotor_resistance_factor,
     )
+    noise_ms = np.zeros(1)
+    if options.speed_noise_rads > 0:
+        drawn = np.random.default_rng(options.noise_seed).standard_normal(NOISE_SAMPLES)
+        noise_ms = drawn * options.speed_noise_rads / machines.turns_per_metre
     # the memory is what ends a run that does not arrive: the loop stops where it is full
-    size = int(longest_s / step / settings.steps_per_sample) + 2
+    size = int(longest_s / step / steps_per_sample) + 2
     states, outputs, extremes = np.zeros((size, loop.STATES)), np.zeros((size, loop.OUTPUTS)), np.zeros((2, 4))
-    data = mesh.data
-    # copies, as the meshed line's arrays are read-only, for which numba would compile another kernel
-    track = Track(
-        *map(np.array, (mesh.position_m, mesh.gradient_force_n, mesh.curve_force_n, data.resistance_quadratic))
-    )
     ending, kept, arrived_s = loop.run_plant(
-        _plant(scenario, machines, mesh),
-        track,
+        plant,
+        # a copy, as the meshed line's arrays are read-only, for which numba would compile another kernel
+        np.array(mesh.position_m),
+        np.column_stack([mesh.gradient_force_n, mesh.curve_force_n, data.resistance_quadratic]),
         reference,
-        _noise_ms(scenario, machines),
+        noise_ms,
         _start(reference, mesh, machines),
-        settings,
+        step,
+        end,
+        arrival,
+        steps_per_sample,
         states,
         outputs,
         extremes,
     )
     states = states[:kept].T
-    _require_arrival(scenario, machines, mesh, ending, settings, longest_s, states[loop.POSITION])
-    time: FloatArray = reference.start_s + step * settings.steps_per_sample * np.arange(kept, dtype=np.float64)
+    if ending == loop.UNSTABLE:
+        raise SolverError(
+            f"the closed loop does not stay stable with simulation.bandwidth_rads = {options.bandwidth_rads:g}, "
+            f"rotor_resistance_factor = {options.rotor_resistance_factor:g} and time_step_s = {step:g}."
+        )
+    if ending == loop.TOO_LONG:
+        raise InfeasibleLineError(
+            _gradient_reason(scenario, machines, mesh, states[loop.POSITION])
+            or f"after {longest_s:.0f} s the train stands or creeps at {states[loop.POSITION, -1]:.0f} m of "
+            f"{end:.0f} m: with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its "
+            "machines cannot move it on."
+        )
+    time: FloatArray = reference.start_s + step * steps_per_sample * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[loop.ELAPSED, -1], time[-2] + step)
     samples = Samples(
@@ -153,34 +181,8 @@ def _run(
     )
     if states[loop.POSITION, -1] > end + ARRIVAL_M:
         return samples, float(time[-1] - planned.time_s[-1])
-    planned_s = float(np.interp(settings.arrival_m, reference.planned_m, reference.time_s))
+    planned_s = float(np.interp(arrival, reference.planned_m, reference.time_s))
     return samples, reference.start_s + arrived_s - planned_s
-
-
-def _require_arrival(
-    scenario: Scenario,
-    machines: TractionMachines,
-    mesh: MeshedLine,
-    ending: int,
-    settings: loop.RunSettings,
-    longest_s: float,
-    position_m: FloatArray,
-) -> None:
-    """Raise where the loop was unstable, or the train did not come to its end."""
-    options = scenario.simulation
-    if ending == loop.UNSTABLE:
-        raise SolverError(
-            f"the closed loop does not stay stable with simulation.bandwidth_rads = {options.bandwidth_rads:g}, "
-            f"rotor_resistance_factor = {options.rotor_resistance_factor:g} and "
-            f"time_step_s = {settings.time_step_s:g}."
-        )
-    if ending == loop.TOO_LONG:
-        raise InfeasibleLineError(
-            _gradient_reason(scenario, machines, mesh, position_m)
-            or f"after {longest_s:.0f} s the train stands or creeps at {position_m[-1]:.0f} m of "
-            f"{settings.end_m:.0f} m: with {machines.driving_current_a:g} A and "
-            f"{machines.machine.max_phase_voltage_v:g} V its machines cannot move it on."
-        )
 
 
 def _gradient_reason(scenario: Scenario, machines: TractionMachines, mesh: MeshedLine, position_m: FloatArray) -> str:
@@ -214,43 +216,6 @@ def _gradient_reason(scenario: Scenario, machines: TractionMachines, mesh: Meshe
         f"{'rolls back' if rolls_back else 'comes to a stand'}: to start there takes {needed / N_PER_KN:.1f} kN, and "
         f"{limit}"
     )
-
-
-def _plant(scenario: Scenario, machines: TractionMachines, mesh: MeshedLine) -> Plant:
-    machine, circuit, options, data = machines.machine, machines.circuit, scenario.simulation, mesh.data
-    return Plant(
-        stator_resistance_ohm=circuit.stator_resistance_ohm,
-        rotor_resistance_ohm=circuit.rotor_resistance_ohm,
-        magnetising_inductance_h=circuit.magnetising_inductance_h,
-        leakage_inductance_h=circuit.leakage_inductance_h,
-        pole_pairs=machine.pole_pairs,
-        motors=float(machines.motors),
-        turns_per_metre=machines.turns_per_metre,
-        gear_efficiency=machines.gear_efficiency,
-        mechanical_loss_torque_nm=machine.mechanical_loss_torque_nm,
-        hysteresis_loss_ws=machine.hysteresis_loss_ws,
-        eddy_loss_ws2=machine.eddy_loss_ws2,
-        rated_flux_vs=circuit.magnetising_inductance_h * machine.magnetising_current_a,
-        driving_current_a=machines.driving_current_a,
-        braking_current_a=machines.braking_current_a,
-        max_phase_voltage_v=machine.max_phase_voltage_v,
-        recuperation_factor=data.recuperation_factor,
-        inertia_kg=2 * data.half_inertia_kg,
-        assumed_inertia_kg=scenario.vehicle.total_inertia_kg,
-        resistance_constant_n=data.resistance_constant_n,
-        resistance_linear=data.resistance_linear,
-        bandwidth_rads=options.bandwidth_rads,
-        precompensator=options.precompensator,
-        rotor_resistance_factor=options.rotor_resistance_factor,
-    )
-
-
-def _noise_ms(scenario: Scenario, machines: TractionMachines) -> FloatArray:
-    options = scenario.simulation
-    if options.speed_noise_rads == 0:
-        return np.zeros(1)
-    drawn = np.random.default_rng(options.noise_seed).standard_normal(NOISE_SAMPLES)
-    return drawn * options.speed_noise_rads / machines.turns_per_metre
 
 
 def _start(reference: Reference, mesh: MeshedLine, machines: TractionMachines) -> FloatArray:

@@ -6,15 +6,15 @@ mesh that depend on them, and is solved and certified in compiled code that rele
 All of this uses the functions of `solve`, so that a row equals its result to the last bit. Runs that cannot be made
 this way go through `solve` itself, which is slower.
 
-A row depends only on its number and the seed (`sampling`), so that neither the order of the runs nor the number of
+A row depends only on its number and the seed (`fields`), so that neither the order of the runs nor the number of
 workers changes a table. `study` describes the task, `running` computes it on any executor chunk by chunk, and
 `results` saves the rows in memory or in a file that outlives the process. `table_files` writes and reads tables, and
 `sobol` finds the fields that decide a column. `sweep` does all of it in one call.
 """
 
+from railjoule.core.studies.sweep.fields import METHODS, Method
 from railjoule.core.studies.sweep.results import MemoryResults, StudyFileError, SweepFile, SweepTable
 from railjoule.core.studies.sweep.running import InterruptedStudyError, run_study, sweep
-from railjoule.core.studies.sweep.sampling import METHODS, Method
 from railjoule.core.studies.sweep.sobol import SensitivityError, sensitivities
 from railjoule.core.studies.sweep.study import COLUMNS, DEFAULT_COLUMNS, Study, make_study
 from railjoule.core.studies.sweep.table_files import write_rows

@@ -19,16 +19,23 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.meshed_line import MeshedLineParts, assemble_meshed_line, drive_of, limits_of, line_of
-from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.lower_bound import LATE_SHARE
+from railjoule.core.motion.meshed_line import (
+    MeshedLineParts,
+    assemble_meshed_line,
+    build_drive,
+    build_limits,
+    build_line,
+)
+from railjoule.core.physics.energy_balance import CellBalance, run_balance
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.arrival_windows import arrival_windows
-from railjoule.core.studies.sweep.fields import Patch
-from railjoule.core.studies.sweep.rows import RowByRow, Rows
+from railjoule.core.studies.rows import RowByRow, Rows
+from railjoule.core.studies.sweep.fields import corners_hold, patched
 from railjoule.core.studies.sweep.study import COLUMNS, Study, solver_version
 from railjoule.core.task import Task, task_over
-from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_balance, supply_energies_j
+from railjoule.core.trajectory import Trajectory, durations_s, energy_balance, supply_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 # A field that is missing here only costs time, as its part of a meshed line is rebuilt.
@@ -103,34 +110,27 @@ class MeshOptimum:
     task : Task
     optimum : Optimum
         The point and its multipliers.
-    cells : RunAccount
+    cells : CellAccount
         The accounts of its cells.
-    net_j : float
-        Net energy at the line [J].
+    energy_kwh : float
+        Net energy at the line, auxiliaries included [kWh].
     travel_time_s : float
         Time of the whole run, dwells included [s].
+    price_of_time_w : float
+        Decrease of the optimum if the timetable is one second longer [J/s].
     """
 
     task: Task
     optimum: Optimum
-    cells: RunAccount
-    net_j: float
+    cells: CellBalance
+    energy_kwh: float
     travel_time_s: float
+    price_of_time_w: float
 
     @cached_property
     def energy(self) -> Energy:
         """The account of the whole run, which takes longer than its net energy."""
         return energy_balance(self.task.mesh, self.optimum.speed2, self.cells)
-
-    @property
-    def energy_kwh(self) -> float:
-        """Net energy at the line, auxiliaries included [kWh]."""
-        return self.net_j / J_PER_KWH
-
-    @property
-    def price_of_time_w(self) -> float:
-        """Decrease of the optimum if the timetable is one second longer [J/s]."""
-        return self.optimum.price_of_time_w
 
     @cached_property
     def lower_bound_kwh(self) -> float:
@@ -152,7 +152,9 @@ class Engine:
     """
 
     def __init__(self, study: Study) -> None:
-        self._study, self._patch = study, Patch(study.scenario, study.fields)
+        self._study = study
+        # values within the ranges need no further check
+        self._is_box_valid = corners_hold(study.scenario, study.fields)
         names = [".".join(field.path) for field in study.fields]
         self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
         # limits by adhesion depend on the mass
@@ -178,21 +180,21 @@ class Engine:
         return solve(scenario, self._study.strategy)
 
     def _scenario_at(self, sample: Sequence[float]) -> Scenario:
-        if self._study.is_box_valid:
-            return self._patch(sample)
+        if self._is_box_valid:
+            return patched(self._study.scenario, self._study.fields, sample)
         pairs = zip(self._study.fields, sample, strict=True)
         return self._study.scenario.replace(**{field.name: field.value(value) for field, value in pairs})
 
     def _parts(self, scenario: Scenario) -> MeshedLineParts:
         """Return the parts of the meshed line of a scenario: earlier ones where no field changes them."""
         kept = self._kept
-        line = kept.line if kept is not None and self._keeps_line else line_of(scenario)
+        line = kept.line if kept is not None and self._keeps_line else build_line(scenario)
         if kept is not None and self._keeps_limits:
             # no limit depends on the recuperation factor
             drive = replace(kept.drive, recuperation_factor=scenario.vehicle.drive.recuperation_factor)
             return MeshedLineParts(line, drive, kept.traction, kept.braking)
-        drive = drive_of(scenario)
-        parts = MeshedLineParts(line, drive, *limits_of(scenario, drive))
+        drive = build_drive(scenario)
+        parts = MeshedLineParts(line, drive, *build_limits(scenario, drive))
         self._kept = kept or parts
         return parts
 
@@ -210,9 +212,10 @@ def mesh_optimum(task: Task) -> MeshOptimum | None:
     except SolverError:
         return None
     mesh = task.mesh
-    cells = account_of_run(mesh.data, optimum.speed2)
+    cells = run_balance(mesh.data, optimum.speed2)
     time_s = float(np.cumsum(durations_s(mesh, cells))[-1])
     # a bound does not cover later runs
     if time_s > task.travel_time_s * (1 + LATE_SHARE):
         return None
-    return MeshOptimum(task, optimum, cells, net_energy(*supply_energies_j(mesh, cells)), time_s)
+    energy_kwh = net_energy(*supply_energies_j(mesh, cells)) / J_PER_KWH
+    return MeshOptimum(task, optimum, cells, energy_kwh, time_s, optimum.price_of_time_w)

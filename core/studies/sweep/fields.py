@@ -1,20 +1,28 @@
-"""The fields of a scenario that a sweep varies, their ranges, and how a value is put into the scenario.
+"""The fields of a scenario that a sweep varies, their ranges and samples, and how a value is put into the scenario.
 
-`Scenario.with_` writes a document and reads it again. This checks everything and takes longer than the optimum itself.
-A sweep therefore checks only the corners of the box that its ranges span. Each rule of a scenario bounds a number on
-one side by constants or by other numbers, so that a rule kept at all corners is kept between them. Inside the box,
-values are put into copies of their tables, and all other tables are shared.
+`Scenario.replace` writes a document and reads it again. This checks everything and takes longer than the optimum
+itself. A sweep therefore checks only the corners of the box that its ranges span. Each rule of a scenario bounds a
+number on one side by constants or by other numbers, so that a rule kept at all corners is kept between them. Inside the
+box, values are put into copies of their tables, and all other tables are shared.
+
+A row of a sample depends only on its number, the seed and the ranges. A grid has equal steps of each field. Random rows
+are independent; Sobol' and Halton rows fill the box evenly, scrambled by the seed. For these three methods, a shorter
+sample is the beginning of a longer one.
+
+References: Sobol', USSR Computational Mathematics and Mathematical Physics 7, 1967; Halton, Numerische Mathematik 2,
+1960; Owen, Journal of Complexity 14, 1998, for the scrambling; all by `scipy.stats.qmc`.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from types import UnionType
-from typing import Annotated, Any, Union, get_args, get_origin
+from typing import Any, Literal, get_args
 
-from pydantic import BaseModel
+import numpy as np
+from pydantic import BaseModel, TypeAdapter
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario._sentences import shorten, show, suggestion
@@ -96,10 +104,11 @@ def _field(scenario: Scenario, name: str, ends: tuple[float, float]) -> Field:
     parts = name.split(".")
     # the drive is a table of its own in a file
     path = ("vehicle", *parts) if parts[0] == "drive" else tuple(parts)
-    kinds = _kinds(_annotation(scenario, path, name))
-    if not kinds & {float, int} or kinds - {float, int, type(None)}:
+    schema = TypeAdapter(_annotation(scenario, path, name)).json_schema()
+    kinds = {kind.get("type") for kind in schema.get("anyOf", [schema])}
+    if not kinds & {"number", "integer"} or kinds - {"number", "integer", "null"}:
         raise ScenarioError(f"{shorten(name)} is no number: a sweep varies only numbers.")
-    whole = float not in kinds
+    whole = "number" not in kinds
     if whole and not (float(low).is_integer() and float(high).is_integer()):
         raise ScenarioError(f"{name}: the ends of the range {low:g} to {high:g} must be whole numbers.")
     return Field(name, path, float(low), float(high), whole)
@@ -121,15 +130,6 @@ def _annotation(scenario: Scenario, path: Path, name: str) -> Any:
     return type(table).model_fields[path[-1]].annotation
 
 
-def _kinds(annotation: Any) -> set[Any]:
-    """Return the types of the values that a field takes."""
-    if get_origin(annotation) is Annotated:
-        return _kinds(get_args(annotation)[0])
-    if get_origin(annotation) in (Union, UnionType):
-        return set().union(*(_kinds(inner) for inner in get_args(annotation)))
-    return {annotation}
-
-
 def corners_hold(scenario: Scenario, fields: Sequence[Field]) -> bool:
     """Return whether the scenario is valid at every corner of the box that the ranges span."""
     for ends in product(*(sorted({field.low, field.high}) for field in fields)):
@@ -140,40 +140,127 @@ def corners_hold(scenario: Scenario, fields: Sequence[Field]) -> bool:
     return True
 
 
-class Patch:
-    """Put values of fields into a scenario without a check; the corners of the ranges were checked for it.
+def patched(scenario: Scenario, fields: Sequence[Field], values: Sequence[float]) -> Scenario:
+    """Return a scenario with values, one for each field, that the corners of their ranges were checked for.
+
+    Unchanged tables are the same objects. Keys that a field excludes get their defaults.
+    """
+    updates: dict[str, Any] = {}
+    for field, value in zip(fields, values, strict=True):
+        *tables, key = field.path
+        update: dict[str, Any] = updates
+        table: Any = scenario
+        for name in tables:
+            update, table = update.setdefault(name, {}), getattr(table, name)
+        for other in set().union(*(group for group in EXCLUSIVE_KEYS if key in group)) & set(type(table).model_fields):
+            update[other] = type(table).model_fields[other].default
+        update[key] = field.value(value)
+    made: Scenario = _updated(scenario, updates)
+    return made
+
+
+def _updated(table: Any, updates: Mapping[str, Any]) -> Any:
+    """Return a copy of a table with new values; a mapping has those of a table within it."""
+    return table.model_copy(
+        update={k: _updated(getattr(table, k), new) if isinstance(new, dict) else new for k, new in updates.items()}
+    )
+
+
+Method = Literal["grid", "random", "sobol", "halton"]
+METHODS: tuple[Method, ...] = get_args(Method)
+MAX_ROWS = 2**30
+"""SciPy's Sobol' points have 30 bits."""
+MAX_SEED = 2**63
+
+
+def require_sample(fields: Sequence[Field], rows: int, method: str, seed: int) -> None:
+    """Check that rows can be drawn; arguments as in `draw_rows`.
+
+    Raises
+    ------
+    ScenarioError
+        If the method does not exist, a number is out of its bounds, or no grid has this number of rows.
+    """
+    for name, number, least, most in (("sample", rows, 1, MAX_ROWS), ("seed", seed, 0, MAX_SEED)):
+        if isinstance(number, bool) or not isinstance(number, int) or not least <= number <= most:
+            raise ScenarioError(f"{name} = {show(number)} must be a whole number from {least} to {most:,}.")
+    if method not in METHODS:
+        raise ScenarioError(f"method = {show(method)} must be one of {', '.join(METHODS)}.")
+    if method == "grid":
+        _levels(fields, rows)
+
+
+def draw_rows(fields: Sequence[Field], rows: int, method: str, seed: int, first: int, count: int) -> FloatArray:
+    """Return consecutive rows of a sample; shape (count, fields).
 
     Parameters
     ----------
-    scenario : Scenario
     fields : sequence of Field
+    rows : int
+        Number of all rows.
+    method : str
+        One of `METHODS`.
+    seed : int
+        Not used by a grid.
+    first, count : int
+        Number of the first row, and how many.
     """
+    if method == "grid":
+        levels = _levels(fields, rows)
+        # the last field changes fastest, as in a nested loop
+        places = np.unravel_index(np.arange(first, first + count), [len(values) for values in levels])
+        return np.column_stack([values[place] for values, place in zip(levels, places, strict=True)])
+    low, high, whole = np.array([(field.low, field.high, field.whole) for field in fields]).T
+    shares = _shares(len(fields), method, seed, first, count)
+    # each whole number has an equal share; low + (high - low) may round to a value above high
+    values = np.where(whole > 0, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
+    within: FloatArray = np.minimum(values, high)
+    return within
 
-    def __init__(self, scenario: Scenario, fields: Sequence[Field]) -> None:
-        self._fields = tuple(fields)
-        self._tables: dict[Path, BaseModel] = {}
-        self._defaults: dict[Path, Any] = {}
-        for field in fields:
-            table: BaseModel = scenario
-            for depth, key in enumerate(field.path):
-                self._tables[field.path[:depth]] = table
-                if depth < len(field.path) - 1:
-                    table = getattr(table, key)
-            # the field replaces keys that exclude it: they get their defaults
-            for other in set().union(*(group - {key} for group in EXCLUSIVE_KEYS if key in group)):
-                if other in type(table).model_fields:
-                    self._defaults[(*field.path[:-1], other)] = type(table).model_fields[other].default
-        self._deepest_first = sorted(self._tables, key=len, reverse=True)
 
-    def __call__(self, values: Sequence[float]) -> Scenario:
-        """Return the scenario with values, one for each field; unchanged tables are the same objects."""
-        updates: dict[Path, dict[str, Any]] = {path: {} for path in self._deepest_first}
-        numbers = {field.path: field.value(value) for field, value in zip(self._fields, values, strict=True)}
-        for path, value in {**self._defaults, **numbers}.items():
-            updates[path[:-1]][path[-1]] = value
-        for place, update in updates.items():
-            copy: Any = self._tables[place].model_copy(update=update)
-            if place:
-                updates[place[:-1]][place[-1]] = copy
-        patched: Scenario = copy
-        return patched
+def _shares(width: int, method: str, seed: int, first: int, count: int) -> FloatArray:
+    """Return consecutive points of the unit cube; shape (count, width)."""
+    bits = np.random.PCG64(seed)
+    if method == "random":
+        # one state of the generator for each number
+        return np.random.Generator(bits.advance(first * width)).random((count, width))
+    from scipy.stats import qmc  # noqa: PLC0415  (slow to import, and rarely needed)
+
+    # a generator, as the one that SciPy makes of a number differs between its versions
+    engine = (qmc.Sobol if method == "sobol" else qmc.Halton)(width, scramble=True, seed=np.random.Generator(bits))
+    if first:
+        return np.asarray(engine.fast_forward(first).random(count))
+    # SciPy warns of a first draw of Sobol' points that is not a power of two; 1 is one
+    return np.concatenate([engine.random(part) for part in (1, count - 1)])
+
+
+def levels_per_field(rows: int, fields: int) -> int:
+    """Return the number of values of each field of a grid."""
+    count: int = round(rows ** (1 / fields))
+    return count
+
+
+def _levels(fields: Sequence[Field], rows: int) -> list[FloatArray]:
+    """Return the values of each field of a grid.
+
+    Raises
+    ------
+    ScenarioError
+        If no grid with the same number of values for each field has this number of rows, or a field has fewer whole
+        numbers.
+    """
+    count = levels_per_field(rows, len(fields))
+    if count ** len(fields) != rows:
+        below = count if count ** len(fields) < rows else count - 1
+        near = " or ".join(f"{number ** len(fields):,}" for number in (below, below + 1) if number)
+        raise ScenarioError(
+            f"sample = {rows:,}: a grid over {len(fields)} fields has as many values of each, such as {near} rows."
+        )
+    levels = [np.linspace(field.low, field.high, count) for field in fields]
+    for number, field in enumerate(fields):
+        if field.whole:
+            levels[number] = np.rint(levels[number])
+            if len(np.unique(levels[number])) < count:
+                there = int(field.high - field.low) + 1
+                raise ScenarioError(f"{field.name} has {there} whole numbers, fewer than the {count} of the grid.")
+    return levels

@@ -20,7 +20,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.scenario._sentences import shorten
-from railjoule.core.studies.sweep.rows import Chunk, Rows
+from railjoule.core.studies.rows import Chunk, Rows
 from railjoule.core.studies.sweep.study import Study, study_from
 
 if TYPE_CHECKING:

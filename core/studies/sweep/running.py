@@ -1,41 +1,29 @@
-"""Run studies: draw rows in order, compute them in chunks on any executor, and save them in the calling thread."""
+"""Run sweeps: draw rows in order, compute them in chunks on any executor, and save them in the calling thread."""
 
-import os
 import time
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor, wait
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, ThreadPoolExecutor
 from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
 from threading import Event
-from typing import Any
-
-import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario import Scenario, as_scenario
+from railjoule.core.studies.rows import CHUNKS_PER_WORKER, completed_chunks, worker_count
 from railjoule.core.studies.sweep.engine import solve_rows
+from railjoule.core.studies.sweep.fields import Method
 from railjoule.core.studies.sweep.results import MemoryResults, SweepFile, SweepTable
-from railjoule.core.studies.sweep.rows import Chunk, Rows
-from railjoule.core.studies.sweep.sampling import Method
 from railjoule.core.studies.sweep.study import DEFAULT_COLUMNS, Study, make_study
 
-Work = Callable[[FloatArray], Rows]
-"""Computes the rows of samples of shape (rows, fields), such as `RowByRow`."""
 FIRST_CHUNK, MAX_CHUNK = 64, 2048
 """Rows of the first chunks, whose duration is unknown, and of any chunk; slow strategies need a second for a row."""
 CHUNK_S = 1.0
 """Duration of a chunk [s]: short enough for progress and a stop, long against the time to submit it."""
 SHORTEST_CHUNKS = 8
 """The last chunks are shorter by at most this factor, so that all workers end at about the same time."""
-CHUNKS_PER_WORKER = 2
-"""Submitted at a time: one in work and one that waits."""
-LONGEST_WAIT_S = 1.0
-"""A stop and lost workers are noticed after at most this time [s]."""
-SKIPPED_AT_ONCE = 65_536
-"""Rows drawn at a time to reach a later row."""
 
 
 class InterruptedStudyError(RailjouleError):
@@ -156,97 +144,10 @@ def _samples(
     study: Study, gaps: Sequence[tuple[int, int]], chunk_size: Callable[[int], int]
 ) -> Iterator[tuple[int, FloatArray]]:
     """Yield first row and samples of each chunk in the gaps, of the size that is right when it is drawn."""
-    sampler, drawn, left = study.sampler(), 0, sum(end - first for first, end in gaps)
-    for first, end in gaps:
-        while drawn < first:
-            drawn += len(sampler.take(min(SKIPPED_AT_ONCE, first - drawn)))
-        while drawn < end:
-            samples = sampler.take(min(chunk_size(left), end - drawn))
-            yield drawn, samples
-            drawn, left = drawn + len(samples), left - len(samples)
-
-
-def completed_chunks(
-    work: Work,
-    samples: Iterable[tuple[int, FloatArray]],
-    executor: Executor,
-    workers: Callable[[], int],
-    stop: Event | None = None,
-) -> Generator[Chunk, None, None]:
-    """Yield chunks as an executor completes them, in any order.
-
-    Parameters
-    ----------
-    work : callable
-        Computes the rows of some samples.
-    samples : iterable of (int, array)
-        First row and samples of each chunk, taken when it is submitted.
-    executor, workers, stop
-        As in `run_study`.
-    """
-    waiting: dict[Any, tuple[int, FloatArray]] = {}
-    left = iter(samples)
-    try:
-        while True:
-            while len(waiting) < CHUNKS_PER_WORKER * max(1, workers()):
-                if stop is not None and stop.is_set():
-                    waiting = {future: chunk for future, chunk in waiting.items() if not future.cancel()}
-                    break
-                if (chunk := next(left, None)) is None:
-                    break
-                waiting[executor.submit(work, chunk[1])] = chunk
-            if not waiting:
-                return
-            for future in wait(waiting, LONGEST_WAIT_S, FIRST_COMPLETED).done:
-                yield Chunk(*waiting.pop(future), future.result())
-    finally:
-        for future in waiting:
-            future.cancel()
-
-
-def rows_in_order(work: Work, samples: FloatArray, executor: Executor | None, size: int = 1) -> Iterator[Rows]:
-    """Yield the rows of samples of shape (rows, fields): all completed rows from the first one on, after each step.
-
-    Parameters
-    ----------
-    work : callable
-        Computes the rows of some samples.
-    samples : array of shape (rows, fields)
-    executor : Executor or None
-        Computes the rows; None for the calling thread.
-    size : int
-        Rows in a step.
-    """
-    parts = ((first, samples[first : first + size]) for first in range(0, len(samples), size))
-    done: Rows | None = None
-    # a chunk that is early waits, as a part of a table is read from its beginning
-    early: dict[int, Chunk] = {}
-    reached = 0
-    here = (Chunk(first, part, work(part)) for first, part in parts)
-    with closing(here if executor is None else completed_chunks(work, parts, executor, worker_count)) as chunks:
-        for completed in chunks:
-            early[completed.first] = completed
-            while (chunk := early.pop(reached, None)) is not None:
-                done = chunk.rows if done is None else _joined(done, chunk)
-                reached = chunk.end
-                yield done
-
-
-def _joined(done: Rows, chunk: Chunk) -> Rows:
-    values = np.concatenate([done.values, chunk.rows.values])
-    return Rows(values, done.reasons | chunk.reasons, done.seconds + chunk.rows.seconds)
-
-
-def all_rows(work: Work, samples: FloatArray, executor: Executor | None = None) -> Rows:
-    """Return the rows of samples of shape (rows, fields); by default computed in this thread."""
-    if executor is None or not len(samples):
-        return work(samples)
-    *_, rows = rows_in_order(work, samples, executor)
-    return rows
-
-
-def worker_count() -> int:
-    """Return the number of processors that this process may use."""
-    # containers and batch systems give a process fewer than the machine has
-    affinity: Any = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity is not None else os.cpu_count() or 1
+    left = sum(end - first for first, end in gaps)
+    for reached, end in gaps:
+        first = reached
+        while first < end:
+            count = min(chunk_size(left), end - first)
+            yield first, study.draw(first, count)
+            first, left = first + count, left - count

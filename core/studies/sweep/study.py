@@ -10,14 +10,21 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, cast
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import Budget, current_budget
 from railjoule.core.errors import ScenarioError
 from railjoule.core.kernel_cache import source_hash
 from railjoule.core.scenario import Scenario, format_scenario, parse_scenario
 from railjoule.core.scenario._sentences import shorten, show, suggestion
 from railjoule.core.strategy import STRATEGIES
-from railjoule.core.studies.sweep.fields import Field, corners_hold, parse_fields
-from railjoule.core.studies.sweep.sampling import Method, Sampler, levels_per_field
+from railjoule.core.studies.sweep.fields import (
+    Field,
+    Method,
+    draw_rows,
+    levels_per_field,
+    parse_fields,
+    require_sample,
+)
 from railjoule.core.units import J_PER_KWH
 
 SCENARIO_FILE = "scenario.toml"
@@ -125,20 +132,15 @@ class Study:
         # the order of the fields counts: each has a coordinate of the sample
         return hashlib.sha256(json.dumps(self.identity).encode()).hexdigest()[:32]
 
-    @cached_property
-    def is_box_valid(self) -> bool:
-        """Whether values within the ranges need no further check."""
-        return corners_hold(self.scenario, self.fields)
-
     def level_count(self, field: Field) -> int | None:
         """Return the number of values of a field; None for a whole range."""
         if self.method == "grid":
             return levels_per_field(self.sample, len(self.fields))
         return int(field.high - field.low) + 1 if field.whole else None
 
-    def sampler(self) -> Sampler:
-        """Return a sampler at the first row."""
-        return Sampler(self.fields, self.sample, self.method, self.seed)
+    def draw(self, first: int, count: int) -> FloatArray:
+        """Return the samples of consecutive rows; shape (count, fields)."""
+        return draw_rows(self.fields, self.sample, self.method, self.seed, first, count)
 
 
 def make_study(
@@ -178,8 +180,7 @@ def make_study(
         current_budget(),
         solver_version(),
     )
-    # checks method, seed and number of rows
-    study.sampler()
+    require_sample(study.fields, sample, method, seed)
     return study
 
 

@@ -7,7 +7,6 @@ for any number of rows.
 import io
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,8 +16,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_table
 from railjoule.core.errors import RailjouleError
 from railjoule.core.parquet import NEEDED, has_parquet
+from railjoule.core.studies.rows import Chunk
 from railjoule.core.studies.sweep.results import StudyFileError, SweepFile, SweepTable, join_chunks
-from railjoule.core.studies.sweep.rows import Chunk
 from railjoule.core.studies.sweep.study import Study, study_from
 from railjoule.core.written import written
 
@@ -117,16 +116,8 @@ def _tables(results: SweepFile | SweepTable) -> "Iterator[pandas.DataFrame]":
         yield join_chunks(results.study, held, 0.0).to_dataframe()
 
 
-@dataclass(frozen=True, eq=False)
-class ReadStudy:
-    """The rows of a study from a file, and whether this version of the solver made them, so that rows can be added."""
-
-    table: SweepTable
-    is_same_solver: bool
-
-
-def read_study(content: bytes, name: str, max_rows: int) -> ReadStudy:
-    """Return the study in the content of a netCDF file of `write_rows`.
+def read_study(content: bytes, name: str, max_rows: int) -> tuple[SweepTable, bool]:
+    """Return the rows in a netCDF file of `write_rows`, and whether this solver made them, so that it can add rows.
 
     Parameters
     ----------
@@ -158,7 +149,7 @@ def read_study(content: bytes, name: str, max_rows: int) -> ReadStudy:
         raise refusal from None
     if study.sample > max_rows:
         raise StudyFileError(f"{name}: a study of {study.sample:,} runs; at most {max_rows:,} can be opened.")
-    return ReadStudy(table, is_same_solver)
+    return table, is_same_solver
 
 
 def _table(study: Study, variables: dict[str, Any]) -> SweepTable:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,22 +10,22 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.enoc import enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import SampledRun
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
 from railjoule.core.validation.ftorek_runs import (
     BASE_TIME_S,
+    PAPER,
     TABLE_3_COPPER_WEIGHT,
     TIMES_S,
     amperes_per_newton,
     min_energies_j,
-    paper,
     paper_line,
     printed_entry,
     printed_run,
 )
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 NAMES = {"eoc": "EOC as printed", "enoc": "ENOC with the ramps of (15)"}
 PRINTED = "printed extremes"
-TIME, PLACE, SPEED = "Time, s", "Position, m", "Speed, km/h"
+TIME, PLACE, SPEED, ACCELERATION = "Time, s", "Position, m", "Speed, km/h", "Acceleration, m/s2"
 OWN_RAMP = "On page Compare ENOC has its own best ramps, not these."
 NOTES = {
     "eoc": "Speeds, currents and energies agree within 1 %. The plan is drawn; the paper drew its filtered loop.",
@@ -41,8 +40,7 @@ def speed_figure() -> FigureData:
     """Return Figure 2: speeds of both strategies over time."""
     lines: list[Line] = []
     for strategy in NAMES:
-        runs = {time: printed_run(strategy, time) for time in TIMES_S}
-        lines += [_line(f"{strategy.upper()}, {t} s", run.time_s, run.speed_ms / MS_PER_KMH) for t, run in runs.items()]
+        lines += [_line(f"{strategy.upper()}, {t} s", *_speed_over_time(printed_run(strategy, t))) for t in TIMES_S]
         lines.append(_extremes(strategy, lambda run: (run.time_s, run.speed_ms), ("max_speed_kmh",)))
     return FigureData((Panel(TIME, SPEED, tuple(lines)),), f"EOC leaves the work of drag out of its cost. {OWN_RAMP}")
 
@@ -50,34 +48,38 @@ def speed_figure() -> FigureData:
 def reference_figure() -> FigureData:
     """Return Figure 3: acceleration, speed and position of the reference for 300 s."""
     runs = {name: printed_run(strategy, BASE_TIME_S) for strategy, name in NAMES.items()}
-    quantities: tuple[tuple[str, Callable[[SampledRun], FloatArray]], ...] = (
-        ("Acceleration, m/s2", lambda run: run.acceleration_ms2),
-        (SPEED, lambda run: run.speed_ms / MS_PER_KMH),
-        (PLACE, lambda run: run.position_m),
-    )
+    curves: dict[str, Curve] = {
+        ACCELERATION: _acceleration_over_time,
+        SPEED: _speed_over_time,
+        PLACE: lambda run: (run.time_s, run.position_m),
+    }
     panels = (
-        Panel(TIME, title, tuple(_line(name, run.time_s, values(run)) for name, run in runs.items()))
-        for title, values in quantities
+        Panel(TIME, title, tuple(_line(name, *curve(run)) for name, run in runs.items()))
+        for title, curve in curves.items()
     )
     return FigureData(tuple(panels), "The paper draws the motor's angle; here it is the train's position.")
 
 
 def run_figure(strategy: str) -> FigureData:
     """Return Figure 4 (`eoc`) or 5 (`enoc`): the three runs of a table, with their printed extremes."""
-    amperes = amperes_per_newton()
-    panels = (
-        (PLACE, SPEED, lambda run: (run.position_m, run.speed_ms / MS_PER_KMH), ("max_speed_kmh",)),
-        (TIME, SPEED, lambda run: (run.time_s, run.speed_ms / MS_PER_KMH), ("max_speed_kmh",)),
-        (
-            TIME,
-            "Torque current, A",
-            lambda run: (run.time_s, amperes * run.effort_n),
-            ("max_current_a", "min_current_a"),
-        ),
-        (TIME, "Energy, Wh", lambda run: (run.time_s, run.energy_j / J_PER_WH), ("peak_energy_wh", "total_energy_wh")),
-        (TIME, "Acceleration, m/s2", lambda run: (run.time_s, run.acceleration_ms2), ()),
+    amperes, speeds = amperes_per_newton(), ("max_speed_kmh",)
+    currents, energies = ("max_current_a", "min_current_a"), ("peak_energy_wh", "total_energy_wh")
+    panels: tuple[tuple[str, str, Curve, tuple[str, ...]], ...] = (
+        (PLACE, SPEED, lambda run: (run.position_m, run.speed_ms / MS_PER_KMH), speeds),
+        (TIME, SPEED, _speed_over_time, speeds),
+        (TIME, "Torque current, A", lambda run: (run.time_s, amperes * run.effort_n), currents),
+        (TIME, "Energy, Wh", lambda run: (run.time_s, run.energy_j / J_PER_WH), energies),
+        (TIME, ACCELERATION, _acceleration_over_time, ()),
     )
     return FigureData(tuple(_run_panel(strategy, *panel) for panel in panels), NOTES[strategy])
+
+
+def _speed_over_time(run: SampledRun) -> tuple[FloatArray, FloatArray]:
+    return run.time_s, run.speed_ms / MS_PER_KMH
+
+
+def _acceleration_over_time(run: SampledRun) -> tuple[FloatArray, FloatArray]:
+    return run.time_s, run.acceleration_ms2
 
 
 def _run_panel(strategy: str, x_title: str, y_title: str, curve: Curve, keys: tuple[str, ...]) -> Panel:
@@ -107,63 +109,35 @@ def _line(label: str, x: FloatArray, y: FloatArray) -> Line:
     return Line(label, x[kept], y[kept])
 
 
-def surface_figure(points: list[dict[str, Any]], longest_s: float, longest_ramp_s: float) -> FigureData:
+def surface_figure(section: dict[str, Any]) -> FigureData:
     """Return sections of ENOC's energy surface through printed points, over T_m and over T_e.
 
     Parameters
     ----------
-    points : list of dict
-        Entries of Table 2 or Table 3.
-    longest_s, longest_ramp_s : float
-        Ends of the printed axes [s].
+    section : dict
+        Key of the `table` of points in the paper's file, and ends `longest_s` and `longest_ramp_s` of the axes [s].
     """
-    line = paper_line()
+    line, points = paper_line(), PAPER[section["table"]]
     coefficients = enoc_coefficients(line)
-    over_time, over_ramp = [], []
-    times = np.linspace(min(p["travel_time_s"] for p in points) / 1.3, longest_s, POINTS_A_LINE)
-    over_time.append(Line("T_e of least energy", times, min_energies_j(coefficients, times) / J_PER_WH))
-    if points is paper()["table_3"]:
+    times = np.linspace(min(p["travel_time_s"] for p in points) / 1.3, section["longest_s"], POINTS_A_LINE)
+    over_time = [Line("T_e of least energy", times, min_energies_j(coefficients, times) / J_PER_WH)]
+    over_ramp = []
+    if section["table"] == "table_3":
         label = f"T_e of least energy, {TABLE_3_COPPER_WEIGHT:g} times the copper loss"
         heavier = replace(line, loss_coefficient=TABLE_3_COPPER_WEIGHT * line.loss_coefficient)
         over_time.append(Line(label, times, min_energies_j(enoc_coefficients(heavier), times) / J_PER_WH))
     for point in points:
         time, ramp = point["travel_time_s"], point["acceleration_time_s"]
         over_time.append(Line(f"T_e = {ramp:g} s", times, enoc_energy(coefficients, times, ramp) / J_PER_WH))
-        ramps = np.linspace(ramp / 5, min(longest_ramp_s, time / 2), POINTS_A_LINE)
+        ramps = np.linspace(ramp / 5, min(section["longest_ramp_s"], time / 2), POINTS_A_LINE)
         over_ramp.append(Line(f"T_m = {time:g} s", ramps, enoc_energy(coefficients, time, ramps) / J_PER_WH))
     energies = np.array([point["total_energy_wh"] for point in points])
-    for lines, key in ((over_time, "travel_time_s"), (over_ramp, "acceleration_time_s")):
-        lines.append(Line("printed points", np.array([point[key] for point in points]), energies, is_printed=True))
     panels = (
-        Panel("Travel time T_m, s", "Energy, Wh", tuple(over_time)),
-        Panel("Acceleration time T_e, s", "Energy, Wh", tuple(over_ramp)),
+        Panel(title, "Energy, Wh", (*lines, Line("printed points", np.array([p[key] for p in points]), energies, True)))
+        for title, lines, key in (
+            ("Travel time T_m, s", over_time, "travel_time_s"),
+            ("Acceleration time T_e, s", over_ramp, "acceleration_time_s"),
+        )
     )
-    return FigureData(panels, "With the copper loss that fits Table 2; Table 3 agrees only with 3.087 times that loss.")
-
-
-EOC = {"strategy": "eoc", "eoc.variant": "as_printed"}
-ENOC = {"strategy": "enoc", "enoc.acceleration_time_s": 62.713}
-SCENARIO = "ftorek-300s"
-FIGURES: tuple[PaperFigure, ...] = (
-    PaperFigure("Fig. 2", "Speed of EOC and ENOC for three travel times", speed_figure, SCENARIO, EOC),
-    PaperFigure(
-        "Fig. 3", "Acceleration, speed and position of the reference for 300 s", reference_figure, SCENARIO, EOC
-    ),
-    PaperFigure("Fig. 4", "EOC with three travel times", partial(run_figure, "eoc"), SCENARIO, EOC),
-    PaperFigure("Fig. 5", "ENOC with three travel times", partial(run_figure, "enoc"), SCENARIO, ENOC),
-    PaperFigure(
-        "Fig. 6 (a)",
-        "ENOC's energy over travel time and acceleration time",
-        lambda: surface_figure(paper()["table_3"], 5000.0, 250.0),
-        SCENARIO,
-        {"strategy": "enoc", "timetable.travel_time_s": 1025.006},
-    ),
-    PaperFigure(
-        "Fig. 6 (b)",
-        "The same for real timetables",
-        lambda: surface_figure(paper()["table_2"], 500.0, 100.0),
-        SCENARIO,
-        ENOC,
-    ),
-)
-"""In the order of the paper."""
+    note = "With the copper loss that fits Table 2; Table 3 agrees only with 3.087 times that loss."
+    return FigureData(tuple(panels), note)

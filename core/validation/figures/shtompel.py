@@ -6,8 +6,8 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.problem import Evaluation
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
-from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
 from railjoule.core.validation.shtompel import map_efficiency, search_limits
+from railjoule.core.validation.table import FigureData, Line, Panel
 
 SPEED_KMH = 20
 """The printed average speed."""
@@ -103,13 +103,3 @@ def _set_speeds(evaluations: list[Evaluation]) -> tuple[FloatArray, FloatArray]:
     """Return the set speeds of two sections [km/h]."""
     first, second = np.array([one.limits_ms for one in evaluations]).T / MS_PER_KMH
     return frozen_array(first), frozen_array(second)
-
-
-_SCENARIO = "kharkiv-like-20kmh"
-FIGURES: tuple[PaperFigure, ...] = (
-    PaperFigure("Fig. 1", "Efficiency of motor and drive over the speed", efficiency_maps, _SCENARIO),
-    PaperFigure("Fig. 2", "Search by Weyl's method for the set speeds of two sections", even_search, _SCENARIO),
-    PaperFigure("Fig. 3", "Search by Nelder and Mead's method from there", simplex_search, _SCENARIO),
-    PaperFigure("Fig. 4", "Set speed, speed, force, energy and profile", optimal_schedule, _SCENARIO),
-)
-"""In the order of the paper."""

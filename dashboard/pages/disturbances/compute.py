@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulation.actual_run import actual_run, plan_of
+from railjoule.core.simulation.actual_run import actual_run, solve_plan
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.dashboard.work.refusals import named_refusals
 
@@ -75,7 +75,7 @@ def compute_rides(request: RidesRequest) -> Rides:
     """
     scenario = request.disturbed()
     with named_refusals(scenario):
-        planned = plan_of(scenario)
+        planned = solve_plan(scenario)
         if request.as_driver:
             scenario = accepting(scenario, smallest_delay_s(accepting(scenario, 0.0), planned))
         rides = {reaction: disturbed_run_of(scenario, reaction, planned) for reaction in REACTIONS}
@@ -122,7 +122,7 @@ def compute_late_arrivals(request: RidesRequest) -> Iterator[LateArrivals]:
     """Yield energy over delay as it is computed; errors as `compute_rides`."""
     scenario = request.disturbed()
     # once: neither the delay that is accepted nor who reacts changes the plan
-    planned = plan_of(scenario)
+    planned = solve_plan(scenario)
     delays = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     late = LateArrivals(frozen_array(DELAYS_S), {}, {})

@@ -7,7 +7,7 @@ import param
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import ProofStep, with_tighter_bound
-from railjoule.core.trajectory import Bound
+from railjoule.core.lower_bound import Bound
 from railjoule.dashboard.pages.drive.proof_compute import FURTHER_BOXES, same_plan
 from railjoule.dashboard.state.page_model import PageModel, result
 from railjoule.dashboard.work.runs import Runs

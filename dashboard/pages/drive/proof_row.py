@@ -6,7 +6,7 @@ import panel_material_ui as pmui
 
 from railjoule.core import Trajectory
 from railjoule.core.bounds import ProofStep
-from railjoule.core.trajectory import Bound
+from railjoule.core.lower_bound import Bound
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, markup

@@ -10,7 +10,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
-from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, json_of
+from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json
 
 OtherKind = Literal["track", "train", "journey"]
 Kind = IntervalKind | OtherKind | Literal[""]
@@ -169,7 +169,7 @@ class Brought:
         if not content:
             raise ScenarioError(f"{self.name}: it is empty.")
         if beginning in {b"{", b"["}:
-            document = json_of(self.source)
+            document = read_json(self.source)
             found = next((kind for kind, key in KEYS_OF_JSON.items() if key in document), None)
             if found is None:
                 raise ScenarioError(f"{self.name}: {UNKNOWN}.")

@@ -8,12 +8,12 @@ from importlib.resources import files
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, SourceFile, line_of
-from railjoule.core.imports.numbers import position_of
+from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, SourceFile, build_line
+from railjoule.core.imports.numbers import parse_position
 from railjoule.core.imports.ttobench import read_ttobench
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario import format_scenario, scenario_from_document
-from railjoule.core.scenario.document import document_of
+from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.pages.imports.brought import TABLE_WORDS, Brought
 from railjoule.dashboard.pages.imports.cards import Card, card_of
@@ -155,7 +155,7 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
 
 def _with_tables(reading: Reading, tables: Mapping[str, ImportedTable], stretch: Stretch) -> Reading:
     """Return the reading with the line that tables make."""
-    line = line_of(
+    line = build_line(
         **tables,  # type: ignore[arg-type]
         begin_m=_place("From", stretch.begin),
         end_m=_place("To", stretch.end),
@@ -182,7 +182,7 @@ def _place(label: str, text: str) -> float | None:
     if not text.strip():
         return None
     try:
-        return position_of(text.strip(), "m", ".")
+        return parse_position(text.strip(), "m", ".")
     except ValueError as error:
         raise ScenarioError(f"{label}: {text[:40]!r} {error}.") from None
 
@@ -213,7 +213,7 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
     """Yield the scenarios that can be made of a reading and of what stands on the page."""
     if reading.line is None and reading.vehicle is None:
         return
-    own = document_of(base)
+    own = to_document(base)
     kept: dict[str, Any] = {key: own[key] for key in ("vehicle", "drive") if key in own}
     line = reading.line.document["line"] if reading.line is not None else None
     train = _vehicle_of(reading.vehicle, base) if reading.vehicle is not None else None

@@ -9,7 +9,7 @@ import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
 from railjoule.core.arrays import IntArray
-from railjoule.core.drive.formulas import BRAKING_EFFICIENCY, TRACTION_EFFICIENCY
+from railjoule.core.drive.geared import BRAKING_EFFICIENCY, TRACTION_EFFICIENCY
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import braking_envelope

@@ -11,7 +11,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification import Fit, HeldOut, fit_runs, hold_out
 from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
-from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, recording_of
+from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, to_recording
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
 from railjoule.core.scenario._sentences import shown_list
@@ -163,7 +163,7 @@ def read_run(request: RunsRequest, file: RunFile, scenario: Scenario) -> ReadRun
     run, refusal, notes = None, _missing(file, meanings, used), assumed
     if not refusal:
         try:
-            recording = recording_of(*used_table(file, used))
+            recording = to_recording(*used_table(file, used))
             _require_time(recording)
             run = measured_run(recording, scenario, request.start_m)
             notes = (*notes, *(_without_options(note) for note in run.notes))

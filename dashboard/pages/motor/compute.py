@@ -18,9 +18,10 @@ from railjoule.core.simulation.field_oriented import (
     simulate_field_oriented,
 )
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
+from railjoule.core.studies.detuning import FACTORS, detuning_steps
 from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, induction_map, machine_points
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
@@ -217,6 +218,6 @@ def compute_flux_sweep(scenario: Scenario, speed_kmh: float) -> FluxSweep:
     return sweep_flux(actual_vehicle(scenario).vehicle, speed_kmh * MS_PER_KMH)
 
 
-def compute_detuning(request: LoopRequest) -> Iterator[DetuningTable]:
+def compute_detuning(request: LoopRequest) -> Iterator[StudyTable]:
     """Yield what a wrong rotor resistance costs as it is computed; errors as `compute_loop_run`."""
     yield from detuning_steps(request.in_loop(), NEAREST_FIRST, request.plan())

@@ -12,8 +12,8 @@ from panel.viewable import Viewable
 from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
-from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.machine_map import MotorMapChart
@@ -281,7 +281,7 @@ class Motor(Page):
     machine_map = result(MachineMap, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
     flux_sweep = result(FluxSweep, "Cruise over the flux current.")
-    detuning = result(DetuningTable, "The study so far.")
+    detuning = result(StudyTable, "The study so far.")
     start = param.Event(doc="Start the study of a wrong resistance.")
     studying = param.Boolean(default=False, doc="Whether it is under way.")
 
@@ -525,12 +525,12 @@ class Motor(Page):
         table = self.detuning
         self.progress.visible = self.stop.visible = self.studying
         if self.studying:
-            done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
+            done = 0.0 if table is None else table.done / len(table.rotor_resistance_factor)
             self.progress.value = int(100 * done)
         self.host.plots["detuning"].host.visible = self.costs.visible = table is not None
         if table is not None:
             self.costs.object = texts.detuning_table(table)
-            ends = table.rotor_resistance_factors
+            ends = table.rotor_resistance_factor
             self.host.draw([DETUNING], {"curve": texts.detuning_cost(table)}, x_ends=(min(ends), max(ends)))
 
     def _within_top_speed(self, speed_kmh: float) -> float:

@@ -5,8 +5,8 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
-from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.studies.flux_sweep import FluxSweep
+from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -52,7 +52,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             f"{words.energy(run.paper_energy_kwh)} without it",
         ),
         parts.figure(
-            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.final_error_m))} at the end"
+            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.stop_error_m))} at the end"
         ),
         parts.figure(
             "Peak current",
@@ -121,9 +121,9 @@ def flux_table(sweep: FluxSweep) -> str:
     return parts.inset(parts.table(title, ("Flux", "A", "V", "loss, W", "efficiency, %", "power factor"), rows))
 
 
-def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
+def detuning_cost(table: StudyTable) -> tuple[FloatArray, FloatArray]:
     """Return the factors that are computed, rising, and how much more energy each takes than the right one [%]."""
-    factors = np.array(table.rotor_resistance_factors)
+    factors = np.array(table.rotor_resistance_factor)
     right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
     # before the right one is there, nothing can be told against it
     known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
@@ -132,11 +132,11 @@ def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
     return factors[known], 100 * share_above(table.energy_kwh[known], float(right))
 
 
-def detuning_table(table: DetuningTable) -> str:
+def detuning_table(table: StudyTable) -> str:
     """Return what each factor that is computed makes of the run."""
     rows = []
     for factor, more in zip(*detuning_cost(table), strict=True):
-        k = table.rotor_resistance_factors.index(factor)
+        k = table.rotor_resistance_factor.index(factor)
         cells = (
             f"{words.number(factor, 2)} \u00d7",
             words.share_difference(more / 100),

@@ -15,7 +15,7 @@ from panel.viewable import Viewable
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import format_scenario
 from railjoule.core.validation import COMPARISONS
-from railjoule.core.validation.figure import PaperFigure
+from railjoule.core.validation.table import PaperFigure
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.look.markup import markup

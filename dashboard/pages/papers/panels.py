@@ -7,7 +7,7 @@ import holoviews as hv
 from bokeh.models import Legend
 from bokeh.plotting import figure
 
-from railjoule.core.validation.figure import Line, Panel
+from railjoule.core.validation.table import Line, Panel
 from railjoule.dashboard.charts.chart import check_complete, lighten
 from railjoule.dashboard.charts.elements import dress_legends, figure_of
 from railjoule.dashboard.charts.figures import dress_alone

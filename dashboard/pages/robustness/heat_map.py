@@ -11,7 +11,6 @@ from bokeh.events import Tap
 from bokeh.models import FixedTicker, Range1d
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.citation import printed_numbers
 from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS
 from railjoule.core.studies.table import StudyTable
@@ -255,7 +254,7 @@ def printed_table(table: StudyTable, measure: Measure) -> str:
     measure : Measure
         The measure of our numbers; (12) of the paper where it is no share of an energy.
     """
-    scenario, paper = table.scenario, printed_numbers(PAPER)
+    scenario, paper = table.scenario, PAPER
     entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
     if entry is None or not table.both_directions or table.knows != "nothing":
         return ""

@@ -19,9 +19,8 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.inter_station_runs import run_words
 from railjoule.core.strategies.line_parts import stop_nodes
-from railjoule.core.strategies.set_speed_run import build_limit_problem
+from railjoule.core.strategies.set_speed_run import build_limit_problem, run_words
 from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, motor_map, operating_points
 from railjoule.core.studies.storage import (
@@ -204,7 +203,7 @@ def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
     trip = problem.as_given(*given)
     if not np.isfinite(trip.running_time_s):
         return None
-    position, speed2 = problem.nodes_of(*given)
+    position, speed2 = problem.place_nodes(*given)
     return LimitTrip(position, np.sqrt(speed2), trip.energy_j / J_PER_KWH, trip.running_time_s + task.dwell_s)
 
 

@@ -14,9 +14,9 @@ import numpy as np
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.studies.rows import worker_count
 from railjoule.core.studies.sweep import Study, SweepTable, make_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.studies.sweep.table_files import write_rows
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
@@ -394,7 +394,7 @@ def compute_estimate(request: EstimateRequest) -> Estimate:
         study = request.study()
     except RailjouleError as refusal:
         return Estimate(request, None, str(refusal))
-    samples = study.sampler().take(min(TRIED, study.sample))
+    samples = study.draw(0, min(TRIED, study.sample))
     # the first run loads the kernels and makes what all others share
     solve_rows(study, samples[:1])
     started, count = time.perf_counter(), 0

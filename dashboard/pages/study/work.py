@@ -12,7 +12,7 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.studies.sweep import MemoryResults, Study, SweepFile, SweepTable
-from railjoule.core.studies.sweep.table_files import ReadStudy, read_study
+from railjoule.core.studies.sweep.table_files import read_study
 from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.pages.study.compute import (
     ENERGY,
@@ -133,21 +133,22 @@ def make_results(request: BeginRequest) -> Begun:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A study from a file, and its rows once more where further ones can be added."""
+    """A study from a file, whether rows can be added, and its rows once more where they can."""
 
-    read: ReadStudy
+    table: SweepTable
+    is_same_solver: bool
     results: MemoryResults
 
 
 def open_study(brought: Brought) -> Opened:
     """Return the study of a file; errors as `read_study`."""
-    read = read_study(brought.content, brought.name, MOST_RUNS)
-    if ENERGY not in read.table.columns:
+    table, is_same_solver = read_study(brought.content, brought.name, MOST_RUNS)
+    if ENERGY not in table.columns:
         raise RailjouleError(f"{brought.name}: the column {ENERGY} is missing, without which a study is not shown.")
-    results = MemoryResults(read.table.study)
-    for chunk in read.table.chunks():
+    results = MemoryResults(table.study)
+    for chunk in table.chunks():
         results.append(chunk, 0.0)
-    return Opened(read, results)
+    return Opened(table, is_same_solver, results)
 
 
 class Studies(PageWork[StudyModel]):
@@ -393,12 +394,12 @@ class Studies(PageWork[StudyModel]):
     def _take_opened(self, opened: Opened) -> None:
         self._stay()
         self._show_results(opened.results)
-        table = self.table = opened.read.table
+        table = self.table = opened.table
         done, runs = table.rows, table.study.sample
-        message = "" if opened.read.is_same_solver else OTHER_SOLVER
+        message = "" if opened.is_same_solver else OTHER_SOLVER
         self.model.param.update(
             progress=Progress("done" if done == runs else "stopped", done, runs, None, message),
-            may_go_on=opened.read.is_same_solver,
+            may_go_on=opened.is_same_solver,
         )
         self._look()
 

@@ -8,7 +8,7 @@ from builders import COPPER_LOSS, HILLS, plain_scenario
 from proven_trains import IDLING
 
 from railjoule.core import SolverError, load_scenario
-from railjoule.core.bounds import bound_of, bounded, certified, certify, minimise, tightened, work_floor_j
+from railjoule.core.bounds import bounded, certified, certify, find_bound, minimise, tightened, work_floor_j
 from railjoule.core.physics.between_nodes import follow_between_nodes
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.trajectory import make_trajectory
@@ -50,7 +50,7 @@ def test_the_price_of_time_is_what_a_second_saves(task):
 
 
 def test_a_known_bound_is_taken_where_it_covers(task):
-    known = bound_of(task)
+    known = find_bound(task)
     assert bounded(task, run_strategy(task, "fastest"), known).bound is known
     other = replace(known, position_m=task.mesh.position_m[1:])
     assert bounded(task, run_strategy(task, "fastest"), other).bound.energy_j == pytest.approx(known.energy_j)
@@ -58,7 +58,7 @@ def test_a_known_bound_is_taken_where_it_covers(task):
 
 def test_a_run_keeps_its_own_bound(task):
     run = run_strategy(task, "optimal")
-    assert bounded(task, run, bound_of(task)) is run
+    assert bounded(task, run, find_bound(task)) is run
 
 
 def test_a_late_run_gets_the_bound_of_its_own_time(task):
@@ -71,19 +71,19 @@ def test_a_late_run_gets_the_bound_of_its_own_time(task):
 
 
 def test_there_is_no_bound_without_slack_or_without_an_optimum(task, monkeypatch):
-    assert bound_of(replace(task, running_time_s=task.shortest_time_s)) is None
+    assert find_bound(replace(task, running_time_s=task.shortest_time_s)) is None
 
     def fails(*_):
         raise SolverError("the optimum was not found within 100 iterations.")
 
     monkeypatch.setattr(certified, "minimise", fails)
-    assert bound_of(task) is None
+    assert find_bound(task) is None
     assert bounded(task, run_strategy(task, "fastest")).bound is None
 
 
 def test_a_bound_covers_runs_over_any_nodes(task):
     """It is one of every driving: a run over halved cells takes that of the coarse mesh."""
-    coarse, known = task.mesh.position_m, bound_of(task)
+    coarse, known = task.mesh.position_m, find_bound(task)
     fine = prepare_task(task.scenario, position_m=np.union1d(coarse, 0.5 * (coarse[1:] + coarse[:-1])))
     run = make_trajectory(fine.scenario, fine.mesh, "any", fine.fastest_speed2)
     assert bounded(task, run, known).bound is known
@@ -136,7 +136,7 @@ def test_dwells_and_auxiliaries_count_in_both_bounds(drive):
     lie below the bound by its own account.
     """
     stop = {"line.stations": [{"position_m": 600.0, "dwell_s": 30.0}], "timetable.travel_time_s": 190.0}
-    first = bound_of(prepare_task(train(drive, 15.0, **stop)))
+    first = find_bound(prepare_task(train(drive, 15.0, **stop)))
     fine = prepare_task(train(drive, 15.0, **stop, **{"solver.mesh_m": 2.5}))
     for name in ("optimal", "bellman"):
         run = run_strategy(fine, name)

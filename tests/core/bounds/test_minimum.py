@@ -9,7 +9,7 @@ from railjoule.core.bounds.minimum import SPARED_SHARE
 from railjoule.core.interior_point.duty import coasting_exactly, duty, safest_modes
 from railjoule.core.interior_point.solver import CONVERGED
 from railjoule.core.motion import running_time
-from railjoule.core.physics.account import reference_energy, run_energy
+from railjoule.core.physics.energy_balance import reference_energy, run_energy
 from railjoule.core.physics.mesh_data import BRAKE, OFF
 from railjoule.core.strategies import prepare_task, run_strategy
 

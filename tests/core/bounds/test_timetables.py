@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railjoule.core.bounds import bound_of, strongest_bounds
+from railjoule.core.bounds import find_bound, strongest_bounds
+from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import prepare_task
-from railjoule.core.trajectory import Bound
 from tests.every_drive import train
 
 NODES = np.array([0.0, 10.0, 20.0])
@@ -46,7 +46,7 @@ def test_a_bound_of_every_driving_holds_over_each_mesh_but_not_the_reverse():
 def test_bounds_of_real_timetables_do_not_rise_with_the_time(drive):
     task = prepare_task(train(drive, 15.0, **{"solver.mesh_m": 20.0}))
     proven = [
-        bound_of(replace(task, running_time_s=share * task.shortest_time_s)) for share in (1.1, 1.3, 1.31, 1.6, 1.9)
+        find_bound(replace(task, running_time_s=share * task.shortest_time_s)) for share in (1.1, 1.3, 1.31, 1.6, 1.9)
     ]
     strongest = strongest_bounds(proven)
     assert np.all(np.diff([bound.energy_j for bound in strongest]) <= 0)

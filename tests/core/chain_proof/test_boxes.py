@@ -25,9 +25,9 @@ from railjoule.core.drive.kernels import has_idle_losses, has_standstill_brake, 
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.motion.passes import max_speeds
-from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.effort_limit import max_effort
-from railjoule.core.physics.mesh_data import cell_of, train_of
+from railjoule.core.physics.energy_balance import cell_balance
+from railjoule.core.physics.mesh_data import cell_at, train_data
 
 STEPS = 1500
 SLOWEST2 = 0.01
@@ -74,12 +74,12 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
         y = (force + steps.k0 * w - steps.constant_n - steps.linear * math.sqrt(w)) / steps.k1
         if rng.random() < 0.3:
             # coasting, but for rounding
-            y = exit_speed2(cell_of(data, i), train_of(data), data.traction, data.braking, w, COAST)
+            y = exit_speed2(cell_at(data, i), train_data(data), data.traction, data.braking, w, COAST)
         else:
             y = min(max(y, lowest[i + 1], w - steps.fall), greatest[i + 1], w + steps.rise)
         if y <= 0.0 and w <= 0.0:
             continue
-        account = account_of_cell(cell_of(data, i), train_of(data), data.traction, data.braking, drive[1], w, y)
+        account = cell_balance(cell_at(data, i), train_data(data), data.traction, data.braking, drive[1], w, y)
         if (
             account.excess_n > 0.0
             or not lowest[i + 1] <= y <= greatest[i + 1]

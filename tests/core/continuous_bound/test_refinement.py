@@ -5,11 +5,11 @@ import pytest
 
 from railjoule.core import check_run, load_scenario
 from railjoule.core.continuous_bound.refinement import STEEPEST, refined_optimum
+from railjoule.core.lower_bound import LATE_SHARE
 from railjoule.core.motion import running_time
 from railjoule.core.physics.between_nodes import follow_between_nodes
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.trajectory import LATE_SHARE
 from tests.any_scenarios import any_time, any_wide_document
 from tests.check_many import timed_task
 
@@ -68,7 +68,7 @@ def test_cells_of_a_drive_with_idle_losses_are_halved_whose_run_is_below_the_bou
     assert run.all_notes == run.notes
 
 
-def test_a_run_of_a_mesh_that_stays_too_coarse_says_so():
+def test_a_run_of_a_mesh_that_stays_too_coarse_has_a_note():
     # over finer meshes, the timetable of this one cannot be kept
     run = optimal(random_task(604))
     assert run.is_below_bound

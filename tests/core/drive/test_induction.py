@@ -13,7 +13,7 @@ from railjoule.core.drive import kernels, kinds, make_drive
 from railjoule.core.drive.geared import STANDSTILL_BRAKE
 from railjoule.core.drive.induction.machine import (
     leakage_share,
-    machine_of,
+    make_machine,
     phase_voltage_v,
     slip_rate,
     steady_state,
@@ -23,7 +23,7 @@ from railjoule.core.drive.induction.min_loss import BEYOND, FREE, FULL_VOLTAGE, 
 from railjoule.core.errors import ScenarioError
 
 DRIVE = make_drive(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
-MACHINE = machine_of(DRIVE.parameters)
+MACHINE = make_machine(DRIVE.parameters)
 BARE = DRIVE.parameters.copy()
 BARE[STANDSTILL_BRAKE] = 0.0
 driving_power = partial(kernels.driving_power, kinds.INDUCTION)

@@ -1,7 +1,6 @@
 """The machine of the closed loop: its circuits, its steady state beside motulator's, flux, limits and efficiency."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +9,8 @@ from motulator.drive.model import InductionMachine as Peer
 from motulator.drive.utils import InductionMachineInvGammaPars, InductionMachinePars
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.machine import phase_voltage_v, steady_state, torque_constant
-from railjoule.core.drive.induction.traction import traction_machines
+from railjoule.core.drive.induction.traction import flux_current, inverse_gamma, traction_machines
 
 FTOREK = traction_machines(load_scenario("ftorek-300s").vehicle.drive)
 TRAM = traction_machines(plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive)
@@ -72,7 +70,7 @@ def test_both_circuits_have_one_impedance_at_the_terminals():
         stator_inductance_h=16.7e-3,
         rotor_inductance_h=16.7e-3,
     )
-    circuit = replace(FTOREK, machine=machine).circuit
+    circuit = inverse_gamma(machine)
     for stator_rads in (1.0, 50.0, 300.0):
         for slip in (-0.5, -0.01, 0.02, 1.0):
             t_rotor = machine.rotor_resistance_ohm / slip + 1j * stator_rads * 1.2e-3
@@ -92,7 +90,8 @@ def test_the_shipped_machine_has_the_torque_and_flux_of_the_paper():
     assert machine.magnetising_current_a == pytest.approx(176, abs=0.2)
     assert torque_constant(machine) * machine.magnetising_current_a == pytest.approx(7.6, rel=1e-3)
     assert machine.rotor_inductance_h == pytest.approx(16.7e-3)
-    assert FTOREK.rated_flux_vs == pytest.approx(2.73)
+    # in steady state the flux of the rotor is M Ix: its current has no part along x
+    assert machine.mutual_inductance_h * machine.magnetising_current_a == pytest.approx(2.73)
 
 
 def test_the_tram_has_the_machine_of_its_own_keys():
@@ -105,7 +104,7 @@ def test_the_tram_has_the_machine_of_its_own_keys():
 def test_flux_is_the_largest_within_the_voltage(torque):
     machine = FTOREK.machine._replace(max_phase_voltage_v=637.0)
     rotor_rads = 346.0  # findings: 76 km/h, where the rated flux needs about 1040 V
-    i_x = flux_current_within_voltage(machine, torque, rotor_rads)
+    i_x = flux_current(machine, False, torque, rotor_rads)
     voltages = [
         phase_voltage_v(steady_state(machine, flux, torque / (torque_constant(machine) * flux), rotor_rads))
         for flux in (i_x, 1.001 * i_x)
@@ -123,7 +122,7 @@ def test_flux_of_least_loss_is_that_of_a_search(torque):
         steady_state(machine, i_x, torque / (torque_constant(machine) * i_x), rotor_rads).input_power_w
         for i_x in fluxes
     ]
-    assert flux_current_of_least_loss(machine, torque, rotor_rads) == pytest.approx(fluxes[np.argmin(powers)], abs=0.05)
+    assert flux_current(machine, True, torque, rotor_rads) == pytest.approx(fluxes[np.argmin(powers)], abs=0.05)
 
 
 def test_efficiency_ends_where_current_or_voltage_do():

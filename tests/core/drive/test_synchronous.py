@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from railjoule.core import ScenarioError
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.synchronous.drive import ACCOUNT_KINDS, efficiency_maps, torque_envelope
-from railjoule.core.drive.synchronous.harmonics import (
+from railjoule.core.drive.synchronous.losses import (
     DEPTHS,
     SIDE_BANDS,
     Winding,

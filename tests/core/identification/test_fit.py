@@ -5,9 +5,9 @@ from recordings import COLUMNS, as_csv, samples, true_runs
 from railjoule.core import load_scenario
 from railjoule.core.errors import RecordingError
 from railjoule.core.identification import fit_runs, hold_out, monte_carlo_scenario
+from railjoule.core.identification.fit import resistance_deviation
 from railjoule.core.identification.parameters import EFFICIENCY, MASS_FACTOR, RESISTANCE, Model
-from railjoule.core.identification.posterior import resistance_deviation
-from railjoule.core.identification.speed import simulated_speed
+from railjoule.core.identification.problem import simulated_speed
 from railjoule.core.measured import measured_run, read_recording
 from railjoule.core.studies.montecarlo import draw
 

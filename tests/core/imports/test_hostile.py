@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railjoule.core import RailjouleError
-from railjoule.core.imports import INTERVAL_KINDS, SourceFile, line_of, read_intervals
+from railjoule.core.imports import INTERVAL_KINDS, SourceFile, build_line, read_intervals
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.railtoolkit import read_railtoolkit
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.ttobench.journey import read_service
-from railjoule.core.measured import RecorderFormat, recorder_cells, recording_of, run_table
+from railjoule.core.measured import RecorderFormat, recorder_cells, run_table, to_recording
 
 GENERIC = RecorderFormat()
 FILES = Path(__file__).parent / "files"
@@ -24,14 +24,14 @@ PIECES += [b"9" * 400, b"[" * 100]
 
 
 def read_line(kind, source):
-    line_of(**{kind: read_intervals(source, kind)}).to_toml()
+    build_line(**{kind: read_intervals(source, kind)}).to_toml()
 
 
 def read_run(source, form=GENERIC):
     """Read a recorder's file both as a table and as a recording."""
     cells = recorder_cells(source, form)
     run_table(cells, form)
-    recording_of(cells, form)
+    to_recording(cells, form)
 
 
 READERS: dict[str, list[Callable[[SourceFile], object]]] = {

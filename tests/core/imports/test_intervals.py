@@ -150,7 +150,7 @@ def test_columns_and_rows_without_use_are_told():
 def test_gaps_are_told_with_rows():
     table = table_of("from,to,gradient\n0,100,5\n150,200,5\n")
     (gap,) = [finding for finding in table.findings if finding.kind == "gap"]
-    assert (gap.rows, gap.from_m, gap.to_m) == ((2, 3), 100, 150)
+    assert gap.stretch_m == (100, 150)
     assert gap.sentence == (
         "a.csv: nothing from 100 to 150 m, between rows 2 and 3: a gap of the table, taken as level, or a jump of the "
         "chainage."

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports import PRESETS, ColumnMap, SourceFile, line_of, read_intervals
+from railjoule.core.imports import PRESETS, ColumnMap, SourceFile, build_line, read_intervals
 from railjoule.core.scenario import scenario_from_document
 
 FILES = Path(__file__).parent / "files"
@@ -25,7 +25,7 @@ def sentences(line, kind):
 
 
 def test_sections_lie_between_all_changes():
-    line = line_of(**tables("gradients", "limits", "curves"), name="Example")
+    line = build_line(**tables("gradients", "limits", "curves"), name="Example")
     assert line.document["line"] == {
         "name": "Example",
         "sections": [
@@ -41,14 +41,14 @@ def test_sections_lie_between_all_changes():
 
 
 def test_the_toml_is_the_line_of_a_scenario():
-    text = line_of(**tables("gradients", "limits")).to_toml()
+    text = build_line(**tables("gradients", "limits")).to_toml()
     assert text.startswith("# Imported from gradients.csv, limits.csv.\n# limits.csv: no unit is named for 'from'")
     scenario = scenario_from_document({**tomllib.loads(text), **VEHICLE})
     assert scenario.line.length_m == 1500
 
 
 def test_the_csv_is_the_file_of_a_line(tmp_path):
-    line = line_of(**tables("gradients", "limits", "curves"))
+    line = build_line(**tables("gradients", "limits", "curves"))
     (tmp_path / "line.csv").write_text(line.to_csv())
     scenario = scenario_from_document({**VEHICLE, "line": {"file": "line.csv"}}, folder=tmp_path)
     assert scenario.line.sections == line.line.sections
@@ -56,19 +56,19 @@ def test_the_csv_is_the_file_of_a_line(tmp_path):
 
 def test_a_names_line_break_cannot_leave_the_comment():
     table = read_intervals(SourceFile("a\n[x]\n.csv", b"from_m,to_m,limit\n0,100,60\n"), "limits")
-    assert set(tomllib.loads(line_of(limits=table).to_toml())) == {"line"}
+    assert set(tomllib.loads(build_line(limits=table).to_toml())) == {"line"}
 
 
 def test_running_in_falling_chainage_mirrors_positions_and_gradients():
-    forward = line_of(**tables("gradients", "limits", "curves"))
-    backward = line_of(**tables("gradients", "limits", "curves"), reverse=True)
+    forward = build_line(**tables("gradients", "limits", "curves"))
+    backward = build_line(**tables("gradients", "limits", "curves"), reverse=True)
     turned = forward.line.model_copy(update={"reverse": True}).in_running_order()
     assert backward.line.sections == turned.sections
     assert backward.is_reversed
 
 
 def test_a_part_of_the_line_is_cut_out():
-    line = line_of(**tables("gradients", "limits"), begin_m=400, end_m=1000)
+    line = build_line(**tables("gradients", "limits"), begin_m=400, end_m=1000)
     assert [section.length_m for section in line.line.sections] == [100, 300, 200]
     assert line.begin_m == 400
     assert "gradients.csv: 1 row outside 400 to 1,000 m: 2." in line.unused
@@ -78,19 +78,19 @@ def test_what_counts_where_rows_overlap():
     limits = table_of("from_m,to_m,limit\n0,100,60\n50,200,80\n", "limits")
     gradients = table_of("from,to,gradient\n0,200,5\n50,100,-5\n", "gradients")
     curves = table_of("from,to,radius\n0,200,300\n50,100,500\n", "curves")
-    line = line_of(gradients=gradients, limits=limits, curves=curves)
+    line = build_line(gradients=gradients, limits=limits, curves=curves)
     rows = [(s.length_m, s.gradient_permille, s.speed_limit_kmh, s.curve_radius_m) for s in line.line.sections]
     assert rows == [(50, 5, 60, 300), (50, -5, 60, 300), (100, 5, 80, 300)]
 
 
 def test_overlaps_count_alike_in_both_directions():
     gradients = table_of("from,to,gradient\n0,200,5\n50,100,-5\n", "gradients")
-    line = line_of(gradients=gradients, reverse=True)
+    line = build_line(gradients=gradients, reverse=True)
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, -5), (50, 5), (50, -5)]
 
 
 def test_a_table_that_ends_early_is_told():
-    line = line_of(
+    line = build_line(
         gradients=table_of("from,to,gradient\n0,800,5\n", "gradients"),
         limits=table_of("from,to,limit\n100,900,60\n", "limits"),
     )
@@ -107,7 +107,7 @@ def test_a_gap_of_all_tables_is_asked_about_as_a_jump():
         kind, columns = PRESETS[name]
         rows = ColumnMap(rows={"NOM_VOIE": "V1"} if kind == "gradients" else {})
         chosen[kind] = read_intervals(SourceFile.read(FILES / f"{name}.csv"), kind, rows.over(columns))
-    line = line_of(**chosen)
+    line = build_line(**chosen)
     assert line.line.length_m == 3000
     assert sentences(line, "question") == [
         "no table says anything from 14,000 to 14,200 m: does the chainage jump there? The line is taken to have these "
@@ -118,13 +118,13 @@ def test_a_gap_of_all_tables_is_asked_about_as_a_jump():
 def test_a_place_without_an_end_reaches_to_the_end_of_the_line():
     gradients = table_of("position,gradient\n0,3\n100,1\n", "gradients")
     limits = table_of("from,to,limit\n0,400,60\n", "limits")
-    line = line_of(gradients=gradients, limits=limits)
+    line = build_line(gradients=gradients, limits=limits)
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, 3), (300, 1)]
     assert sentences(line, "gap") == []
 
 
 def test_a_place_at_the_end_of_the_line_is_told():
-    line = line_of(gradients=table_of("position,gradient\n0,3\n100,1\n", "gradients"))
+    line = build_line(gradients=table_of("position,gradient\n0,3\n100,1\n", "gradients"))
     assert [(s.length_m, s.gradient_permille) for s in line.line.sections] == [(100, 3)]
     assert sentences(line, "gap") == ["gradients.csv: no row says where row 3 ends, and the line ends where it begins."]
 
@@ -132,13 +132,13 @@ def test_a_place_at_the_end_of_the_line_is_told():
 def test_a_line_needs_an_end():
     gradients = table_of("position,gradient\n100,3\n", "gradients")
     with pytest.raises(ScenarioError, match=r"^gradients.csv: no row says where the line ends; name its end\.$"):
-        line_of(gradients=gradients)
-    assert line_of(gradients=gradients, end_m=500).line.length_m == 400
+        build_line(gradients=gradients)
+    assert build_line(gradients=gradients, end_m=500).line.length_m == 400
 
 
 def test_a_factor_of_a_tunnel_is_used():
     limits = table_of("from,to,limit\n0,400,60\n", "limits")
-    line = line_of(limits=limits, tunnels=table_of("from,to,tunnel_factor\n100,300,1.5\n", "tunnels"))
+    line = build_line(limits=limits, tunnels=table_of("from,to,tunnel_factor\n100,300,1.5\n", "tunnels"))
     assert [section.tunnel_factor for section in line.line.sections] == [1, 1.5, 1]
 
 
@@ -146,9 +146,9 @@ def test_neutral_sections_lie_on_the_line_as_it_runs():
     limits = table_of("from,to,limit\n1000,1400,60\n", "limits")
     # the second begins before the line
     neutral = table_of("from,to\n1350,1390\n900,1020\n", "neutral")
-    line = line_of(limits=limits, neutral=neutral)
+    line = build_line(limits=limits, neutral=neutral)
     assert [(one.from_m, one.to_m) for one in line.line.neutral_sections] == [(0, 20), (350, 390)]
-    line = line_of(limits=limits, neutral=neutral, reverse=True)
+    line = build_line(limits=limits, neutral=neutral, reverse=True)
     assert line.document["line"]["neutral_sections"] == [{"from_m": 10, "to_m": 50}, {"from_m": 380, "to_m": 400}]
     assert line.unused == ()
     assert "neutral_sections" in line.to_toml()
@@ -157,7 +157,7 @@ def test_neutral_sections_lie_on_the_line_as_it_runs():
 def test_what_a_line_has_no_key_for_is_kept_and_told():
     limits = table_of("from,to,limit\n1000,1400,60\n", "limits")
     tunnels = table_of("from,to,area (m2)\n1100,1300,40\n", "tunnels")
-    line = line_of(limits=limits, tunnels=tunnels, reverse=True)
+    line = build_line(limits=limits, tunnels=tunnels, reverse=True)
     assert [(one.from_m, one.to_m, one.value) for one in line.tunnels] == [(100, 300, 40)]
     assert line.unused == ("tunnels.csv: tunnels without a factor on quadratic resistance: 100 to 300 m of the line.",)
 
@@ -175,4 +175,4 @@ def test_what_a_line_has_no_key_for_is_kept_and_told():
 )
 def test_lines_that_cannot_be_are_refused_in_one_sentence(given, sentence):
     with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
-        line_of(**(tables("limits") if given else {}), **given)
+        build_line(**(tables("limits") if given else {}), **given)

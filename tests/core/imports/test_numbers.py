@@ -4,7 +4,7 @@ import re
 import pytest
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.numbers import decimal_of, number_of, position_of, value_of
+from railjoule.core.imports.numbers import decimal_mark, parse_cell, parse_position, parse_value
 
 
 @pytest.mark.parametrize(
@@ -23,7 +23,7 @@ from railjoule.core.imports.numbers import decimal_of, number_of, position_of, v
     ],
 )
 def test_numbers_as_people_write_them(cell, decimal, value):
-    assert number_of(cell, decimal) == value
+    assert parse_cell(cell, decimal) == value
 
 
 @pytest.mark.parametrize(
@@ -32,12 +32,12 @@ def test_numbers_as_people_write_them(cell, decimal, value):
 )
 def test_what_is_no_number_is_refused(cell):
     with pytest.raises(ValueError, match=r"must be a (finite )?number"):
-        number_of(cell, ".")
+        parse_cell(cell, ".")
 
 
 def test_a_formula_is_called_one():
     with pytest.raises(ValueError, match=r"is a formula"):
-        number_of("=A1+5", ".")
+        parse_cell("=A1+5", ".")
 
 
 @pytest.mark.parametrize(
@@ -60,14 +60,14 @@ def test_a_formula_is_called_one():
     ],
 )
 def test_the_decimal_sign_is_told_from_all_rows(cells, separator, decimal, in_doubt):
-    assert decimal_of(enumerate(cells, 2), separator, "a.csv") == (decimal, in_doubt)
+    assert decimal_mark(enumerate(cells, 2), separator, "a.csv") == (decimal, in_doubt)
 
 
 @pytest.mark.parametrize("cells", [["1.5", "1,5"], ["1.234", "1,234"]])
 def test_two_decimal_signs_in_one_table_are_refused(cells):
     told = f"a.csv: row 2 has '{cells[0]}' and row 3 '{cells[1]}'; name the decimal sign"
     with pytest.raises(ScenarioError, match=f"^{re.escape(told)}"):
-        decimal_of(enumerate(cells, 2), ";", "a.csv")
+        decimal_mark(enumerate(cells, 2), ";", "a.csv")
 
 
 # 1 mile = 1609.344 m, 80 chains, 1760 yards
@@ -96,7 +96,7 @@ def test_two_decimal_signs_in_one_table_are_refused(cells):
     ],
 )
 def test_positions_in_all_notations(cell, unit, position_m):
-    assert position_of(cell, unit, ".") == pytest.approx(position_m, abs=1e-9)
+    assert parse_position(cell, unit, ".") == pytest.approx(position_m, abs=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -117,12 +117,12 @@ def test_positions_in_all_notations(cell, unit, position_m):
 )
 def test_positions_that_are_none(cell, unit, words):
     with pytest.raises(ValueError, match=words):
-        position_of(cell, unit, ".")
+        parse_position(cell, unit, ".")
 
 
 def test_one_in_nothing_is_refused():
     with pytest.raises(ValueError, match="one in 0"):
-        value_of("1:0", "gradients", "ratio", ".")
+        parse_value("1:0", "gradients", "ratio", ".")
 
 
 @pytest.mark.parametrize(
@@ -140,4 +140,4 @@ def test_one_in_nothing_is_refused():
     ],
 )
 def test_special_spellings_of_values_are_read(cell, kind, unit, value):
-    assert value_of(cell, kind, unit, ".") == pytest.approx(value, rel=1e-5)
+    assert parse_value(cell, kind, unit, ".") == pytest.approx(value, rel=1e-5)

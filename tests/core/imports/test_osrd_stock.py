@@ -47,12 +47,12 @@ def test_a_rolling_stock_becomes_a_vehicle():
     }
     assert vehicle.unused == (
         "osrd-stock.json: startup_time, startup_acceleration, energy_sources.",
-        "osrd-stock.json: the efforts of the supplies 1500V.",
+        "osrd-stock.json: modes not read: 1500V.",
         "osrd-stock.json: 1 curve of 25000V under conditions.",
     )
     assert told(vehicle, "assumption") == [
         "osrd-stock.json: it tells of no electric brake: friction brakes for 0.6 m/s2, and nothing goes back.",
-        "osrd-stock.json: it tells no losses: a drive without losses.",
+        "osrd-stock.json: no losses are given: a drive without losses.",
     ]
     assert told(vehicle, "question") == []
 
@@ -132,8 +132,8 @@ def test_one_of_a_list_is_chosen_by_its_name(wrap):
     assert str(caught.value) == "stock.json: holds 2 trains, example, heavy; choose one train by its name."
     heavy = read_osrd_stock(source, wanted="heavy")
     assert heavy.vehicle.tare_kg == 300_000
-    assert "stock.json: trains: example." in heavy.unused
-    with pytest.raises(ScenarioError, match=r"there is no train with the name 'light', only example, heavy\.$"):
+    assert "stock.json: trains not read: example." in heavy.unused
+    with pytest.raises(ScenarioError, match=r"train = 'light' must be one of example, heavy\.$"):
         read_osrd_stock(source, wanted="light")
     alone = SourceFile("stock.json", json.dumps(wrap([STOCK])).encode())
     assert read_osrd_stock(alone).vehicle == read_osrd_stock(FILE_SOURCE).vehicle

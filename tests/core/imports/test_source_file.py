@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports import SourceFile
-from railjoule.core.imports.source_file import MAX_BYTES, json_of, text_of
+from railjoule.core.imports.source_file import MAX_BYTES, read_json, read_text
 
 
 def test_a_file_is_read_by_its_path(tmp_path):
@@ -24,7 +24,7 @@ def test_a_device_without_end_is_not_read_to_its_end():
 
 def test_large_content_is_refused_however_it_came():
     with pytest.raises(ScenarioError, match=r"^a.csv: larger than the 50 MB allowed\.$"):
-        text_of(SourceFile("a.csv", b" " * (MAX_BYTES + 1)))
+        read_text(SourceFile("a.csv", b" " * (MAX_BYTES + 1)))
 
 
 @pytest.mark.parametrize(
@@ -40,4 +40,4 @@ def test_large_content_is_refused_however_it_came():
 )
 def test_what_is_no_json_is_refused_in_one_sentence(content, sentence):
     with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
-        json_of(SourceFile("a.json", content.encode()))
+        read_json(SourceFile("a.json", content.encode()))

@@ -9,8 +9,8 @@ from random_scenarios import random_run
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.interior_point.solver import CONVERGED, ITERATIONS_EXCEEDED, minimise_energy
-from railjoule.core.physics.account import reference_energy
 from railjoule.core.physics.between_nodes import follow_between_nodes
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.strategies import prepare_task
 
 G1 = Path(__file__).parents[2] / "benchmarks" / "g1.toml"

@@ -5,8 +5,8 @@ import pytest
 from builders import plain_scenario
 from set_speeds import drive_under_limits
 
-from railjoule.core.limit_search.problem import limit_problem
-from railjoule.core.limit_search.whole_cells import trip_over_cells
+from railjoule.core.limit_search.regulation import make_regulation
+from railjoule.core.limit_search.trip import trip_over_cells
 from railjoule.core.task import prepare_task
 
 
@@ -24,9 +24,8 @@ def test_a_train_too_fast_to_brake_fails_where_it_passes_the_limit():
     scenario = plain_scenario({"line.sections": [{"length_m": 300.0}], "vehicle.braking.max_deceleration_ms2": 0.5})
     mesh = prepare_task(scenario).mesh
     data = mesh.data._replace(fixed_speed2=np.where(np.arange(mesh.cell_count + 1) == 0, 400.0, mesh.data.fixed_speed2))
-    problem = limit_problem(mesh, 0.8, False, 1.0, 30.0, 100.0)
-    position, speed2 = np.empty((2, mesh.cell_count + 1))
-    nodes, seconds, _ = trip_over_cells(data, problem.regulation, np.empty(0), np.array([25.0]), position, speed2)
+    regulation = make_regulation(mesh, 0.8, False)
+    position, speed2, seconds, _ = trip_over_cells(data, regulation, np.empty(0), np.array([25.0]))
     assert seconds == np.inf
-    assert position[nodes - 1] == 300
-    assert speed2[nodes - 1] == pytest.approx(400 - 2 * 0.5 * 300)
+    assert position[-1] == 300
+    assert speed2[-1] == pytest.approx(400 - 2 * 0.5 * 300)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from railjoule.core import ScenarioError
 from railjoule.core.budget import LIBRARY
 from railjoule.core.motion.mesh import (
-    GRADING,
+    HALVINGS,
     SHORTEST_CELL_M,
     enough_words,
     line_borders,
@@ -59,7 +59,7 @@ def test_nodes_fall_on_changes_and_cells_are_short_enough(mesh_m):
 
 def test_cells_are_halved_towards_every_stop():
     nodes = line_mesh(Line.model_validate({"sections": [{"length_m": 100}], "stations": [{"position_m": 50}]}), 10)
-    shares = np.array(GRADING) * 10
+    shares = 10 * 0.5 ** np.arange(HALVINGS + 1)
     first = np.append(0, shares[::-1])
     around = np.concatenate([50 - shares, [50], 50 + shares[::-1]])
     expected = np.unique(np.concatenate([first, [20, 30, 40], around, [60, 70, 80], 100 - first]))

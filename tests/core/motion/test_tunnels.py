@@ -7,7 +7,7 @@ from builders import COPPER_LOSS, plain_scenario
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.bounds import minimise
 from railjoule.core.motion import build_meshed_line
-from railjoule.core.motion.line_geometry import car_crossings, car_offsets_m
+from railjoule.core.motion.line_geometry import TrainExtent, car_crossings
 from railjoule.core.scenario import Line
 from railjoule.core.strategies import prepare_task
 
@@ -60,7 +60,7 @@ def test_who_cannot_tunnels_says_so(strategy):
 
 def test_nodes_where_a_cars_centre_changes_its_section():
     line = Line.model_validate({"sections": [{"length_m": 500.0}, {"length_m": 500.0, "gradient_permille": 10.0}]})
-    assert car_crossings(line, car_offsets_m(100.0, 4)) == pytest.approx([512.5, 537.5, 562.5, 587.5])
+    assert car_crossings(line, TrainExtent(100.0, 4).felt_behind_m) == pytest.approx([512.5, 537.5, 562.5, 587.5])
     mesh = build_meshed_line(
         plain_scenario(
             {"line.sections": line.model_dump()["sections"], "vehicle.length_m": 100.0, "vehicle.car_count": 4}
@@ -89,5 +89,5 @@ def test_a_place_that_several_cars_share_is_one_node():
     """
     sections = [{"length_m": 100.1 if k == 0 else 14.65, "gradient_permille": float(k)} for k in range(12)]
     line = Line.model_validate({"sections": sections})
-    places = car_crossings(line, car_offsets_m(58.6, 4))
+    places = car_crossings(line, TrainExtent(58.6, 4).felt_behind_m)
     assert np.diff(places).min() > 1.0

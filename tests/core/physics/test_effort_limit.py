@@ -12,11 +12,11 @@ from railjoule.core.drive import make_drive
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.physics.effort_limit import (
     FIT_SHARE,
+    EffortLimit,
     effort_range,
     fitted_limit,
     limit_over_speed,
     max_effort,
-    untabulated_limit,
 )
 from railjoule.core.physics.vehicle_limit import curve_effort_n
 
@@ -131,7 +131,7 @@ def test_a_missing_limit(table):
 def test_derivatives(speed):
     step = 1e-6 * speed
     table = fitted_limit(100e3, lambda v: 100e3 / (1 + 0.01 * v**2), 27.0, np.zeros(0))
-    for limit in (table, untabulated_limit(100e3, 1e6)):
+    for limit in (table, EffortLimit(100e3, 1e6)):
         _, slope, curvature = limit_over_speed(limit, speed)
         (high, high_slope, _), (low, low_slope, _) = (limit_over_speed(limit, speed + d) for d in (step, -step))
         assert slope == pytest.approx((high - low) / (2 * step), rel=1e-4, abs=1e-2)

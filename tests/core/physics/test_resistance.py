@@ -10,7 +10,6 @@ from railjoule.core.compiled import njit
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
-    quadratic_in_tunnels,
     resistance_coefficients,
     resistance_slope,
     running_resistance,
@@ -52,10 +51,6 @@ def test_forces_of_the_line_by_hand():
     assert total_weight_kn(vehicle) == pytest.approx(981)
     assert gradient_force_n(vehicle, np.array([20.0, -20.0])) == pytest.approx([19620, -19620])
     assert curve_force_n(vehicle, np.array([1 / 300, 0.0])) == pytest.approx([2289, 0])
-
-
-def test_tunnels_hold_up_the_air_alone():
-    assert quadratic_in_tunnels(4.0, np.array([1.0, 2.5])).tolist() == [4.0, 10.0]
 
 
 def test_coefficients_by_hand():

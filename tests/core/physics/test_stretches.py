@@ -6,7 +6,7 @@ from every_drive import train
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.energy_balance import run_balance
 from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import (
     NEUTRAL_SECTION,
@@ -31,7 +31,7 @@ def lasting(actions, durations=None, from_rest=(), cut=()):
 def fastest_of(drive):
     task = prepare_task(train(drive, 15.0, 0.37, **{"timetable.travel_time_s": 150.0}))
     data = task.mesh.data
-    return actions_of_run(data, task.fastest_speed2), account_of_run(data, task.fastest_speed2)
+    return actions_of_run(data, task.fastest_speed2), run_balance(data, task.fastest_speed2)
 
 
 def test_what_a_drive_does_is_told_by_its_account():

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.line_current import supply_current_a
+from railjoule.core.energy import supply_current_a
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.document import change_document
 from railjoule.core.simulation.actual_run import actual_run

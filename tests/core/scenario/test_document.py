@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario import Scenario, document_of, format_scenario, load_scenario, parse_scenario
+from railjoule.core.scenario import Scenario, format_scenario, load_scenario, parse_scenario, to_document
 from railjoule.core.scenario._base import is_misleading
 from railjoule.core.scenario.document import change_document, merged, scenario_from_document
 from railjoule.core.scenario.presets import preset_names
@@ -85,7 +85,7 @@ def test_round_trip_of_changed_presets_is_exact(name, change):
 @pytest.mark.parametrize("name", preset_names("scenarios"))
 def test_a_preset_is_written_as_its_name(name):
     scenario = load_scenario(name)
-    document = document_of(scenario)
+    document = to_document(scenario)
     assert document["vehicle"].keys() <= {"preset", "load_factor"}
     assert document["vehicle"]["preset"] == scenario.vehicle.preset
     assert ("preset" in document["line"]) == (scenario.line.preset is not None)
@@ -95,7 +95,7 @@ def test_a_preset_without_one_of_its_keys_is_written_in_full():
     scenario = load_scenario("liashenko-ii")
     bare = scenario.vehicle.traction.model_copy(update={"max_power_kw": None})
     changed = scenario.model_copy(update={"vehicle": scenario.vehicle.model_copy(update={"traction": bare})})
-    assert "preset" not in document_of(changed)["vehicle"]
+    assert "preset" not in to_document(changed)["vehicle"]
     again = parse_scenario(format_scenario(changed))
     assert again.vehicle == changed.vehicle.model_copy(update={"preset": None})
 

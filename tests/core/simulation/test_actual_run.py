@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError, load_scenario, solve
-from railjoule.core.simulation.actual_run import CAUSES, FREE_REST, actual_run, plan_of
+from railjoule.core.simulation.actual_run import CAUSES, FREE_REST, actual_run, solve_plan
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.core.simulation.following import simulate_following
 
@@ -76,7 +76,7 @@ def test_causes_come_in_order_and_each_is_the_step_to_the_run_that_has_it():
 def test_the_causes_sum_to_the_whole(load, error_m, place_m, reaction):
     stop = {"position_m": place_m, "duration_s": 5.0, "noticed_at_m": place_m - 250}
     run = actual_run(disturbed(actual_load_factor=load, coordinate_error_m=error_m, stops=[stop]), reaction)
-    assert sum(cause.energy_j for cause in run.causes) == pytest.approx(run.extra_j, abs=1e-3)
+    assert sum(cause.energy_j for cause in run.causes) == pytest.approx(3.6e6 * run.extra_kwh, abs=1e-3)
     assert run.max_cause in run.causes
 
 
@@ -114,7 +114,7 @@ def test_a_target_curve_that_ends_with_the_first_event_is_told():
 
 def test_the_plan_can_be_given():
     scenario = disturbed(coordinate_error_m=5.0)
-    plan = plan_of(scenario)
+    plan = solve_plan(scenario)
     assert actual_run(scenario, planned=plan).planned is plan
 
 

@@ -182,7 +182,7 @@ def test_many_events_are_taken_as_they_come():
         ),
         (
             {"stops": [{"position_m": 500.0, "duration_s": 5.0}, {"position_m": 500.5, "duration_s": 5.0}]},
-            "disturbance.stops must be at least 1 m apart",
+            "disturbance.stops must be at least 1 m from one another",
         ),
         (
             {"stops": [{"position_m": 500.0, "duration_s": 5.0, "noticed_at_m": 600.0}]},

@@ -12,7 +12,7 @@ from railjoule.core import ScenarioError, TimetableError, load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.scenario.document import change_document, scenario_from_document
 from railjoule.core.simulation.following import simulate_following
-from railjoule.core.simulation.train_state import State, rest_scenario
+from railjoule.core.simulation.replanning import State, rest_scenario
 from railjoule.core.strategies import compare, prepare_task, run_strategy
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import unwindowed_optimum

@@ -101,8 +101,8 @@ def test_the_best_of_all_its_runs_is_what_it_returns(seed, monkeypatch):
     monkeypatch.setattr(search_module, "meet_time", meet_time)
     found = search_module.search(task.mesh.data, task.fastest_speed2, task.running_time_s)
     assert len(seen) > 2
-    energies = [search_module._total_energy(task.mesh.data, speed2) for speed2 in seen]
-    assert search_module._total_energy(task.mesh.data, found.speed2) == min(energies)
+    energies = [search_module.supply_energy_j(task.mesh.data, speed2) for speed2 in seen]
+    assert search_module.supply_energy_j(task.mesh.data, found.speed2) == min(energies)
 
 
 def test_a_search_that_cannot_be_refined_says_so(monkeypatch):

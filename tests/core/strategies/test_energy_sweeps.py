@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.core.physics.account import reference_energy
+from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.optimal import unwindowed_optimum
 from tests.every_drive import train

@@ -57,7 +57,7 @@ def test_no_other_cruise_is_better(distance, share, recuperation, initial):
     best = own.plan(distance, time, initial)
     model = own.model
     for v1 in np.linspace(0.3, 19, 60):
-        for table in [model.full_start] if v1 >= initial else [model.coasting, model.braking]:
+        for table in [model.table("start")] if v1 >= initial else [model.coasting, model.braking]:
             if v1 > table[0, -1]:
                 continue
             t0, s0, e0 = between(table, min(initial, v1), max(initial, v1))
@@ -101,13 +101,13 @@ def test_from_a_moving_state():
     """Split anywhere in its start, a plan's rest is the best run from there."""
     own = planner(0.6)
     whole = own.plan(950.0, 95.0)
-    time, distance, energy = between(own.model.full_start, 0.0, 9.0)
+    time, distance, energy = between(own.model.table("start"), 0.0, 9.0)
     rest = own.plan(950.0 - distance, 95.0 - time, 9.0)
     assert rest.first == "start"
     assert energy + rest.energy_j == pytest.approx(whole.energy_j, rel=1e-7)
     assert rest.cruise_speed_ms == pytest.approx(whole.cruise_speed_ms, rel=1e-3)
     # and while it coasts, coasting goes on
-    coasting = next(phase for phase in own.phases_of(whole) if phase.phase == "coast")
+    coasting = next(phase for phase in own.planned_phases(whole) if phase.phase == "coast")
     brake = between(own.model.braking, 0.0, whole.brake_speed_ms)
     late = own.plan(coasting.distance_m + brake[1], coasting.duration_s + brake[0], coasting.start_ms)
     assert late.energy_j == pytest.approx(brake[2], abs=1e-5 * KWH)

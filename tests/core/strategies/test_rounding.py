@@ -11,10 +11,10 @@ from railjoule.core import load_scenario
 from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError
+from railjoule.core.interior_point.duty import round_shares
 from railjoule.core.physics.mesh_data import BRAKE, DRIVE, OFF
 from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.rounding import round_shares
 from railjoule.core.strategies.switching import best_switched
 
 CELLS = 400

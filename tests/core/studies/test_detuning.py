@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
-from railjoule.core.studies.detuning import detuning, detuning_steps
+from railjoule.core.studies.detuning import detuning_steps
 
 SCENARIO = load_scenario(
     "ftorek-300s",
@@ -23,11 +23,11 @@ def test_it_grows_by_a_run_a_step():
     assert table.max_current_a[2] > table.max_current_a[1]
     assert table.energy_kwh[2] > table.energy_kwh[1]
     assert table.magnetising_loss_kwh[0] > table.magnetising_loss_kwh[1] > table.magnetising_loss_kwh[2]
-    assert table.to_dataset().sizes == {"rotor_resistance_factor": 3}
+    assert table.to_xarray().sizes == {"rotor_resistance_factor": 3}
 
 
 def test_a_factor_out_of_bounds_is_refused():
     with pytest.raises(ScenarioError, match=r"simulation\.rotor_resistance_factor = 9 must be at most 5"):
-        detuning(SCENARIO, (1.0, 9.0))
+        next(detuning_steps(SCENARIO, (1.0, 9.0)))
     with pytest.raises(ScenarioError, match="at least one factor"):
-        detuning(SCENARIO, ())
+        next(detuning_steps(SCENARIO, ()))

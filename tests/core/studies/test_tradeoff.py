@@ -8,7 +8,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, enoc_frontier, frontier_times
-from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened, strategy_frontier
+from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 ALL_CELLS = 1_000_000
@@ -132,7 +132,7 @@ def test_enoc_takes_its_best_ramps_whatever_the_scenario_says(suburban):
     with_ramps = replace(suburban, scenario=fixed)
     assert enoc_frontier(with_ramps, times).energy_kwh == enoc_frontier(suburban, times).energy_kwh
     # 3.4 % is what the printed ramps cost more, findings on Ftorek's Table 2
-    given = strategy_frontier(with_ramps, times, "enoc").energy_kwh
+    given = energy_time_frontier(with_ramps, times, "enoc").energy_kwh
     assert given / enoc_frontier(suburban, times).energy_kwh == pytest.approx([1.034], abs=0.002)
 
 

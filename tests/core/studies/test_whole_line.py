@@ -7,7 +7,7 @@ import pytest
 
 from railjoule.core import ScenarioError, TimetableError, load_scenario
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.line_parts import part_of, stop_nodes
+from railjoule.core.strategies.line_parts import cut_part, stop_nodes
 from railjoule.core.strategies.optimal import unwindowed_optimum
 from railjoule.core.studies.whole_line import WholeLine, shared_line, whole_line
 from railjoule.core.task import prepare_task
@@ -57,7 +57,7 @@ def test_each_leg_alone_has_the_same_price_in_its_share_of_the_optimum(scenario,
     stops = stop_nodes(task)
     for k in (0, 4):
         leg = line.legs[k]
-        alone = unwindowed_optimum(part_of(task, stops[k], stops[k + 1], leg.running_time_s))
+        alone = unwindowed_optimum(cut_part(task, stops[k], stops[k + 1], leg.running_time_s))
         assert alone.energy.net_j == pytest.approx(leg.energy_j, rel=1e-5)
         assert alone.price_of_time_w == pytest.approx(leg.price_of_time_w, rel=1e-3)
 

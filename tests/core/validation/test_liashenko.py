@@ -10,7 +10,6 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.simulation.following import plan_knowing_load, simulate_following
 from railjoule.core.validation import COMPARISONS, PAPERS, first_comparisons, liashenko_runs
-from railjoule.core.validation.figures.liashenko import FIGURES
 
 number = attrgetter("value")
 """The computed number of a row or claim."""
@@ -33,7 +32,7 @@ def cells(table, quantity):
 
 
 def verdicts(validation):
-    names = [claim["name"] for claim in liashenko_runs.paper_numbers()["claim"]]
+    names = [claim["name"] for claim in liashenko_runs.PAPER["claim"]]
     return dict(zip(names, (claim.verdict for claim in validation.claims), strict=True))
 
 
@@ -123,7 +122,7 @@ def test_examples_of_the_figures_stop_at_their_place(validation):
 
 
 def test_every_claim_is_examined(validation):
-    claims = liashenko_runs.paper_numbers()["claim"]
+    claims = liashenko_runs.PAPER["claim"]
     assert [claim.claim for claim in validation.claims] == [claim["text"] for claim in claims]
     assert all(claim.found and claim.reason for claim in validation.claims)
 
@@ -154,10 +153,11 @@ def test_sensors_move_the_stop_by_their_geometry(validation):
 
 
 def test_figures_are_rebuilt_with_what_is_printed():
-    assert [figure.place for figure in FIGURES] == [f"Fig. {index}" for index in range(3, 11)]
+    figures = COMPARISONS["liashenko"]().figures
+    assert [figure.place for figure in figures] == [f"Fig. {index}" for index in range(3, 11)]
     scenarios = {entry.name.removesuffix(".toml") for entry in (files("railjoule.assets") / "scenarios").iterdir()}
-    printed = iter(liashenko_runs.paper_numbers()["table"])
-    for figure in FIGURES:
+    printed = iter(liashenko_runs.PAPER["table"])
+    for figure in figures:
         assert figure.scenario in scenarios
         data = figure.compute()
         assert data.note

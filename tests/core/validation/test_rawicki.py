@@ -9,7 +9,6 @@ from validation_rows import beyond
 from railjoule.core import load_scenario
 from railjoule.core.citation import printed_numbers
 from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs
-from railjoule.core.validation.figures.rawicki import FIGURES
 
 
 class Tables(NamedTuple):
@@ -215,7 +214,7 @@ def test_claims_have_the_verdicts_of_their_numbers(validation):
 @pytest.mark.parametrize("number", range(4))
 def test_figures_pass_through_the_printed_points(number):
     """Speeds at the printed ends of phases of the driver's part, and energies at the end of the ride."""
-    figure = FIGURES[number]
+    figure = COMPARISONS["rawicki"]().figures[number]
     over_distance, _, energy = figure.compute().panels
     line, printed = energy.lines
     assert (printed.is_printed, line.is_printed) == (True, False)

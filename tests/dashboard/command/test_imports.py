@@ -251,7 +251,7 @@ def test_a_rolling_stock_becomes_a_vehicle(capsys, tmp_path):
     target = tmp_path / "vehicle.toml"
     out, told = imported(capsys, "osrd-stock", FILES / "osrd-stock.json", "-o", target)
     assert out == f"{target}: example, 200.0 t, 144.0 km/h\n"
-    assert "not used: osrd-stock.json: the efforts of the supplies 1500V." in told
+    assert "not used: osrd-stock.json: modes not read: 1500V." in told
     assert tomllib.loads(target.read_text())["vehicle"]["length_m"] == 100
 
 
@@ -315,4 +315,4 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     assert out == f"{target}: Example, 160.0 t, 140.0 km/h\n"
     out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
-    assert "not used: railtoolkit-path.yaml: paths: example." in told
+    assert "not used: railtoolkit-path.yaml: paths not read: example." in told

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import Bound, Trajectory, load_scenario, solve
-from railjoule.core.trajectory import Reference
+from railjoule.core.lower_bound import Reference
 from railjoule.dashboard.look import comparisons
 from railjoule.dashboard.look.words import MINUS
 

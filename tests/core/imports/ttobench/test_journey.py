@@ -23,9 +23,9 @@ def service_of(*values, stops="all"):
 def test_a_journey_gives_time_and_stops():
     """Dwell from the latest arrival, 150 s, to the earliest departure, 180 s."""
     service = read_service(SourceFile.read(FILE))
-    assert (service.begin_m, service.end_m, service.travel_time_s) == (0, 5000, 360)
+    assert (service.begin_m, service.end_m) == (0, 5000)
     assert service.stops == (Stop("", 2000, 30, 120, 150),)
-    assert (service.entry_kmh, service.exit_kmh) == (0, 0)
+    assert service.timetable == {"travel_time_s": 360}
     name = "ttobench-journey.json"
     assert service.unused == (
         f"{name}: the time from 60 to 90 s and the speed from 20 km/h at 1,000 m.",
@@ -51,18 +51,18 @@ def test_a_stop_at_one_point_has_no_dwell():
 
 def test_arrivals_count_from_the_departure():
     service = service_of([0, 100, 120, 0, 0], [500, 150, None, 0, 0], [900, 200, 300, 0, 0])
-    assert (service.stops, service.travel_time_s) == ((Stop("", 500, 0, 50, None),), 200)
-    assert service.stops[0].window == ({"earliest_arrival_s": 50} if KEEPS_WINDOWS else {})
+    assert (service.stops, service.timetable) == ((Stop("", 500, 0, 50, None),), {"travel_time_s": 200})
+    assert (service.stops[0].earliest_arrival_s, service.stops[0].latest_arrival_s) == (50, None)
 
 
 def test_speeds_at_the_ends():
     service = service_of([0, 0, 0, 30, 30], [900, 80, 80, None, 60])
-    assert (service.entry_kmh, service.exit_kmh) == (30, 0)
+    assert service.timetable == {"travel_time_s": 80, "entry_speed_kmh": 30}
     assert [finding.sentence for finding in service.findings] == ["j.json: the speed at the end is free: 0 km/h."]
 
 
 def test_a_journey_need_not_say_when_it_ends():
-    assert service_of([0, 0, 0, 0, 0], [900, None, None, 0, 0]).travel_time_s is None
+    assert service_of([0, 0, 0, 0, 0], [900, None, None, 0, 0]).timetable == {}
 
 
 @pytest.mark.parametrize(

@@ -103,7 +103,7 @@ def test_a_gradient_that_begins_late_is_told():
         ),
         (
             {"gradients": steps([[0, 1], [500, 2], [400, 3]], slope="permil")},
-            "track.json: gradients.values[2]: position = 400 must lie beyond 500, the one before it.",
+            "track.json: gradients.values[2].position = 400 must lie beyond 500, the one before it.",
         ),
         ({"gradients": steps([[0, "steep"]])}, "track.json: gradients.values[0][1] = 'steep' must be a number."),
         (
@@ -123,5 +123,5 @@ def test_bad_tracks_are_refused_in_one_sentence(changes, sentence):
 
 def test_stops_must_rise():
     track = {**TRACK, "stops": {"unit": "m", "values": [0, 300, 200]}}
-    with pytest.raises(ScenarioError, match=r"^t: stops.values\[2\]: position = 200 must lie beyond 300"):
+    with pytest.raises(ScenarioError, match=r"^t: stops.values\[2\].position = 200 must lie beyond 300"):
         read_track(SourceFile("t", json.dumps(track).encode()))

@@ -134,14 +134,14 @@ def test_numbers_that_no_train_has_are_asked_about(changes, question):
     ("version", "sentence"),
     [
         ("TTOBench v2.0", "its library version is 'TTOBench v2.0'"),
-        (None, "it has no version"),
+        (None, "it has no library version"),
     ],
 )
 def test_another_version_is_read_and_told(version, sentence):
     metadata = {"id": "x"} if version is None else {"id": "x", "library version": version}
     train = train_of(metadata=metadata, magnet_brake=quantity(5, "kN"))
     assert told(train, "question") == [
-        f"train.json: {sentence}, and 1.1 to 1.5 are known: what is known of it was read."
+        f"train.json: {sentence}, and 1.1 to 1.5 are known: what is known of it was read as 1.5 has it."
     ]
     assert train.unused == ("train.json: num seats, magnet brake.",)
 

@@ -62,7 +62,7 @@ def test_energy_is_that_of_the_prototype(run):
 
 def test_it_tracks_its_plan(run):
     assert run.max_tracking_error_m <= 0.05
-    assert abs(run.final_error_m) <= 0.01
+    assert abs(run.stop_error_m) <= 0.01
     assert abs(run.delay_s) < 0.01
     assert run.tracking_error_m[-1] == pytest.approx(run.planned.position_m[-1] - run.position_m[-1], abs=1e-9)
     assert not run.saturated
@@ -77,7 +77,7 @@ def test_without_the_pre_compensator_it_lags_and_stops_in_the_same_place(run):
     late = driven(simulation__precompensator=False)
     # a loop (1 + s / wp)^-3 lags by 3 / wp = 0.3 s
     assert late.max_tracking_error_m == pytest.approx(0.3 * run.speed_ms.max(), rel=1e-3)
-    assert abs(late.final_error_m) <= 0.01
+    assert abs(late.stop_error_m) <= 0.01
     assert late.delay_s == pytest.approx(0.3, abs=0.05)
 
 
@@ -98,7 +98,7 @@ def test_the_nameplates_voltage_weakens_the_field():
     weak = driven(drive__machine__max_phase_voltage_v=637.0)
     assert weak.max_phase_voltage_v <= 637.0
     assert weak.rotor_flux_vs.min() < 0.7 * 2.73
-    assert abs(weak.final_error_m) <= 0.01
+    assert abs(weak.stop_error_m) <= 0.01
     assert any("limit of 637 V per phase weakens the flux" in note for note in weak.notes)
 
 
@@ -120,7 +120,7 @@ def test_a_current_that_the_profile_exceeds_is_told():
     assert held.max_current_a <= 250.0 * 1.01
     assert held.tracking_error_m.max() == pytest.approx(held.max_tracking_error_m, rel=1e-3)
     assert span.lag_m == pytest.approx(held.max_tracking_error_m, rel=0.1)
-    assert abs(held.final_error_m) <= 0.01
+    assert abs(held.stop_error_m) <= 0.01
     assert held.delay_s > 1
     # it goes on along its plan, no faster but for catching up the last metre
     planned = np.sqrt(np.interp(held.position_m, held.planned.position_m, held.planned.speed_ms**2))
@@ -131,7 +131,7 @@ def test_a_current_that_the_profile_exceeds_is_told():
 
 def test_a_brake_that_is_too_weak_overruns_and_says_so():
     overrun = driven(drive__machine__max_current_a=220.0)
-    assert overrun.final_error_m > 10
+    assert overrun.stop_error_m > 10
     assert overrun.delay_s > 10
     assert any("overshoots its end" in note for note in overrun.notes)
 
@@ -159,7 +159,7 @@ def test_the_tram_drives_its_own_machine():
     scenario = load_scenario("tram-950m", {"strategy": "optimal", "simulation.flux": "min_loss"})
     tram = simulate_field_oriented(scenario)
     assert agreement(tram) < 5e-4
-    assert abs(tram.final_error_m) <= 0.01
+    assert abs(tram.stop_error_m) <= 0.01
     assert tram.parts_j["iron"] > 0
     # the plan's own account, with machines off while it coasts, against machines that stay magnetised
     assert 0.98 < tram.actual.energy.net_j / tram.planned.energy.net_j < 1.1
@@ -203,7 +203,7 @@ def test_accounts_agree_for_random_settings(number):
         run.energy_by_input_power_j[-1], abs=5e-4 * run.actual.energy.traction_j
     )
     assert abs(run.actual.energy.imbalance) < 5e-4
-    assert abs(run.final_error_m) < 0.01
+    assert abs(run.stop_error_m) < 0.01
     assert np.all(np.isfinite(run.torque_nm))
 
 
@@ -299,7 +299,7 @@ def test_a_train_that_its_machines_do_not_hold_on_a_gradient_rolls_back(level_m,
     climbed = simulate_field_oriented(
         load_scenario("ftorek-300s", changes | {"drive.machine.max_current_a": enough + 15})
     )
-    assert climbed.final_error_m > -0.1
+    assert climbed.stop_error_m > -0.1
     assert not any("rolls back" in note for note in climbed.notes)
 
 

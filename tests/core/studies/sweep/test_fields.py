@@ -3,7 +3,7 @@ import math
 import pytest
 
 from railjoule.core import ScenarioError, load_scenario
-from railjoule.core.studies.sweep.fields import Patch, corners_hold, parse_fields
+from railjoule.core.studies.sweep.fields import corners_hold, parse_fields, patched
 from tests.builders import COPPER_LOSS, plain_scenario
 
 
@@ -20,10 +20,10 @@ from tests.builders import COPPER_LOSS, plain_scenario
 @pytest.mark.parametrize("base", [plain_scenario({"vehicle.drive": COPPER_LOSS}), load_scenario("ftorek-300s")])
 def test_a_patched_scenario_is_that_of_with(base, changes):
     fields = parse_fields(base, {name: (value, value) for name, value in changes.items()})
-    patched = Patch(base, fields)(list(map(float, changes.values())))
-    assert patched == base.replace(**changes)
+    made = patched(base, fields, list(map(float, changes.values())))
+    assert made == base.replace(**changes)
     # what no field touches is shared, so that whoever keeps it may compare by identity
-    assert patched.line is base.line
+    assert made.line is base.line
 
 
 def test_corners_tell_whether_all_within_is_a_scenario():

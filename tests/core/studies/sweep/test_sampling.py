@@ -3,8 +3,7 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.studies.sweep import METHODS
-from railjoule.core.studies.sweep.fields import Field
-from railjoule.core.studies.sweep.sampling import Sampler
+from railjoule.core.studies.sweep.fields import Field, draw_rows, require_sample
 
 FIELDS = (
     Field("vehicle.load_factor", ("vehicle", "load_factor"), 0.0, 1.0, whole=False),
@@ -14,8 +13,10 @@ FIELDS = (
 
 
 def drawn(method, rows=64, sizes=(64,), seed=5, fields=FIELDS):
-    sampler = Sampler(fields, rows, method, seed)
-    return np.concatenate([sampler.take(size) for size in sizes])
+    firsts = np.cumsum((0, *sizes)).tolist()
+    ends = [min(end, rows) for end in firsts[1:]]
+    parts = zip(firsts[:-1], ends, strict=True)
+    return np.concatenate([draw_rows(fields, rows, method, seed, first, end - first) for first, end in parts])
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -60,4 +61,4 @@ def test_sobol_points_halve_each_field():
 )
 def test_a_grid_that_is_none_is_refused(rows, words):
     with pytest.raises(ScenarioError, match=words):
-        Sampler(FIELDS, rows, "grid", 0)
+        require_sample(FIELDS, rows, "grid", 0)

@@ -5,9 +5,9 @@ import pytest
 import scipy
 
 from railjoule.core import load_scenario
+from railjoule.core.studies.rows import Chunk, Rows
 from railjoule.core.studies.sweep import MemoryResults, SensitivityError, make_study, run_study, sensitivities
 from railjoule.core.studies.sweep.engine import solve_rows
-from railjoule.core.studies.sweep.rows import Chunk, Rows
 from tests.builders import plain_scenario
 
 # any three numbers: what comes out is put in by hand
@@ -21,7 +21,7 @@ THREE = {
 def results_of(function, rows=4096, method="sobol", over=THREE):
     """Return a study whose energy is a function of the fields' places, 0 to 1 each."""
     study = make_study(plain_scenario(), over, rows, method, columns=("energy_kwh",))
-    samples = study.sampler().take(rows)
+    samples = study.draw(0, rows)
     low, high = (np.array([getattr(field, end) for field in study.fields]) for end in ("low", "high"))
     values = function(*((samples - low) / (high - low)).T)
     results = MemoryResults(study)

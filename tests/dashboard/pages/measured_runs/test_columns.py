@@ -4,7 +4,7 @@ import openpyxl
 import pytest
 
 from railjoule.core import RailjouleError, load_scenario
-from railjoule.core.measured import recording_of
+from railjoule.core.measured import to_recording
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.pages.measured_runs.columns import (
     MAX_ROWS,
@@ -120,7 +120,7 @@ def test_a_time_since_1970_in_milliseconds_is_read_so() -> None:
     assert doubts == ()
     assert found["timestamp"] == Meaning("time", "ms")
     assert assumed == ("timestamp: read in ms, as a time since 1970.",)
-    assert recording_of(*used_table(table, found)).duration_s == pytest.approx(11.0)
+    assert to_recording(*used_table(table, found)).duration_s == pytest.approx(11.0)
 
 
 def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
@@ -128,7 +128,7 @@ def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
     cells, form = used_table(table, {"time_s": Meaning("time", "s"), "speed_kmh": Meaning("speed", "km/h")})
     assert cells.header == ("time_s", "speed_kmh")
     assert cells.rows[0] == (3, ("0", "0"))
-    recording = recording_of(cells, form)
+    recording = to_recording(cells, form)
     assert len(recording.time_s) == 14
     assert "1 row without time_s or speed_kmh is left out: 8." in recording.notes
 
@@ -146,8 +146,8 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
     found = read_brought(("runs.xlsx", written.getvalue()))
     assert [file.name for file in found] == ["runs.xlsx, Monday", "runs.xlsx, Tuesday"]
     cells, form = used_table(found[1], meanings_of(found[1], {}))
-    assert recording_of(cells, form).name == "runs.xlsx, Tuesday"
-    assert "Sheets that are not read as a run: About." in recording_of(cells, form).notes
+    assert to_recording(cells, form).name == "runs.xlsx, Tuesday"
+    assert "Sheets that are not read as a run: About." in to_recording(cells, form).notes
     with pytest.raises(
         RailjouleError, match=r"^runs.xlsx: none of its sheets is a table with a speed; it has About\.$"
     ):

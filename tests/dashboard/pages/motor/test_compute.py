@@ -74,7 +74,7 @@ def test_detuning_comes_step_by_step() -> None:
     tables = list(islice(compute_detuning(LoopRequest(SUBURBAN, "enoc", {})), 3))
     assert [table.done for table in tables] == [0, 1, 2]
     # the right resistance comes first, and costs least
-    assert tables[0].rotor_resistance_factors[0] == 1.0
+    assert tables[0].rotor_resistance_factor[0] == 1.0
     assert tables[2].energy_kwh[1] > tables[2].energy_kwh[0]
 
 

@@ -96,18 +96,13 @@ def test_the_study_shows_what_came(view: Motor) -> None:
     empty = next(compute_detuning(LoopRequest(view.desk.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
-    view.detuning = replace(empty, energy_kwh=energy, done=3)
+    view.detuning = replace(empty, columns={**empty.columns, "energy_kwh": energy}, done=3)
     assert view.host.plots["detuning"].host.visible
     # in the order of the factors, against the right one
-    nearest = empty.rotor_resistance_factors[:3]
-    assert view.host.plots["detuning"].sources["curve"].data["x"] == sorted(nearest)
-    cost = dict(
-        zip(
-            view.host.plots["detuning"].sources["curve"].data["x"],
-            view.host.plots["detuning"].sources["curve"].data["y"],
-            strict=True,
-        )
-    )
+    nearest = empty.rotor_resistance_factor[:3]
+    drawn = view.host.plots["detuning"].sources["curve"].data
+    assert drawn["x"] == sorted(nearest)
+    cost = dict(zip(drawn["x"], drawn["y"], strict=True))
     assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])
     assert view.costs.object.count("<tr") == 4
 

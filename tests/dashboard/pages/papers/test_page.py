@@ -9,7 +9,7 @@ from turns import Page as Tab
 
 from railjoule.core import SolverError
 from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
-from railjoule.core.validation.figure import FigureData, Line, Panel, PaperFigure
+from railjoule.core.validation.table import FigureData, Line, Panel, PaperFigure
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES

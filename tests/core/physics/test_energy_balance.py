@@ -10,8 +10,8 @@ from railjoule.core.interior_point.cell import evaluate
 from railjoule.core.interior_point.layout import DRAWN, allocate
 from railjoule.core.interior_point.start import prepare
 from railjoule.core.motion.cell_step import cell_cost
-from railjoule.core.physics.account import account_of_run, run_energy
-from railjoule.core.physics.mesh_data import cell_of, train_of
+from railjoule.core.physics.energy_balance import run_balance, run_energy
+from railjoule.core.physics.mesh_data import cell_at, train_data
 from railjoule.core.physics.stretches import actions_of_run
 from railjoule.core.strategies import prepare_task
 from railjoule.core.trajectory import make_trajectory
@@ -29,14 +29,14 @@ AGREEMENT = 1e-9
 
 
 def by_dynamic_programming(data, speed2):
-    train, cell = train_of(data), cell_of(data, 0)
+    train, cell = train_data(data), cell_at(data, 0)
     return cell_cost(cell, train, data.traction, data.braking, data.drive_parameters, speed2[0], speed2[1])
 
 
 def by_the_solver(cell):
     """Return the energy [J] that the solver counts with the efforts of the account, and what that decides."""
     data = cell.mesh.data
-    account = account_of_run(data, cell.speed2)
+    account = run_balance(data, cell.speed2)
     if has_idle_losses(data.drive_kind):
         data = data._replace(mode=actions_of_run(data, cell.speed2).mode)
     scale, work = data.traction.constant_n, allocate(1, 0)
@@ -55,7 +55,7 @@ def by_the_solver(cell):
 
 def largest_term(cell):
     """Return the largest of what the wheels, the drive and the line exchange in a cell [J]."""
-    account = account_of_run(cell.mesh.data, cell.speed2)
+    account = run_balance(cell.mesh.data, cell.speed2)
     work = (account.tractive_effort_n + account.electric_braking_n) * account.mean_speed_ms
     return float(max(np.abs(account.power_w).max(), work.max(), 1.0) * account.duration_s[0])
 
@@ -76,7 +76,7 @@ class TestOneCell:
 
     def test_the_solver_agrees(self, drive, direction, friction_kn, factor):
         cell = one_cell(train(drive, friction_kn, factor), 5.0, *SPEEDS_MS[direction])
-        data, account = cell.mesh.data, account_of_run(cell.mesh.data, cell.speed2)
+        data, account = cell.mesh.data, run_balance(cell.mesh.data, cell.speed2)
         energy = by_dynamic_programming(data, cell.speed2)[0]
         if has_idle_losses(data.drive_kind) and not is_distinct_numbers(data, account):
             assert by_the_solver(cell) <= energy + 1e-4 * largest_term(cell)
@@ -101,7 +101,7 @@ def test_each_drive_is_held_to_the_solver_in_both_directions(drive):
         direction
         for direction, ends in SPEEDS_MS.items()
         for cell in [one_cell(train(drive), 5.0, *ends)]
-        if is_distinct_numbers(cell.mesh.data, account_of_run(cell.mesh.data, cell.speed2))
+        if is_distinct_numbers(cell.mesh.data, run_balance(cell.mesh.data, cell.speed2))
     }
     assert any("driving" in direction for direction in told)
     assert any("braking" in direction for direction in told)
@@ -125,7 +125,7 @@ def test_the_energy_of_a_run_is_that_of_its_trajectory(drive, friction_kn, facto
 def test_where_friction_spares_the_drive_the_line_gets_its_share_and_no_more():
     """Core.md A1: dynamic programming counted all that was generated there, the account 0.37 of it."""
     cell = one_cell(train("copper loss", 60.0, 0.37), 1.0, 1.5, 1.0)
-    data, account = cell.mesh.data, account_of_run(cell.mesh.data, cell.speed2)
+    data, account = cell.mesh.data, run_balance(cell.mesh.data, cell.speed2)
     braking = account.electric_braking_n[0] + account.friction_braking_n[0]
     assert 0 < account.electric_braking_n[0] < min(braking, data.braking.constant_n)
     assert account.power_w[0] < 0

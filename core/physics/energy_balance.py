@@ -10,49 +10,49 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import Numbers, njit
 from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.kinds import PowerTerms
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_of, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
 
 # downhill a run may need no energy at all: differences are then small beside the kinetic energy, not beside zero
 SMALL_ENERGY_SHARE = 0.1
 """Energies near zero are compared with this share of the kinetic energy at the mean speed."""
 
 
-class CellAccount(NamedTuple):
-    """Efforts, powers and time of one cell.
+class CellBalance(NamedTuple):
+    """Efforts, powers and time: numbers of one cell, or arrays of all cells of a run.
 
     Parameters
     ----------
-    duration_s, mean_speed_ms : float
+    duration_s, mean_speed_ms : float or array of shape (n,)
         Time [s] and mean speed over it [m/s].
-    tractive_effort_n, electric_braking_n, friction_braking_n : float
+    tractive_effort_n, electric_braking_n, friction_braking_n : float or array of shape (n,)
         Efforts at the wheels, all positive [N].
-    power_w : float
+    power_w : float or array of shape (n,)
         At the terminals of the drive, negative where it generates [W].
-    supply_power_w : float
-        Taken from the line without auxiliaries, negative where it goes back [W].
-    excess_n : float
+    supply_power_w : float or array of shape (n,)
+        From the supply without auxiliaries, negative where it goes back [W].
+    excess_n : float or array of shape (n,)
         By how much the effort exceeds the largest one [N]; below zero where there is more.
     """
 
-    duration_s: float
-    mean_speed_ms: float
-    tractive_effort_n: float
-    electric_braking_n: float
-    friction_braking_n: float
-    power_w: float
-    supply_power_w: float
-    excess_n: float
+    duration_s: Numbers
+    mean_speed_ms: Numbers
+    tractive_effort_n: Numbers
+    electric_braking_n: Numbers
+    friction_braking_n: Numbers
+    power_w: Numbers
+    supply_power_w: Numbers
+    excess_n: Numbers
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def account_of_cell(
+def cell_balance(
     cell: Cell,
     train: Train,
     traction: EffortLimit,
@@ -60,7 +60,7 @@ def account_of_cell(
     drive: FloatArray,
     start_speed2: float,
     end_speed2: float,
-) -> CellAccount:
+) -> CellBalance:
     """Return the account of a cell from one square of speed [m2/s2] to another, not both zero.
 
     Parameters
@@ -95,7 +95,7 @@ def account_of_cell(
         # by both brakes together: how they share does not matter to the limit
         excess = -force - strongest - train.friction_effort_n
     taken = line_power(power, train.recuperation_factor)
-    return CellAccount(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
+    return CellBalance(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -104,34 +104,22 @@ def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     train, traction, braking, drive = shared_by_cells(mesh)
     total = 0.0
     for i in range(mesh.cell_length_m.shape[0]):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         total += account.supply_power_w * account.duration_s
     return total
 
 
-class RunAccount(NamedTuple):
-    """The accounts of all cells of a run: arrays of shape (n,), named as in `CellAccount`."""
-
-    duration_s: FloatArray
-    mean_speed_ms: FloatArray
-    tractive_effort_n: FloatArray
-    electric_braking_n: FloatArray
-    friction_braking_n: FloatArray
-    power_w: FloatArray
-    supply_power_w: FloatArray
-
-
 @njit(cache=True, error_model="numpy", nogil=True)
-def account_of_run(mesh: MeshData, speed2: FloatArray) -> RunAccount:
+def run_balance(mesh: MeshData, speed2: FloatArray) -> CellBalance:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = mesh.cell_length_m.shape[0]
-    rows = np.empty((7, n))
+    rows = np.empty((8, n))
     train, traction, braking, drive = shared_by_cells(mesh)
     for i in range(n):
-        account = account_of_cell(cell_of(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
-        for row in range(7):
+        account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        for row in range(8):
             rows[row, i] = account[row]
-    return RunAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6])
+    return CellBalance(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6], rows[7])
 
 
 @njit(cache=True, error_model="numpy")
