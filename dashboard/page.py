@@ -205,6 +205,8 @@ class Page(TypedParameters, PageModel):
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
     figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+    halves_from_px: ClassVar[int | None] = None
+    """From this width of the window on, figures stand in two columns; None where there is one."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""

@@ -138,7 +138,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
     "Compare": _plan,
-    "Trade-off": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
     "Speed limits": _speed_limits,
