@@ -62,7 +62,7 @@ class PageHost(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the figures that it may meet new ones."""
-        self.axis.settle("s", 1)
+        self.axis.settle_over(self.of.is_over_time(""))
 
 
 def sidebar_fields(page: Page) -> Viewable:

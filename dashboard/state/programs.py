@@ -137,7 +137,6 @@ def _papers(state: Workbench) -> PageRun:
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
-    "Compare": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
     "Speed limits": _speed_limits,

@@ -59,8 +59,6 @@ class Workbench(Kept, PageModel):
         "chosen",
         "over_time",
         "colours",
-        "compare_all",
-        "reference",
         "kept_pins",
     )
     passing = ("dark", "notice")
@@ -76,9 +74,6 @@ class Workbench(Kept, PageModel):
     runs = result(Runs, "The last good runs.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
     kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
-    compared = result(Runs, "The last runs of all strategies.")
-    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
-    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     tightened = param.Event(doc="The bound of the runs has become greater, and nothing else has changed.")
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
@@ -257,13 +252,12 @@ class Workbench(Kept, PageModel):
             else pin
             for pin in self.pins
         )
-        runs, compared = (
-            known.with_bound(bound) if known is not None and same_plan(known.scenario, scenario) else known
-            for known in (self.runs, self.compared)
-        )
+        runs = self.runs
+        if runs is not None and same_plan(runs.scenario, scenario):
+            runs = runs.with_bound(bound)
         # what draws runs need not draw them again for a bound: who shows one watches `tightened`
         with param.parameterized.discard_events(self):
-            self.param.update(runs=runs, compared=compared, pins=pins)
+            self.param.update(runs=runs, pins=pins)
         self.param.trigger("tightened")
 
     @property

@@ -10,7 +10,12 @@ from railjoule.dashboard.state.workbench import Workbench
     ("made", "owner", "field", "other"),
     [
         (over_time_buttons, "", "over_time", True),
-        (lambda state: buttons(state, "compare_all", {"All": True, "Some": False}), "", "compare_all", False),
+        (
+            lambda state: buttons(state.pages["Compare"], "compare_all", {"All": True, "Some": False}),
+            "Compare",
+            "compare_all",
+            False,
+        ),
         (lambda state: box(state.pages["Motor"], "precompensator", "On"), "Motor", "precompensator", False),
         (
             lambda state: menu(state.pages["Motor"], "flux", "Flux", {"a": "constant", "b": "min_loss"}),
