@@ -64,6 +64,7 @@ class Work:
     start: str = ""
     busy: str = ""
     threads: "ThreadPoolExecutor | None" = None
+    rest_ms: int = 0
 
 
 @dataclass(frozen=True)
@@ -132,6 +133,7 @@ def study(
     start: str = "",
     marked: bool = False,
     threads: "ThreadPoolExecutor" = LONG_THREADS,
+    rest_ms: int = 0,
 ) -> Callable[[Method], Method]:
     """Compute a result step by step: the function of the method's request yields one more complete at each step.
 
@@ -149,11 +151,13 @@ def study(
     start : str
         The event that starts it.
     threads : executor
+    rest_ms : int
+        It begins again only when no source has changed for this time [ms].
     """
 
     def decorate(prepare: Method) -> Method:
         prepare.work = Work(  # type: ignore[attr-defined]
-            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads
+            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads, rest_ms=rest_ms
         )
         return prepare
 
@@ -212,10 +216,10 @@ class Page(TypedParameters, PageModel):
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
     figures: ClassVar[tuple[AnyPlot, ...]] = ()
-    over_distance: ClassVar[bool] = False
-    """Whether the axis that its figures share is of places, not of times."""
     follows_scenario: ClassVar[bool] = True
     """Whether its results belong to the scenario, and go with it."""
+    halves_from_px: ClassVar[int | None] = None
+    """From this width of the window on, figures stand in two columns; None where there is one."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""
@@ -244,6 +248,10 @@ class Page(TypedParameters, PageModel):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out; `self.host` has its figures."""
         raise NotImplementedError
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return whether the shared axis of a name is one of times; else it is one of places."""
+        return True
 
     # ---- what is known of all pages
 
@@ -343,9 +351,23 @@ class PageWorks(PageWork[Page]):
             self.of.param.update(**{told.into: None})
             if told.threads is not None:
                 self.jobs[told.into].stop()
+            self._set_busy(told, False)
             return
         self._set_busy(told, True)
-        self.jobs[told.into].ask(request)
+        if told.rest_ms:
+            self.jobs[told.into].stop()
+            self.after(told.rest_ms, partial(self._ask_rested, told, request))
+        else:
+            self.jobs[told.into].ask(request)
+
+    def _ask_rested(self, told: Work, request: Request) -> None:
+        """Ask for what was asked for last; a page that has left sight asks again when it returns."""
+        if self._asked.get(told.into) != request:
+            return
+        if self.in_sight:
+            self.jobs[told.into].ask(request)
+        else:
+            del self._asked[told.into]
 
     def _start(self, told: Work, *_: Any) -> None:
         request = getattr(self.of, told.prepare)()
@@ -392,6 +414,17 @@ class PageWorks(PageWork[Page]):
         self._fail(told, failure)
         self._set_busy(told, False)
 
+    def rest(self) -> None:
+        """Stop the studies of a page out of sight; its results and fields stay, and its return begins them again."""
+        if any(study.busy for study in self._studies):
+            self.end()
+            super().forget()
+            self.of.param.update(**self._idle)
+
+    @property
+    def _idle(self) -> dict[str, bool]:
+        return {told.busy: False for told in self.told if told.busy}
+
     # ---- another scenario
 
     def forget(self, *events: Any) -> None:
@@ -402,8 +435,7 @@ class PageWorks(PageWork[Page]):
         super().forget()
         with self.quiet():
             self.end()
-            idle = {told.busy: False for told in self.told if told.busy}
-            self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **idle)
+            self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **self._idle)
             self._take_over(self.state.scenario.base)
 
     def _follow_edits(self, *_: Any) -> None:

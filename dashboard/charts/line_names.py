@@ -147,16 +147,17 @@ def placed_names(
         if box is None:
             continue
         end = float(pixels[label.line][0][-1]) if label.at_end and pixels else np.inf
-        # beside an end, the name keeps to it when the figure is wider than was reckoned with
+        # a name beside an end or a point keeps to it when the figure is wider than estimated
         beside = abs(box[0] - end - END_GAP_PX) < 1e-6
-        x = end if beside else 0.5 * (box[0] + box[2])
+        middle = 0.5 * (box[0] + box[2])
+        x = end if beside else middle if label.point is None else label.point[0]
         row = (
             frame.x[0] + x * scale_x,
             frame.y[0] + 0.5 * (box[1] + box[3]) * scale_y,
             name.text,
             name.colour,
             "left" if beside else "center",
-            END_GAP_PX if beside else 0.0,
+            END_GAP_PX if beside else middle - x,
             name.line,
         )
         for column, value in zip(COLUMNS, row, strict=True):

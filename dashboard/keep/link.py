@@ -14,7 +14,7 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
+from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of, former_keys
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
 from railjoule.dashboard.state.workbench import Workbench
@@ -93,6 +93,11 @@ def read_link(query: str) -> ReadLink:
     except ValueError:
         return ReadLink(refusal=f"The link has more than the {MAX_FIELDS} values allowed; it was not opened.")
     known = {key: (model, name) for key, model, name in fields_of(_template())}
+    former = former_keys(_template())
+    # where a link names both keys, the present one counts
+    pairs = {former[key]: value for key, value in pairs.items() if key in former} | {
+        key: value for key, value in pairs.items() if key not in former
+    }
     version = pairs.pop("v", None)
     if version is None:
         # an address without a version may carry anybody's values

@@ -25,6 +25,12 @@ def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
             yield f"{model.address_prefix}{field}", model, field
 
 
+def former_keys(state: Workbench) -> Mapping[str, str]:
+    """Return the keys of kept fields by those that they had before."""
+    models = state.models.values()
+    return {old: f"{model.address_prefix}{field}" for model in models for old, field in model.aliases.items()}
+
+
 def snapshot_of(state: Workbench) -> Snapshot:
     """Return all that is kept of a page."""
     snapshot = state.keep()

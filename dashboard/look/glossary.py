@@ -66,6 +66,15 @@ ENERGY = (
         ("above optimum", "Above best known", "above"),
     ),
     Term(
+        "Next best",
+        "The strategy that needs least after the best one and arrives on time, and how much more that is.",
+    ),
+    Term(
+        "Strategies on time",
+        "Those that arrive within the timetable. A late one takes no part in the comparison: more time always saves "
+        "energy.",
+    ),
+    Term(
         "Bound",
         "A lower bound: no way of driving this train over this line in this time uses less energy. It is computed "
         "separately from the run. The least energy lies between both.",

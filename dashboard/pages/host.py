@@ -31,7 +31,7 @@ class PageHost(PageView):
     of: Page
 
     def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
-        self.of, self.page = page, page.page
+        self.of, self.page, self.halves_from_px = page, page.page, page.halves_from_px
         self.heights: Mapping[str, tuple[int, int, int]] = {plot.name: plot.heights for plot in page.figures}
         super().__init__(page.desk, browser, palette)
 
@@ -62,7 +62,7 @@ class PageHost(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the figures that it may meet new ones."""
-        self.axis.settle_over(not self.of.over_distance)
+        self.axis.settle_over(self.of.is_over_time(""))
 
 
 def sidebar_fields(page: Page) -> Viewable:

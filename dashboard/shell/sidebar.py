@@ -10,7 +10,6 @@ from panel.viewable import Viewable
 
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario, preset_names
-from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.actual.fields import ActualFields
 from railjoule.dashboard.browser.messages import added_to, unfrozen
 from railjoule.dashboard.insides import SmallFile
@@ -215,44 +214,8 @@ class PageFields:
                 self.view[:] = [html_pane(markup('<p class="error" role="alert">{}</p>', NOT_SHOWN))]
 
 
-class EnocField:
-    """ENOC's acceleration time: the best one, until another is set."""
-
-    def __init__(self, state: Workbench) -> None:
-        self.state = state
-        self.field = NumberField(state.scenario, "acceleration_time_s")
-        self.best = pmui.Button(
-            label="Use the best", variant="text", size="small", margin=(0, 8), on_click=self._use_best
-        )
-        self.view = pn.Column(
-            html_pane('<div class="section">ENOC</div>'),
-            self.field,
-            self.best,
-            margin=0,
-            sizing_mode="stretch_width",
-            visible=False,
-        )
-        state.param.watch(self._show, ["trade_off", "runs", "ticked"])
-        state.scenario.param.watch(self._show, "acceleration_time_s")
-        self._show()
-
-    def _use_best(self, *_: Any) -> None:
-        self.state.scenario.acceleration_time_s = None
-
-    def _show(self, *_: Any) -> None:
-        trade_off, run = self.state.trade_off, self.state.run
-        self.view.visible = trade_off is not None and trade_off.coefficients is not None
-        if trade_off is None or trade_off.coefficients is None or run is None:
-            return
-        best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
-        self.best.visible = self.state.scenario.acceleration_time_s is not None
-        self.best.label = f"Best for {words.time(run.travel_time_s)} s: {words.time(best)} s"
-        self.field.suggest(best)
-
-
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Drive": ActualFields,
-    "Trade-off": EnocField,
     "Robustness": RealityFields,
     "Disturbances": EventFields,
     "Study": StudyFields,

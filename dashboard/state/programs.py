@@ -114,8 +114,6 @@ def _measured_runs(state: Workbench) -> PageRun:
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
-    "Compare": _plan,
-    "Trade-off": _plan,
     "Robustness": _robustness,
     "Disturbances": _disturbances,
     "Study": _study,

@@ -25,7 +25,6 @@ from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
-from railjoule.dashboard.pages.trade_off.compute import TradeOff
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -56,14 +55,10 @@ class Workbench(Kept, PageModel):
         "ticked",
         "chosen",
         "over_time",
-        "wide_map",
-        "copper_weight",
         "colours",
-        "compare_all",
-        "reference",
         "kept_pins",
     )
-    passing = ("dark", "trade_off_duration_s", "notice")
+    passing = ("dark", "notice")
 
     page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
@@ -74,15 +69,8 @@ class Workbench(Kept, PageModel):
     dark = param.Boolean(default=False, doc="Dark colours.")
     notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
     runs = result(Runs, "The last good runs.")
-    trade_off = result(TradeOff, "The last good trade-off.")
-    trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
-    wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
-    copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
     kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
-    compared = result(Runs, "The last runs of all strategies.")
-    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
-    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     tightened = param.Event(doc="The bound of the runs has become greater, and nothing else has changed.")
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
@@ -258,13 +246,12 @@ class Workbench(Kept, PageModel):
             else pin
             for pin in self.pins
         )
-        runs, compared = (
-            known.with_bound(bound) if known is not None and same_plan(known.scenario, scenario) else known
-            for known in (self.runs, self.compared)
-        )
+        runs = self.runs
+        if runs is not None and same_plan(runs.scenario, scenario):
+            runs = runs.with_bound(bound)
         # what draws runs need not draw them again for a bound: who shows one watches `tightened`
         with param.parameterized.discard_events(self):
-            self.param.update(runs=runs, compared=compared, pins=pins)
+            self.param.update(runs=runs, pins=pins)
         self.param.trigger("tightened")
 
     @property

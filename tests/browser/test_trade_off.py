@@ -21,13 +21,29 @@ def test_frontier_surface_and_contours(user: User) -> None:
     user.choose("Suburban, flat 5 km")
     # the true optimum at 300 s, and ENOC with its own best acceleration time (findings on Ftorek 2025)
     expect(user.figure_value("Optimum at 300.0 s")).to_have_text("4.181kWh")
-    expect(user.figure_value("Best acceleration time")).to_have_text("31.0s")
     for chart in ("frontier", "share", "surface"):
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
-    table = user.page.get_by_role("table").filter(has_text="accelerates")
+    table = user.page.get_by_role("table").filter(has_text="ramp, s")
+    expect(table.get_by_role("row", name="ENOC, best ramp 4.250")).to_contain_text("31.0")
     expect(table.get_by_role("row", name="ENOC as printed 4.407")).to_be_visible()
+    user.page.get_by_role("button", name="Contours", exact=True).click()
     user.page.locator(".rj-chart-contour:visible").scroll_into_view_if_needed()
     expect(user.page.locator(".rj-chart-contour:visible canvas").first).to_be_visible()
+    expect(user.page.locator(".rj-chart-surface:visible")).to_have_count(0)
+    user.page.get_by_role("button", name="Surface", exact=True).click()
+    expect(user.page.locator(".rj-chart-surface:visible canvas").first).to_be_visible()
+
+
+def test_a_scenario_with_enoc_is_one_press_away_and_undo_returns(user: User) -> None:
+    user.choose("Metro, profile II + I")
+    user.page.get_by_label("Draw Set speeds", exact=True).check()
+    table = user.page.get_by_role("table").filter(has_text="vs optimum, %").locator("visible=true")
+    expect(table.get_by_role("row", name="Set speeds")).to_contain_text("1.7 s late")
+    user.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
+    expect(user.page.locator(".rj-chart-surface:visible canvas").first).to_be_visible()
+    user.page.get_by_role("button", name="Undo", exact=True).click()
+    expect(user.page.get_by_role("button", name="Open Suburban, flat 5 km")).to_be_visible()
+    user.choose("Suburban, flat 5 km")
 
 
 def test_the_surface_is_saved(user: User) -> None:

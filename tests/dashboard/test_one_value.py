@@ -20,9 +20,9 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
-from railjoule.dashboard.pages.compare.view import CompareView
 from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.host import view_of
 from railjoule.dashboard.pages.start.compute import make_card
 from railjoule.dashboard.pages.start.view import card_html
 from railjoule.dashboard.report.document import report_html
@@ -84,7 +84,8 @@ class Teller:
         self.state = Workbench()
         self.drive = DriveView(self.state, Browser(), PALETTE)
         self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
-        self.compare = CompareView(self.state, Browser(), PALETTE)
+        view_of("Compare")(self.state, Browser(), PALETTE)
+        self.compare = self.state.pages["Compare"]
         self.state.scenario.choose(name)
         self.first: str = self.state.chosen
         self.state.ticked = list(STRATEGIES)
@@ -143,10 +144,9 @@ class Teller:
         for row in rows_of(self.compare.table.object, "Run"):
             if row:
                 name = NAMES[row["Run"]]
-                above = next(text for head, text in row.items() if head.startswith("above "))
-                self.tell("compare", name, energy=row["kWh"], time=row["s"], above=amount(above))
-        _, energies, *_ = self.compare.compared
-        for text in energies.sources["names"].data["text"]:
+                # the run to which the sidebar refers is the reference
+                self.tell("compare", name, energy=row["kWh"], time=row["s"], above=amount(row["vs reference, %"]))
+        for text in self.compare.host.plots["compared_energy"].sources["names"].data["text"]:
             name, energy = text.rsplit(" ", 1)
             self.tell("compared", CHART_NAMES.get(name) or NAMES[name], energy=plain(energy))
 

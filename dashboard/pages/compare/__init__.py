@@ -2,6 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry(
-    "Which way of driving needs the least energy, and where do they part?", strategies="draw", group="Compare"
-)
+PAGE = PageEntry("Strategies and pinned runs side by side", strategies="draw", group="Compare")

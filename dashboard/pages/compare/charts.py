@@ -1,93 +1,154 @@
-"""The charts of Compare: speed, energy, difference and effort of all runs."""
+"""The figures of Compare: speed, energy, difference and effort of all runs."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, nice_range, style_of, xy
+from railjoule.dashboard.charts.chart import Axis, Chart, nice_range, style_of, xy
 from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, Quantity, along
-from railjoule.dashboard.charts.run_lines import PLAIN, Curve, Form, Line, RunLines, as_steps, ends_of, limits_of
+from railjoule.dashboard.charts.plot import RunPlot
+from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, along
+from railjoule.dashboard.charts.run_lines import Curve, Form, Line, RunLines, as_steps, ends_of, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import PIN_DASHES
 from railjoule.dashboard.pages.compare.contenders import Contender
 
 PIN_WIDTH_PX = 1.8
-MOST_TOLD = 6
-"""The cursor writes the values of so many runs at most, the reference first."""
+MAX_READ = 6
+"""Maximum number of runs whose values the cursor writes, the reference first."""
 HEADROOM = 1.12
 FASTEST = "fastest"
 LINES: Mapping[str, Line] = {
     **{key: Line(key, {"line_width": PIN_WIDTH_PX, "line_dash": dash}) for key, dash in PIN_DASHES.items()},
     **{name: Line(name, style_of(name)) for name in reversed(STRATEGIES)},
 }
-"""Pins beneath strategies, the optimum on top."""
+"""Pins below strategies, the optimum on top."""
+
+
+@dataclass(frozen=True)
+class ComparedPlot(RunPlot):
+    """A figure with a line for each of all runs.
+
+    Parameters
+    ----------
+    caption : str
+    names : str
+        Names of the runs `along` their lines, or with their last value at the `ends`.
+    has_limits : bool
+        Whether speed limits are drawn, and the axis begins at zero.
+    is_difference : bool
+        Whether the value of the reference at the same place or time is subtracted.
+    zero : bool
+        Whether there is a line at zero.
+    room : float
+        Share of the values' range that is left free above and below.
+    """
+
+    caption: str = ""
+    names: Literal["along", "ends", ""] = "ends"
+    has_limits: bool = False
+    is_difference: bool = False
+    zero: bool = False
+    room: float = 0.06
+
+    def made(self, axis: Axis, palette: Palette) -> Chart:
+        """Return its chart."""
+        return ComparedChart(self, axis, palette)
 
 
 class ComparedChart(RunLines):
-    """A quantity of all runs."""
+    """Draws a `ComparedPlot`."""
 
-    def __init__(
-        self, quantity: Quantity, caption: str, height: int, axis: Axis, palette: Palette, form: Form = PLAIN
-    ) -> None:
-        super().__init__(f"compared_{quantity.name}", quantity, LINES, height, axis, palette, caption, form)
+    def __init__(self, plot: ComparedPlot, axis: Axis, palette: Palette) -> None:
+        form = Form(plot.ticks, plot.digits, plot.zero, plot.last, plot.room)
+        super().__init__(plot.name, plot.quantity, plot.lines, plot.heights[0], axis, palette, plot.caption, form)
+        self.plot = plot
+        self._reference: Trajectory | None = None
         self._over_time = False
 
-    def fill_all(self, among: Sequence[Contender], reference: Contender, over_time: bool) -> dict[str, Curve]:
-        """Draw the lines of all runs and no other; return what they are."""
-        # before the lines are filled: `values` of differences depends on it
-        self._over_time = over_time
-        curves = self.fill({contender.key: contender.run for contender in among}, over_time)
-        first = [reference, *(contender for contender in among if contender is not reference)][:MOST_TOLD]
+    def beneath(self) -> None:
+        """Draw the limits below the lines."""
+        if self.plot.has_limits:
+            self.line("limit", "limit", line_width=1.2)
+
+    def above(self) -> None:
+        """Write the names of the lines."""
+        if self.plot.names:
+            self.add_names()
+
+    def values(self, run: Trajectory) -> FloatArray:
+        """Return the quantity at the nodes of a run; beyond the end of the reference its last value counts."""
+        values = self.quantity.values(run)
+        if self.plot.is_difference and self._reference is not None:
+            other, x = self._reference, along(self._over_time)
+            values = values - np.interp(x.values(run), x.values(other), self.quantity.values(other))
+        return values
+
+    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
+        """Draw all runs.
+
+        Parameters
+        ----------
+        among : sequence of Contender
+        reference : Contender
+            One of them.
+        over_time : bool
+            Whether they are drawn over time instead of distance.
+        narrow : bool
+            Whether there is no room for names at the ends.
+        """
+        # before the lines are filled, as `values` depends on it
+        self._reference, self._over_time = reference.run, over_time
+        drawn = list(among) if self.plot.has_limits else without_fastest(among, reference)
+        off_scale = [contender.name for contender in among if contender not in drawn]
+        caption = f"{self.caption} ({' and '.join(off_scale)} off the scale)" if off_scale else self.caption
+        self.told["words"] = self.told["caption"].text = caption
+        if self.plot.is_difference:
+            drawn = [contender for contender in drawn if contender is not reference] or [reference]
+        curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)
+        first = sorted(drawn, key=lambda contender: contender is not reference)[:MAX_READ]
         self.told["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
-        return curves
+        unnamed = self._fit(curves, among[0].run)
+        if self.plot.names == "along":
+            self._name(curves, drawn, [contender.sign for contender in drawn], unnamed)
+        elif self.plot.names and narrow:
+            self.clear("names")
+        elif self.plot.names:
+            show = words.energy_difference if self.plot.is_difference else words.energy
+            ends = [f"{contender.sign} {show(float(curves[contender.key][1][-1]))}" for contender in drawn]
+            self._name(curves, drawn, ends, unnamed)
 
-    def tell_left_out(self, among: Sequence[Contender], drawn: Sequence[Contender]) -> None:
-        """Say in the caption which runs would need another scale."""
-        left_out = [contender.name for contender in among if contender not in drawn]
-        told = (
-            f"{self.caption}; {' and '.join(left_out)} needs more than this scale shows" if left_out else self.caption
-        )
-        self.told["words"] = self.told["caption"].text = told
+    def _fit(self, curves: Mapping[str, Curve], run: Trajectory) -> Mapping[str, Curve]:
+        """Fit the axis to lines; draw and return the lines that have no name."""
+        low, high = ends_of(curves.values())
+        if not self.plot.has_limits:
+            self.set_range(*nice_range(low, high, self.plot.room))
+            return {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))} if self.plot.is_difference else {}
+        places, limits = limits_of(run.scenario)
+        self.set_range(0, HEADROOM * max(high, float(np.max(limits))))
+        if self._over_time:
+            # each run passes a limit at a time of its own: the limits of one would be false for the others
+            self.clear("limit")
+            return {}
+        steps = as_steps(places, limits)
+        self.put("limit", **xy(*steps))
+        return {"limit": steps}
 
-    def name_lines(
-        self,
-        curves: Mapping[str, Curve],
-        among: Sequence[Contender],
-        texts: Sequence[str],
-        at_end: bool = False,
-        more: Mapping[str, Curve] | None = None,
+    def _name(
+        self, curves: Mapping[str, Curve], among: Sequence[Contender], texts: Sequence[str], more: Mapping[str, Curve]
     ) -> None:
         """Write the names of the runs where there is room; `more` are lines without a name."""
         names = [
-            Name(contender.key, text, self.palette.tokens[contender.key], at_end)
+            Name(contender.key, text, self.palette.tokens[contender.key], self.plot.names == "ends")
             for contender, text in zip(among, texts, strict=True)
         ]
-        self.place_names({**{c.key: curves[c.key] for c in among}, **(more or {})}, names)
-
-    def name_ends(
-        self,
-        curves: Mapping[str, Curve],
-        among: Sequence[Contender],
-        narrow: bool,
-        show: Callable[[float], str],
-        more: Mapping[str, Curve] | None = None,
-    ) -> None:
-        """Write sign and last value at the ends of the lines."""
-        if narrow:
-            self.clear("names")
-            return
-        texts = [f"{contender.sign} {show(float(curves[contender.key][1][-1]))}" for contender in among]
-        self.name_lines(curves, among, texts, True, more)
-
-    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
-        """Draw all runs."""
-        raise NotImplementedError
+        self.place_names({**{contender.key: curves[contender.key] for contender in among}, **more}, names)
 
 
 def without_fastest(among: Sequence[Contender], reference: Contender) -> list[Contender]:
@@ -96,99 +157,39 @@ def without_fastest(among: Sequence[Contender], reference: Contender) -> list[Co
     return slower or list(among)
 
 
-def end_of(run: Trajectory, over_time: bool) -> float:
-    """Return where a run ends on the axis."""
+def end_of_run(run: Trajectory, over_time: bool) -> float:
+    """Return the end of a run on the axis."""
     return float(along(over_time).values(run)[-1])
 
 
-class ComparedSpeedChart(ComparedChart):
-    """Speeds of all runs, under the limits of the scenario."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(SPEED, "Speed of all runs, km/h", height, axis, palette, Form(ticks=5))
-
-    def beneath(self) -> None:
-        """Draw the limits beneath the lines."""
-        self.line("limit", "limit", line_width=1.2)
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.add_names()
-
-    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
-        """Draw all runs; the limits are those of the first one's line."""
-        curves = self.fill_all(among, reference, over_time)
-        first = among[0].run
-        places, limits = limits_of(first.scenario)
-        x = np.interp(places, first.position_m, first.time_s) if over_time else places
-        steps = as_steps(x, limits)
-        self.put("limit", **xy(*steps))
-        self.set_range(0, HEADROOM * max(ends_of(curves.values())[1], float(np.max(limits))))
-        self.name_lines(curves, among, [c.sign for c in among], more={"limit": steps})
-
-
-class ComparedEnergyChart(ComparedChart):
-    """Energy drawn so far by all runs."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(ENERGY, "Energy drawn so far by all runs, kWh", height, axis, palette)
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.add_names()
-
-    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
-        """Draw all runs."""
-        drawn = without_fastest(among, reference)
-        self.tell_left_out(among, drawn)
-        curves = self.fill_all(drawn, reference, over_time)
-        self.set_range(*nice_range(*ends_of(curves.values())))
-        self.name_ends(curves, drawn, narrow, words.energy)
-
-
-class ComparedDifferenceChart(ComparedChart):
-    """Energy so far of all runs less that of the reference at the same place or time."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        # a name of its own, as the energy has the column of that name in the same source
-        quantity = replace(ENERGY, name="difference", words="Energy so far vs reference, kWh")
-        super().__init__(quantity, quantity.words, height, axis, palette, Form(digits=1, zero=True))
-        self._reference: Trajectory | None = None
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.add_names()
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Energy so far less that of the reference [kWh]; beyond the end of the reference its last value counts."""
-        other, x = self._reference, along(self._over_time)
-        assert other is not None
-        return ENERGY.values(run) - np.interp(x.values(run), x.values(other), ENERGY.values(other))
-
-    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
-        """Draw all runs but the reference."""
-        self._reference = reference.run
-        others = [contender for contender in without_fastest(among, reference) if contender is not reference]
-        drawn = others or [reference]
-        # the reference is the line at zero, and not left out
-        self.tell_left_out(among, [*drawn, reference])
-        curves = self.fill_all(drawn, drawn[0], over_time)
-        self.set_range(*nice_range(*ends_of(curves.values()), 0.1))
-        # a line without a name, so that names keep clear of it
-        zero = {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))}
-        self.name_ends(curves, drawn, narrow, words.energy_difference, zero)
-
-
-class ComparedEffortChart(ComparedChart):
-    """Efforts of all runs."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        title = "Tractive (+) and braking (\u2212) effort of all runs, kN"
-        super().__init__(EFFORT, title, height, axis, palette, Form(ticks=3, zero=True, last=True, room=0.08))
-
-    def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
-        """Draw all runs."""
-        drawn = without_fastest(among, reference)
-        self.tell_left_out(among, drawn)
-        curves = self.fill_all(drawn, reference, over_time)
-        self.set_range(*nice_range(*ends_of(curves.values()), self.form.room))
+# its own name, as the energy has the column of that name in the same source
+DIFFERENCE = replace(ENERGY, name="difference", words="Energy drawn vs reference, kWh")
+PLOTS = (
+    ComparedPlot(
+        "compared_speed", SPEED, LINES, (290, 360, 240), ticks=5, caption="Speed, km/h", names="along", has_limits=True
+    ),
+    ComparedPlot("compared_energy", ENERGY, LINES, (170, 210, 150), caption="Energy drawn, kWh"),
+    ComparedPlot(
+        "compared_difference",
+        DIFFERENCE,
+        LINES,
+        (140, 180, 120),
+        digits=1,
+        caption=DIFFERENCE.words,
+        is_difference=True,
+        zero=True,
+        room=0.1,
+    ),
+    ComparedPlot(
+        "compared_effort",
+        EFFORT,
+        LINES,
+        (124, 150, 110),
+        ticks=3,
+        last=True,
+        caption="Traction (+), braking (\u2212), kN",
+        names="",
+        zero=True,
+        room=0.08,
+    ),
+)

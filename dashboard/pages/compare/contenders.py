@@ -1,15 +1,16 @@
 """The runs that Compare sets side by side: those of the scenario's strategies, and the pinned ones."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs
 
 SIGNS: Mapping[str, str] = {"speed_limits": "Set speeds"}
-"""What stands at lines where the whole word has no room."""
+"""Shorter names of strategies at their lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,11 +20,11 @@ class Contender:
     Parameters
     ----------
     key : str
-        Its strategy, or the colour of its pin: what its line is drawn with.
+        Its strategy, or the colour of its pin: the style of its line.
     name : str
-        What it is called in tables.
+        Its name in tables.
     sign : str
-        What stands at its lines.
+        Its name at its lines.
     run : Trajectory
         The run.
     """
@@ -33,32 +34,42 @@ class Contender:
     sign: str
     run: Trajectory
 
+    @property
+    def is_pinned(self) -> bool:
+        """Whether it is a pinned run, which may have a scenario of its own."""
+        return self.key not in STRATEGIES
 
-def contenders(state: Workbench) -> tuple[Contender, ...]:
-    """Return the runs to compare: strategies in their order, then pins in theirs."""
+
+def contenders(desk: Workbench, compared: Runs | None = None, only_ticked: bool = False) -> tuple[Contender, ...]:
+    """Return the runs to compare: strategies in their order, then pins in theirs.
+
+    Parameters
+    ----------
+    desk : Workbench
+    compared : Runs, optional
+        The runs of all strategies, which may belong to an earlier scenario: then they are left out.
+    only_ticked : bool
+        Whether strategies that are not ticked are left out.
+    """
+    runs = {} if desk.runs is None else dict(desk.runs.runs)
+    if only_ticked:
+        runs = {name: run for name, run in runs.items() if name in desk.drawn}
+    elif compared is not None and desk.runs is not None and compared.scenario == desk.runs.scenario:
+        runs = {**compared.runs, **runs}
     named = [
-        Contender(name, words.STRATEGY_WORDS[name], SIGNS.get(name, words.STRATEGY_WORDS[name]), run)
-        for name, run in strategy_runs(state).items()
+        Contender(name, words.STRATEGY_WORDS[name], SIGNS.get(name, words.STRATEGY_WORDS[name]), runs[name])
+        for name in STRATEGIES
+        if name in runs
     ]
-    pinned = [Contender(pin.colour, f"{pin.number} {pin.name}", str(pin.number), pin.trajectory) for pin in state.pins]
+    pinned = [Contender(pin.colour, f"{pin.number} {pin.name}", str(pin.number), pin.trajectory) for pin in desk.pins]
     return (*named, *pinned)
 
 
-def strategy_runs(state: Workbench) -> Mapping[str, Trajectory]:
-    """Return the runs of the scenario's strategies: all that are known, or those that are ticked."""
-    if state.runs is None:
-        return {}
-    runs = dict(state.runs.runs)
-    if not state.compare_all:
-        runs = {name: run for name, run in runs.items() if name in state.drawn}
-    # they may be of the scenario before: all strategies take longer than those that are drawn
-    elif state.compared is not None and state.compared.scenario == state.runs.scenario:
-        runs = {**state.compared.runs, **runs}
-    return {name: runs[name] for name in STRATEGIES if name in runs}
+def find_reference(desk: Workbench, among: Sequence[Contender], chosen: str = "") -> Contender:
+    """Return the run with which others are compared.
 
-
-def reference_of(state: Workbench, among: tuple[Contender, ...]) -> Contender:
-    """Return the run that others are compared with: the chosen one, else the last pin, else the first run."""
-    keys = {contender.key: contender for contender in among}
-    usual = state.pins[-1].colour if state.pins else among[0].key
-    return keys.get(state.reference) or keys[usual]
+    It is the chosen one, else the run to which the list of strategies refers, else the first run.
+    """
+    best = None if desk.runs is None else desk.runs.best_known
+    usual = next((contender for contender in among if contender.run is best), among[0])
+    return next((contender for contender in among if contender.key == chosen), usual)

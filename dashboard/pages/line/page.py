@@ -65,7 +65,6 @@ class WholeLines(Page):
     """The stations, whose times stand in the scenario, and the runs over the whole line."""
 
     page = "Line"
-    over_distance = True
     kept = ("stations", "other")
     passing = ("inner_stations", "moving", "moved")
     figures = (SPEED, TRACK, PATH, SUPPLEMENTS, PRICE, ENERGY)
@@ -260,6 +259,10 @@ class WholeLines(Page):
         return PageRun(WHOLE_LINE, {"strategy": "optimal"}, untold)
 
     # ---- what it shows
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return that the figures lie over places."""
+        return False
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""

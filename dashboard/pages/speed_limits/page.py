@@ -70,7 +70,6 @@ class SpeedLimits(Page):
     """Set speeds of sections, given or found by search."""
 
     page = "Speed limits"
-    over_distance = True
     kept = ("section_count", "sections", "found", *SEARCH, *STORAGE, "shown_map")
     passing = ("moving", "pair")
     fields = (
@@ -345,6 +344,10 @@ class SpeedLimits(Page):
         return compute_map, MapRequest(self.run.run.scenario, vehicle.drive, vehicle.traction, vehicle.braking)
 
     # ---- what it shows
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return that the figures lie over places."""
+        return False
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""

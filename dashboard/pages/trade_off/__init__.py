@@ -2,4 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry("How much energy does a later arrival save?")
+PAGE = PageEntry("Energy against travel time", strategies="draw")

@@ -1,38 +1,31 @@
-"""The charts of the trade-off: frontier, distance to the optimum, ENOC's contours."""
+"""The charts of the trade-off: the frontier with the strategies beside it, and ENOC's contours."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, Tap
-from bokeh.models import ContourRenderer, Range1d, Span
-from bokeh.plotting import figure
+from bokeh.models import ContourRenderer, Span
 from bokeh.plotting.contour import contour_data
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.citation import printed_numbers
-from railjoule.core.energy import share_above
-from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.chart import columns, nice_range, points, style_of, xy
 from railjoule.dashboard.charts.figures import LoneChart, ink_on
 from railjoule.dashboard.charts.label_places import Box
 from railjoule.dashboard.charts.line_names import Name, clear_of
 from railjoule.dashboard.charts.surface import CIVIDIS, round_step
-from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.trade_off.compute import EnocMap, TradeOff
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.pages.trade_off.compute import EnocMap, EnocPoint, TradeOff
 
 TIME_TITLE = "Travel time, s"
 MAX_LEVELS = 10
-STEEPEST_SHARE = 0.04
-"""The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
 BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
-"""What is shown of the times that are too short, and how far the tangent reaches each way, of the range of times."""
+"""Share of the range of times that is drawn left of the shortest time, and length of the tangent each way."""
 FAR_BELOW_AND_ABOVE = (-1e3, 1e4)
-"""Ends of the tint of impossible times, beyond any energy [kWh] to which the axis reaches."""
+"""Ends of the hatched area of impossible times, beyond any energy [kWh] on the axis."""
 MARK_PX = 6
 """Half the size of the marks that names keep clear of."""
 SIGNED = (0.02, 0.93)
@@ -40,11 +33,13 @@ SIGNED = (0.02, 0.93)
 
 
 class FrontierChart(LoneChart):
-    """Least energy over travel time; a click or a drag sets the travel time."""
+    """Minimum energy over travel time, and the runs of other strategies; a click or a drag sets the travel time."""
 
-    def __init__(self, height: int, state: Workbench, palette: Palette) -> None:
+    on_time: Callable[[float], None] | None = None
+    """Takes the travel time [s] that was clicked."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("frontier", "Net energy, kWh, over travel time, s", height, palette)
-        self.state = state
 
     def build(self) -> None:
         """Make the figure."""
@@ -68,7 +63,12 @@ class FrontierChart(LoneChart):
             self.line(name, name, **style_of(name))
         self.line("tangent", "ink", line_width=1)
         self.dots("printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5)
-        self.now = upright(f, self.palette)
+        self.source("runs", "x", "y", "colour")
+        edge = {"line_color": "surface"}
+        self.glyphs("scatter", "runs", "x", "y", paint=edge, fill_color="colour", size=10, line_width=1.5)
+        self.now = Span(location=-1, dimension="height", line_width=1)
+        self.palette.paint(self.now, line_color="line2")
+        f.add_layout(self.now)
         self.dots("point", size=11, line_width=2)
         self.add_names()
         f.on_event(Tap, self._set_time)
@@ -76,100 +76,68 @@ class FrontierChart(LoneChart):
 
     def _set_time(self, event: Any) -> None:
         # a drag may lead out of the frame
-        if event.x is not None and self.x_range.start < event.x < self.x_range.end:
-            self.state.scenario.travel_time_s = round(float(event.x), 1)
+        if self.on_time is not None and event.x is not None and self.x_range.start < event.x < self.x_range.end:
+            self.on_time(round(float(event.x), 1))
 
-    def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
-        """Draw the frontier, ENOC's curve, the present run and its tangent."""
-        frontier = trade_off.frontier
-        time, energy = frontier.travel_time_s, frontier.energy_kwh
-        shortest = frontier.shortest_travel_time_s
-        steepest = float(np.interp(shortest * (1 + STEEPEST_SHARE), time, energy))
-        now, price = run.travel_time_s, run.price_of_time_w or 0.0
+    def draw(self, trade_off: TradeOff, best: Trajectory, others: Mapping[str, Trajectory]) -> None:
+        """Draw the frontier, ENOC's curve, the optimum of the present time with its tangent, and other runs.
+
+        Parameters
+        ----------
+        trade_off : TradeOff
+        best : Trajectory
+            The optimum of the present travel time.
+        others : mapping of str to Trajectory
+            The runs of other strategies.
+        """
+        time, energy = trade_off.frontier.travel_time_s, trade_off.frontier.energy_kwh
+        shortest = trade_off.frontier.shortest_travel_time_s
+        enoc_time, enoc, below_enoc = trade_off.enoc_curve
+        printed_time, _, printed_energy = trade_off.printed_points()
+        places = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
+        now, price = best.travel_time_s, best.price_of_time_w or 0.0
+        all_energies = np.concatenate([energy, enoc, [run.energy_kwh for run in (best, *others.values())]])
         self.set_ranges(
-            (shortest - BEFORE_SHARE * (time[-1] - shortest), float(time[-1]) * 1.005),
-            nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh), 0.08),
+            time_ends(trade_off, [best, *others.values()]),
+            nice_range(float(np.nanmin(all_energies)), float(np.nanmax(all_energies))),
         )
         self.put("impossible", left=[0.0], right=[shortest])
         self.put("optimal", **xy(time, energy))
-        enoc_time, enoc, below_enoc = enoc_curve(trade_off)
         self.put("enoc", **xy(enoc_time, enoc))
         self.put("between", **columns(x=enoc_time, low=below_enoc, high=enoc))
         sides = TANGENT_SHARE * float(time[-1] - time[0]) * np.array([-1.0, 1.0])
-        self.put("tangent", **xy(now + sides, run.energy_kwh - price / J_PER_KWH * sides))
-        printed = printed_points(trade_off)
-        self.put("printed", x=printed[0], y=printed[2])
+        self.put("tangent", **xy(now + sides, best.energy_kwh - price / J_PER_KWH * sides))
+        self.put("printed", x=printed_time, y=printed_energy)
+        tokens = self.palette.tokens
+        self.put("runs", **points(places.values()), colour=[tokens[name] for name in places])
         self.now.location = now
-        self.put("point", **points([(now, run.energy_kwh)]))
-        self._draw_names(run, printed)
+        self.put("point", **points([(now, best.energy_kwh)]))
+        printed = list(zip(printed_time.tolist(), printed_energy.tolist(), strict=True))
+        self._draw_names(best, places, printed)
 
-    def _draw_names(self, run: Trajectory, printed: tuple[FloatArray, ...]) -> None:
-        """Name the curves, the present point and the printed ones where nothing else is."""
-        tokens, now, frame = self.palette.tokens, (run.travel_time_s, run.energy_kwh), self.frame_now
+    def _draw_names(
+        self, best: Trajectory, places: Mapping[str, tuple[float, float]], printed: list[tuple[float, float]]
+    ) -> None:
+        """Name the points and the curves where there is room."""
+        tokens, now, frame = self.palette.tokens, (best.travel_time_s, best.energy_kwh), self.frame_now
         lines = {
             name: (np.asarray(self.sources[name].data["x"]), np.asarray(self.sources[name].data["y"]))
             for name in ("optimal", "tangent", "enoc")
         }
-        times, _, energies = printed
-        places = [(float(x), float(y)) for x, y in zip(times, energies, strict=True)]
         point = f"{words.energy(now[1])} kWh at {words.time(now[0])} s"
-        price = f"saved per extra second: {words.price(run.price_of_time_w or 0.0)} Wh"
-        names = [
-            Name("now", point, tokens["optimal"], point=now),
-            Name("price", price, tokens["ink2"], point=now),
-            Name("optimal", "optimal", tokens["optimal"], preferred=0.8),
-        ]
+        names = [Name("now", point, tokens["optimal"], point=now)]
+        names += [Name(name, words.STRATEGY_WORDS[name], tokens[name], point=place) for name, place in places.items()]
+        if best.price_of_time_w is not None:
+            price = f"one more second saves {words.price(best.price_of_time_w)} Wh"
+            names.append(Name("price", price, tokens["ink2"], point=now))
+        names.append(Name("optimal", words.STRATEGY_WORDS["optimal"], tokens["optimal"], preferred=0.8))
         if len(lines["enoc"][0]):
-            names.append(Name("enoc", "ENOC", tokens["enoc"], preferred=0.5))
-        inside = [place for place in places if frame.x[0] <= place[0] <= frame.x[1]]
+            names.append(Name("enoc", words.STRATEGY_WORDS["enoc"], tokens["enoc"], preferred=0.5))
+        inside = [place for place in printed if frame.x[0] <= place[0] <= frame.x[1]]
         if inside:
-            names.append(Name("printed", "ENOC as printed, Table 2", tokens["enoc"], point=inside[-1]))
-        dots = [frame.dot(*place, MARK_PX) for place in (now, *places)]
+            names.append(Name("printed", "ENOC, Table 2 of the paper", tokens["enoc"], point=inside[-1]))
+        dots = [frame.dot(*place, MARK_PX) for place in (now, *places.values(), *printed)]
         self.place_names({**lines, "now": frame.upright(now[0])}, names, dots)
-
-
-class ShareChart(LoneChart):
-    """By how much ENOC lies above the optimum."""
-
-    def __init__(self, height: int, x_range: Range1d, palette: Palette) -> None:
-        super().__init__("share", "ENOC above the optimum, %", height, palette, x_range)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=3, x_title=TIME_TITLE)
-        self.glyphs("varea", "share", "x", 0, "y", paint={"fill_color": "enoc"}, fill_alpha=0.10)
-        self.line("share", "enoc", **style_of("enoc"))
-        self.add_names()
-        self.now = upright(f, self.palette)
-
-    def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
-        """Draw the share over travel time."""
-        time, enoc, optimal = enoc_curve(trade_off)
-        if not len(time):
-            self.clear()
-            return
-        share = 100 * share_above(enoc, optimal)
-        drawn = time > trade_off.frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE)
-        self.y_range.update(start=0, end=float(np.ceil(np.max(share, where=drawn, initial=0.0) * 1.15 + 0.2)))
-        self.put("share", **xy(time, share))
-        now = run.travel_time_s
-        # ENOC takes more time than the fastest run: before its first time there is nothing to tell
-        if now < time[0]:
-            self.clear("names")
-        else:
-            more = comparisons.above(best_enoc_kwh(trade_off, now), run.energy_kwh)
-            here = float(np.interp(now, time, share))
-            name = Name("now", f"{more} at {words.time(now)} s", self.palette.tokens["enoc"], point=(now, here))
-            self.place_names({"enoc": (time, share)}, [name])
-        self.now.location = now
-
-
-def upright(f: figure, palette: Palette) -> Span:
-    """Add the upright line of the present travel time to a figure, out of sight until it is drawn."""
-    now = Span(location=-1, dimension="height", line_width=1)
-    palette.paint(now, line_color="line2")
-    f.add_layout(now)
-    return now
 
 
 # Bokeh's own contours: measured, they take 3 ms for a new map, HoloViews' 56 ms
@@ -195,8 +163,8 @@ class ContourChart(LoneChart):
         self.coloured_signs("signs", text_align="center", text_baseline="middle")
         self.glyphs("scatter", "point", "x", "y", paint={"fill_color": "accent"}, size=11, line_width=2, **white)
 
-    def draw(self, trade_off: TradeOff, now: tuple[float, float, float] | None) -> None:
-        """Draw contours, valley, the present point and the printed ones."""
+    def draw(self, trade_off: TradeOff, now: EnocPoint | None) -> None:
+        """Draw contours, valley, the present run and the printed ones."""
         enoc_map = trade_off.enoc_map
         assert self.figure is not None
         if enoc_map is None:
@@ -206,8 +174,8 @@ class ContourChart(LoneChart):
             self._draw_map(enoc_map)
         self.set_ranges((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
         self.put("valley", **xy(time, enoc_map.best_acceleration_s))
-        self.put("point", **points([now[:2]] if now else []))
-        printed = printed_points(trade_off, everywhere=True)
+        self.put("point", **points([(now.travel_time_s, now.acceleration_time_s)] if now else []))
+        printed = trade_off.printed_points(everywhere=True)
         self.put("printed", **columns(x=printed[0], y=printed[1], energy=printed[2]))
 
     def _draw_map(self, enoc_map: EnocMap) -> None:
@@ -216,7 +184,7 @@ class ContourChart(LoneChart):
         assert f is not None
         levels = contour_levels(enoc_map.energy_kwh)
         colours = [CIVIDIS[round(k * (len(CIVIDIS) - 1) / max(len(levels) - 2, 1))] for k in range(len(levels) - 1)]
-        # contours leave holes where nothing is known: those are filled like the dearest energies
+        # contours leave holes where nothing is known: those are filled like the highest energies
         filled = np.clip(np.nan_to_num(enoc_map.energy_kwh, nan=levels[-1]), levels[0], levels[-1] * (1 - 1e-9))
         given = enoc_map.travel_time_s, enoc_map.acceleration_time_s, filled, levels
         if self.contours is not None and len(self.contours.levels) == len(levels):
@@ -263,45 +231,11 @@ def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]
             yield float(time[crossing[-1]]), float(ramp[row])
 
 
-def enoc_curve(trade_off: TradeOff) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the travel times that ENOC takes [s], its energies and the optimal ones [kWh]; empty without ENOC."""
-    frontier, enoc = trade_off.frontier, trade_off.enoc
-    if enoc is None:
-        return np.zeros(0), np.zeros(0), np.zeros(0)
-    taken = np.isfinite(enoc.energy_kwh)
-    return enoc.travel_time_s[taken], enoc.energy_kwh[taken], frontier.energy_kwh[taken]
-
-
-def best_enoc_kwh(trade_off: TradeOff, travel_time_s: float) -> float:
-    """Return ENOC's energy with its best acceleration time [kWh]; the trade-off must have one."""
-    coefficients = trade_off.coefficients
-    assert coefficients is not None
-    best = best_acceleration_time(coefficients, travel_time_s)
-    return float(enoc_energy(coefficients, travel_time_s, best)) / J_PER_KWH
-
-
-def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return travel times [s], acceleration times [s] and energies [kWh] that Ftorek prints for this scenario.
-
-    Table 2, and Table 3 too if `everywhere`; nothing for any other vehicle, line or recuperation.
-    """
-    empty = np.zeros(0)
-    scenario = trade_off.scenario
-    as_in_paper = (
-        scenario.vehicle.preset == "suburban-ftorek"
-        and scenario.line.preset == "flat-5km"
-        and scenario.vehicle.load_factor == 0
-        and scenario.vehicle.drive.recuperation_factor == 1
-    )
-    if not as_in_paper:
-        return empty, empty, empty
-    paper = printed_numbers("ftorek-2025")
-    rows = paper["table_2"] + (paper["table_3"] if everywhere else [])
-    times, ramps, energies = (
-        np.array([row[key] for row in rows], dtype=float)
-        for key in ("travel_time_s", "acceleration_time_s", "total_energy_wh")
-    )
-    return times, ramps, energies / 1000
+def time_ends(trade_off: TradeOff, runs: Iterable[Trajectory]) -> tuple[float, float]:
+    """Return the ends of the axis of travel times [s], on which all runs lie."""
+    shortest = trade_off.frontier.shortest_travel_time_s
+    latest = max(float(trade_off.frontier.travel_time_s[-1]), *(run.travel_time_s for run in runs))
+    return shortest - BEFORE_SHARE * (latest - shortest), latest * 1.005
 
 
 def contour_levels(energy_kwh: FloatArray) -> list[float]:

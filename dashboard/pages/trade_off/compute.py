@@ -6,6 +6,8 @@ import numpy as np
 
 from railjoule.core import Scenario, StrategyRefusedError
 from railjoule.core.arrays import FloatArray
+from railjoule.core.citation import printed_numbers
+from railjoule.core.energy import share_above
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import (
     EnocCoefficients,
@@ -16,7 +18,10 @@ from railjoule.core.strategies.enoc import (
 )
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+Points = tuple[FloatArray, FloatArray, FloatArray]
+"""Travel times [s], acceleration times [s] and energies [kWh]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,16 @@ class EnocMap:
     energy_kwh: FloatArray
     best_acceleration_s: FloatArray
     best_energy_kwh: FloatArray
+
+
+@dataclass(frozen=True)
+class EnocPoint:
+    """One run of ENOC: travel and acceleration time [s], energy [kWh] and maximum speed [km/h]."""
+
+    travel_time_s: float
+    acceleration_time_s: float
+    energy_kwh: float
+    max_speed_kmh: float
 
 
 @dataclass(frozen=True)
@@ -78,6 +93,62 @@ class TradeOff:
     coefficients: EnocCoefficients | None
     enoc_map: EnocMap | None
     refusal: str
+
+    @property
+    def enoc_curve(self) -> Points:
+        """The travel times that ENOC accepts [s], its energies and the optimal ones [kWh]; empty without ENOC."""
+        if self.enoc is None:
+            return np.zeros(0), np.zeros(0), np.zeros(0)
+        accepted = np.isfinite(self.enoc.energy_kwh)
+        return self.enoc.travel_time_s[accepted], self.enoc.energy_kwh[accepted], self.frontier.energy_kwh[accepted]
+
+    @property
+    def enoc_share(self) -> FloatArray:
+        """ENOC's extra energy over the optimum along `enoc_curve` [%]."""
+        _, enoc, optimal = self.enoc_curve
+        return 100 * share_above(enoc, optimal)
+
+    def enoc_point(self, travel_time_s: float, acceleration_time_s: float | None = None) -> EnocPoint | None:
+        """Return ENOC's run in a travel time [s] by its closed form; None without ENOC.
+
+        The acceleration time [s] is the best one where none is given.
+        """
+        form = self.coefficients
+        if form is None:
+            return None
+        ramp = best_acceleration_time(form, travel_time_s) if acceleration_time_s is None else acceleration_time_s
+        energy_kwh = float(enoc_energy(form, travel_time_s, ramp)) / J_PER_KWH
+        return EnocPoint(travel_time_s, ramp, energy_kwh, float(form.cruise_speed_ms(travel_time_s, ramp)) / MS_PER_KMH)
+
+    def enoc_refusal(self, travel_time_s: float) -> str:
+        """Return why ENOC cannot run in a travel time [s], in one sentence; empty if it can."""
+        if self.enoc is None:
+            return f"ENOC {self.refusal}"
+        times = self.frontier.travel_time_s
+        nearest = float(times[np.argmin(np.abs(times - travel_time_s))])
+        reason = dict(self.enoc.refused).get(nearest)
+        return f"Here ENOC ignores limits of the vehicle: for {nearest:.1f} s it {reason}" if reason else ""
+
+    def printed_points(self, everywhere: bool = False) -> Points:
+        """Return the runs that Ftorek 2025 prints for this scenario; none for others.
+
+        Table 2 has real timetables. Table 3, included if `everywhere`, has times up to 5000 s and 3.087 times the
+        copper loss.
+        """
+        vehicle, line = self.scenario.vehicle, self.scenario.line
+        is_in_paper = (
+            vehicle.preset == "suburban-ftorek"
+            and line.preset == "flat-5km"
+            and vehicle.load_factor == 0
+            and vehicle.drive.recuperation_factor == 1
+        )
+        paper = printed_numbers("ftorek-2025") if is_in_paper else {"table_2": [], "table_3": []}
+        rows = paper["table_2"] + (paper["table_3"] if everywhere else [])
+        times, ramps, energies = (
+            np.array([row[key] for row in rows], dtype=float)
+            for key in ("travel_time_s", "acceleration_time_s", "total_energy_wh")
+        )
+        return times, ramps, energies / 1000
 
 
 MAP_SIZE = 80

@@ -5,7 +5,6 @@ from typing import Any
 import numpy as np
 import panel as pn
 
-from railjoule.core.arrays import FloatArray
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.surface import (
     CIVIDIS,
@@ -20,7 +19,7 @@ from railjoule.dashboard.charts.surface import (
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
-from railjoule.dashboard.pages.trade_off.compute import EnocMap
+from railjoule.dashboard.pages.trade_off.compute import EnocMap, EnocPoint, Points, TradeOff
 from railjoule.dashboard.parts import html as parts
 
 POINT_LIFT = 0.012
@@ -46,12 +45,13 @@ class SurfacePane(Chart):
         self.content = parts.stack(pn.pane.HTML(str(title), margin=0, css_classes=["rj-caption"]), self.pane)
         self.figure = self.pane
 
-    def draw(
-        self, enoc_map: EnocMap | None, now: tuple[float, float, float] | None, printed: tuple[FloatArray, ...]
-    ) -> None:
-        """Draw the surface and its points."""
+    def draw(self, trade_off: TradeOff, now: EnocPoint | None) -> None:
+        """Draw the surface, its valley, the present run and the printed ones."""
+        enoc_map = trade_off.enoc_map
         if self.pane is None or enoc_map is None:
             return
+        printed = trade_off.printed_points(everywhere=True)
+        present = [(now.travel_time_s, now.acceleration_time_s, now.energy_kwh)] if now is not None else []
         bottom = float(np.nanmin(enoc_map.energy_kwh))
         top = min(float(np.nanmax(enoc_map.energy_kwh)), TALLEST * bottom)
         self.pane.object = {
@@ -59,7 +59,9 @@ class SurfacePane(Chart):
                 self._surface(enoc_map, bottom, top),
                 self._valley(enoc_map, bottom, top),
                 # above the cut it would float in the air
-                self._points([now] if now and now[2] < top else [], "present run", "accent", "circle", top - bottom),
+                self._points(
+                    [point for point in present if point[2] < top], "present run", "accent", "circle", top - bottom
+                ),
                 self._printed(enoc_map, printed, bottom, top),
             ],
             "layout": scene_layout(
@@ -111,7 +113,7 @@ class SurfacePane(Chart):
             "hoverinfo": "skip",
         }
 
-    def _printed(self, enoc_map: EnocMap, printed: tuple[FloatArray, ...], bottom: float, top: float) -> dict[str, Any]:
+    def _printed(self, enoc_map: EnocMap, printed: Points, bottom: float, top: float) -> dict[str, Any]:
         time, ramp, energy = printed
         inside = (time >= enoc_map.travel_time_s[0]) & (time <= enoc_map.travel_time_s[-1])
         inside &= (

@@ -17,12 +17,7 @@ from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.charts.scene import RunChart, RunScene
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.compare.charts import (
-    ComparedChart,
-    ComparedDifferenceChart,
-    ComparedEnergyChart,
-    ComparedSpeedChart,
-)
+from railjoule.dashboard.pages.compare.charts import PLOTS, ComparedChart
 from railjoule.dashboard.pages.compare.contenders import Contender
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 
@@ -106,9 +101,9 @@ def test_no_name_of_compare_lies_on_anything(name: str, over_time: bool) -> None
     palette = Palette(False)
     axis = Axis(palette)
     axis.fit(max(float((c.run.time_s if over_time else c.run.position_m)[-1]) for c in among), roomy=True)
-    kinds: tuple[type[ComparedChart], ...] = (ComparedSpeedChart, ComparedEnergyChart, ComparedDifferenceChart)
-    for kind, height in zip(kinds, (290, 200, 150), strict=True):
-        chart = kind(height, axis, palette)  # type: ignore[call-arg,arg-type]
+    for plot in (plot for plot in PLOTS if plot.names):
+        chart = plot.made(axis, palette)
+        assert isinstance(chart, ComparedChart)
         chart.width_px = 940.0
         chart.build()
         chart.draw(among, among[0], over_time, narrow=False)

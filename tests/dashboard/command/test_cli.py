@@ -150,7 +150,7 @@ def test_a_trajectory_becomes_csv(capsys, tmp_path):
     result = json.loads(answer(capsys, "solve", "liashenko-ii", "--json", "--trajectory", str(file)))
     header, *rows = file.read_text().splitlines()
     assert header.split(",")[:3] == ["position_m", "time_s", "speed_kmh"]
-    assert len(rows) == result["cells"] + 1 == 299
+    assert len(rows) == result["cells"] + 1 == 300
     last = np.array(rows[-1].split(","), dtype=float)
     assert last[1] == pytest.approx(result["travel_time_s"])
 

@@ -10,11 +10,16 @@ from railjoule.dashboard.state.workbench import Workbench
     ("made", "owner", "field", "other"),
     [
         (over_time_buttons, "", "over_time", True),
-        (lambda state: buttons(state, "compare_all", {"All": True, "Some": False}), "", "compare_all", False),
-        (lambda state: box(state.motor, "precompensator", "On"), "motor", "precompensator", False),
         (
-            lambda state: menu(state.motor, "flux", "Flux", {"a": "constant", "b": "min_loss"}),
-            "motor",
+            lambda state: buttons(state.pages["Compare"], "compare_all", {"All": True, "Some": False}),
+            "Compare",
+            "compare_all",
+            False,
+        ),
+        (lambda state: box(state.pages["Motor"], "precompensator", "On"), "Motor", "precompensator", False),
+        (
+            lambda state: menu(state.pages["Motor"], "flux", "Flux", {"a": "constant", "b": "min_loss"}),
+            "Motor",
             "flux",
             "min_loss",
         ),
@@ -22,7 +27,7 @@ from railjoule.dashboard.state.workbench import Workbench
 )
 def test_widget_and_field_follow_each_other(made, owner: str, field: str, other: object) -> None:
     state = Workbench()
-    model, widget = getattr(state, owner) if owner else state, made(state)
+    model, widget = state.pages[owner] if owner else state, made(state)
     before = getattr(model, field)
     assert widget.value == before
     widget.value = other

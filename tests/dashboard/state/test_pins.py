@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.dashboard.pages.compare.contenders import contenders, reference_of
+from railjoule.dashboard.pages.compare.contenders import contenders, find_reference
 from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -89,24 +89,22 @@ def test_an_empty_name_gives_back_the_first_one(state: Workbench) -> None:
     assert state.pins[0].name == first
 
 
-def test_the_last_pin_is_the_reference_until_another_is_chosen(state: Workbench) -> None:
+def test_the_best_known_run_is_the_reference_until_another_is_chosen(state: Workbench) -> None:
     among = contenders(state)
     assert [contender.key for contender in among] == ["optimal", "fastest"]
-    assert reference_of(state, among).key == "optimal"
+    assert find_reference(state, among).key == "optimal"
+    state.chosen = "fastest"
     state.pin()
-    assert reference_of(state, contenders(state)).key == "pin_1"
-    state.reference = "fastest"
-    assert reference_of(state, contenders(state)).key == "fastest"
+    assert find_reference(state, contenders(state)).key == "optimal"
+    assert find_reference(state, contenders(state), "pin_1").key == "pin_1"
+    assert find_reference(state, contenders(state), "fastest").key == "fastest"
     state.unpin(state.pins[0])
-    state.reference = "pin_1"
-    assert reference_of(state, contenders(state)).key == "optimal"
+    assert find_reference(state, contenders(state), "pin_1").key == "optimal"
 
 
 def test_all_strategies_are_compared_only_over_the_scenario_in_sight(state: Workbench) -> None:
-    state.compared = compute_runs(RunsRequest(state.runs.scenario, ("bellman",)))
-    assert [contender.key for contender in contenders(state)] == ["optimal", "bellman", "fastest"]
-    state.compare_all = False
-    assert [contender.key for contender in contenders(state)] == ["optimal", "fastest"]
-    state.compare_all = True
+    compared = compute_runs(RunsRequest(state.runs.scenario, ("bellman",)))
+    assert [contender.key for contender in contenders(state, compared)] == ["optimal", "bellman", "fastest"]
+    assert [contender.key for contender in contenders(state, compared, only_ticked=True)] == ["optimal", "fastest"]
     state.scenario.load_percent = 10.0
-    assert [contender.key for contender in contenders(solved(state))] == ["optimal", "fastest"]
+    assert [contender.key for contender in contenders(solved(state), compared)] == ["optimal", "fastest"]

@@ -24,7 +24,6 @@ COUNTED = ("Trip", "Printed number, in the order of the tables", "Changes of reg
 CUT = {("contour", "x")} | {
     (name, "y")
     for name in (
-        "frontier",
         "scatter",
         "lesson_price",
         "plane_multiplier",
@@ -67,6 +66,10 @@ def with_a_study(state):
     state.study.param.trigger("start")
 
 
+def with_contours(state):
+    state.pages["Trade-off"].map_view = "contours"
+
+
 SCENARIOS = ("metro-with-limit", "ftorek-300s", "tram-950m-stop")
 
 
@@ -78,7 +81,7 @@ CASES = {
     **{page: [(name, None) for name in SCENARIOS] for page in VIEWS},
     "Start": [("metro-with-limit", None)],
     "Drive": [("metro-with-limit", with_law), ("ftorek-300s", None), ("tram-950m-stop", with_simple_advice)],
-    "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None)],
+    "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None), ("ftorek-300s", with_contours)],
     "Robustness": [("metro-with-limit", None)],
     "Disturbances": [*((name, None) for name in SCENARIOS), ("metro-with-limit", with_live_run)],
     "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],

@@ -132,13 +132,11 @@ def test_prove_further_ends_where_the_proof_aims(desk: Desk, prover: Prover) -> 
     assert not desk.view.proof.button.visible
 
 
-def test_pins_and_compared_runs_have_the_same_bound(desk: Desk, prover: Prover) -> None:
+def test_pins_have_the_same_bound(desk: Desk, prover: Prover) -> None:
     desk.state.pin()
-    desk.state.compared = desk.state.runs
     prover.shares = [0.8]
     desk.state.proof.param.trigger("go_on")
-    bounds = {desk.state.run.bound, desk.state.pins[0].trajectory.bound, desk.state.compared.runs["optimal"].bound}
-    assert len(bounds) == 1
+    assert desk.state.pins[0].trajectory.bound is desk.state.run.bound
 
 
 def test_a_pin_that_is_run_again_has_what_is_proven(desk: Desk) -> None:

@@ -1,0 +1,189 @@
+"""Compare: the strategies of the scenario and the pinned runs side by side."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from panel.viewable import Viewable
+
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.tokens import NARROW_PX
+from railjoule.dashboard.page import Page, Request, shows, study
+from railjoule.dashboard.pages.compare import table
+from railjoule.dashboard.pages.compare.charts import PLOTS, end_of_run
+from railjoule.dashboard.pages.compare.contenders import Contender, contenders, find_reference
+from railjoule.dashboard.pages.page import BODY_CSS
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import buttons, over_time_buttons
+from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
+
+REST_MS = 400
+"""While a slider moves, a study under way would delay the page."""
+IN_TURN = tuple(sorted(STRATEGIES, key=lambda name: STRATEGIES[name].seconds_per_cell))
+"""The slowest come last, as a strategy still under way is abandoned when the next scenario is asked for."""
+TEXT_CSS = padded("0 20px 16px", "0 14px 16px")
+NO_PIN = parts.Markup("<p>Pin up to six runs to compare them here.</p>")
+
+
+class PinRow:
+    """One pinned run: its line, its name to change, and the button that removes it."""
+
+    def __init__(self, desk: Workbench, key: str) -> None:
+        self.desk, self.key, number = desk, key, PIN_KEYS.index(key) + 1
+        self.name = pmui.TextInput(
+            label=f"Name of pinned run {number}",
+            value="",
+            max_length=LONGEST_NAME,
+            variant="standard",
+            size="small",
+            margin=(0, 8),
+            sizing_mode="stretch_width",
+        )
+        self.remove = pmui.Button(
+            label=f"Unpin run {number}", variant="text", size="small", margin=(12, 0, 0, 0), on_click=self._remove
+        )
+        line = {"width": 44, "height": 20, "sizing_mode": "fixed", "margin": (18, 0, 0, 0)}
+        self.view = pn.Row(
+            parts.html_pane(f"{parts.swatch(key)} {number}", **line),
+            self.name,
+            self.remove,
+            margin=0,
+            visible=False,
+            sizing_mode="stretch_width",
+            max_width=620,
+        )
+        self.name.param.watch(self._rename, "value")
+
+    @property
+    def pin(self) -> Pin | None:
+        """The run that is pinned in this row, if any."""
+        return next((pin for pin in self.desk.pins if pin.colour == self.key), None)
+
+    def show(self) -> None:
+        """Show the run that is pinned here."""
+        pin = self.pin
+        self.view.visible = pin is not None
+        if pin is not None:
+            self.name.value = pin.name
+
+    def _rename(self, event: Any) -> None:
+        pin = self.pin
+        if pin is not None and event.new != pin.name:
+            self.desk.rename(pin, event.new or "")
+            # an empty name has become the first one again, which the field does not have yet
+            self.show()
+
+    def _remove(self, *_: Any) -> None:
+        if self.pin is not None:
+            self.desk.unpin(self.pin)
+
+
+class Compare(Page):
+    """All runs of a scenario, and pinned ones of others."""
+
+    page = "Compare"
+    kept = ("compare_all", "reference")
+    aliases = {"compare_all": "compare_all", "reference": "reference"}  # noqa: RUF012
+    passing = ("comparing",)
+    figures = PLOTS
+
+    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
+    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
+    comparing = param.Boolean(default=False, doc="Whether runs of further strategies are under way.")
+    compared = result(Runs, "The runs of all strategies so far.")
+
+    # ---- what it computes
+
+    @study("scenario", "compare_all", into="compared", busy="comparing", rest_ms=REST_MS)
+    def _compared(self) -> Request:
+        if not self.compare_all:
+            return None
+        return compute_runs_in_steps, RunsRequest(self.desk.scenario.scenario(), IN_TURN)
+
+    @property
+    def among(self) -> tuple[Contender, ...]:
+        """The runs to compare, each with the greatest bound that is proven by now."""
+        compared = None if self.compared is None else self.desk.proof.laid_on(self.compared)
+        return contenders(self.desk, compared, only_ticked=not self.compare_all)
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return whether the figures are over time; else they are over distance."""
+        return bool(self.desk.over_time)
+
+    # ---- what it shows
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        self.table, self.pins, self.differences = (parts.html_pane() for _ in range(3))
+        self.menu = pmui.Select(label="Reference run", options=[], size="small", margin=(10, 12, 0, 20), width=290)
+        self.menu.param.watch(self._refer, "value")
+        self._quiet = False
+        some = {"All strategies": True, "Selected only": False}
+        tools = pn.FlexBox(
+            self.menu,
+            buttons(self, "compare_all", some, margin=(16, 12, 0, 20)),
+            over_time_buttons(self.desk, margin=(16, 20, 0, 20)),
+            align_items="flex-start",
+            margin=0,
+            sizing_mode="stretch_width",
+        )
+        self.rows = [PinRow(self.desk, key) for key in PIN_KEYS]
+        figures = parts.stack(*(chart.host for chart in self.host.charts), css=BODY_CSS)
+        pins = parts.stack(self.pins, *(row.view for row in self.rows), self.differences)
+        return parts.stack(self.host.figures, tools, figures, parts.stack(self.table, pins, css=TEXT_CSS))
+
+    def _refer(self, event: Any) -> None:
+        if not self._quiet and event.new:
+            self.reference = event.new
+
+    # not its own failure: it comes from the same scenario as that of the desk
+    @shows("desk.failure", "desk.runs")
+    def _show_failure(self) -> None:
+        run = self.desk.run
+        shown = f"Showing the last feasible runs, {words.number(run.travel_time_s)} s." if run else ""
+        self.host.tell(self.desk.failure, shown)
+
+    @shows(
+        *("desk.runs", "compared", "desk.pins", "desk.ticked", "desk.chosen"),
+        *("compare_all", "desk.over_time", "reference"),
+    )
+    def _show(self) -> None:
+        among, desk = self.among, self.desk
+        if not among or desk.run is None:
+            return
+        reference = find_reference(desk, among, self.reference)
+        narrow, over_time = self.host.browser.window_width < NARROW_PX, desk.over_time
+        self._offer(among, reference)
+        count = len(desk.pins)
+        subtitle = f"{len(among)} runs, {f'{count} of {MOST_PINS} pinned' if count else 'none pinned'}"
+        self.host.heading.object = parts.heading(self.page, desk.run.scenario.title, subtitle, "")
+        self._show_table()
+        self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if count else NO_PIN)
+        for row in self.rows:
+            row.show()
+        self.differences.object = table.scenario_differences(desk.pins, reference)
+        self.host.axis.fit(max(end_of_run(one.run, over_time) for one in among), roomy=not narrow)
+        self.host.draw(PLOTS, among, reference, over_time, narrow)
+
+    def _offer(self, among: tuple[Contender, ...], reference: Contender) -> None:
+        """Offer every run as the reference."""
+        self._quiet = True
+        self.menu.param.update(options={one.name: one.key for one in among}, value=reference.key)
+        self._quiet = False
+
+    # a greater bound changes only numbers, and no line is drawn again for it
+    @shows("desk.tightened", "comparing")
+    def _show_table(self) -> None:
+        among, desk = self.among, self.desk
+        if among:
+            reference = find_reference(desk, among, self.reference)
+            known = self.compared if self.compare_all and self.compared is not None else desk.runs
+            refused = {} if known is None else known.refused
+            self.host.figures.object = table.answer(among, reference, so_far=self.comparing)
+            self.table.object = table.comparison_table(among, reference) + table.refusals(refused)
