@@ -28,11 +28,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import param
 from panel.viewable import Viewable
-from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.dashboard.charts.plot import Plot, RunPlot
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state import numbers
+from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.program import SOLVE, PageRun
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 Request = tuple[Any, ...] | None
 """A function and its arguments, which must tell by `==` whether they ask for the same; None where nothing is asked."""
 Method = TypeVar("Method", bound=Callable[..., Any])
+keyed = numbers.keyed
+"""A field for a key of the scenario's file."""
 
 
 @dataclass(frozen=True)
@@ -164,26 +166,6 @@ def shows(*names: str) -> Callable[[Method], Method]:
         return draw
 
     return decorate
-
-
-def keyed(part: type[BaseModel], key: str, label: str, unit: str = "", digits: int = 0, **params: Any) -> Any:
-    """Return a parameter for a key of the scenario's file, with the bounds, the default and the words of the core.
-
-    Parameters
-    ----------
-    part : type
-        The part of the scenario that has the key.
-    key : str
-    label, unit, digits
-        As for `TypedNumber`; the unit follows the label.
-    **params
-        As for any number, in place of what the core says.
-    """
-    field = part.model_fields[key]
-    whole = isinstance(field.default, int) and not isinstance(field.default, bool)
-    kind = TypedInteger if whole else TypedNumber
-    told = {"default": field.default, "doc": field.description or "", **core_bounds(part, key)}
-    return kind(f"{label}, {unit}" if unit else label, unit, digits, **{**told, **params})
 
 
 class Page(TypedParameters, PageModel):

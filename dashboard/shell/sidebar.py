@@ -11,7 +11,6 @@ from panel.viewable import Viewable
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario, preset_names
 from railjoule.core.strategies.enoc import best_acceleration_time
-from railjoule.dashboard.actual.fields import ActualFields
 from railjoule.dashboard.browser.messages import added_to, unfrozen
 from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
@@ -20,6 +19,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.fields import EventFields
+from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.speed_limits.fields import SectionFields

@@ -7,8 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.dashboard.actual.event import TABLES
-from railjoule.dashboard.actual.model import actual_changes, event_changes
+from railjoule.dashboard.day import NO_EVENTS
 from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
@@ -24,7 +23,6 @@ VALIDATION = Program(
     "validate",
     of_scenario=False,
 )
-NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
 
 
 def page_run(state: Workbench) -> PageRun:
@@ -38,14 +36,14 @@ def _plan(state: Workbench) -> PageRun:
 
 
 def _drive(state: Workbench) -> PageRun:
-    if not state.actual.on:
+    if not state.day.on:
         return _plan(state)
-    return _actual_run(state, {"strategy": state.chosen_now, **actual_changes(state)})
+    return _actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
 
 
 def _disturbances(state: Workbench) -> PageRun:
     # not `chosen_now`: the work behind this page asks for the chosen strategy, and the page tells its refusal
-    return _actual_run(state, {"strategy": state.chosen, **event_changes(state)})
+    return _actual_run(state, {"strategy": state.chosen, **state.day.event_changes})
 
 
 def _actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
@@ -64,7 +62,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
     day, measured = state.scenario.edited.disturbance, state.scenario.edited.simulation
     load = changes.get("disturbance.actual_load_factor", day.actual_load_factor)
     return (
-        not state.disturbances.events
+        not state.day.events
         and load in {None, state.scenario.load_percent / 100}
         and changes.get("disturbance.coordinate_error_m", day.coordinate_error_m) == 0
         and changes.get("simulation.speed_error", measured.speed_error) == 0
@@ -77,7 +75,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
 def _robustness(state: Workbench) -> PageRun:
     # the page leaves the events of a file to Disturbances; the command drives all that a file names
     events = NO_EVENTS if state.scenario.edited.disturbance.events else {}
-    return PageRun(FOLLOWING, {"strategy": state.chosen, **_followed(state), **events, **state.robustness.changes})
+    return PageRun(FOLLOWING, {"strategy": state.chosen, **_followed(state), **events, **state.day.conditions})
 
 
 def _followed(state: Workbench) -> Mapping[str, Any]:

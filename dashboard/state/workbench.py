@@ -10,7 +10,7 @@ from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.trajectory import Bound
-from railjoule.dashboard.actual.model import ActualModel
+from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.page_list import PAGES, page_classes, room_of
@@ -102,10 +102,10 @@ class Workbench(Kept, PageModel):
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
+        self.day = Day(self.scenario)
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
         self.live = LiveModel()
-        self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
         self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()

@@ -25,8 +25,8 @@ def test_events_follow_edited_disturbances(state: Workbench) -> None:
     Disturbances(state)
     stop = {"position_m": 0.5, "duration_s": 9.0}
     state.scenario.edit({"disturbance.stops": [stop], "disturbance.accepted_delay_s": 7200.0})
-    (event,) = state.disturbances.events
-    assert (event.position_m, event.duration_s, state.disturbances.accepted_delay_s) == (0.5, 9.0, 7200.0)
+    (event,) = state.day.events
+    assert (event.position_m, event.duration_s, state.day.accepted_delay_s) == (0.5, 9.0, 7200.0)
 
 
 def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> None:
@@ -38,4 +38,4 @@ def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> Non
             "simulation.reset_sensor_m": 250.0,
         }
     )
-    assert (state.robustness.coordinate_error_m, state.robustness.reset_sensor_m) == (-7.0, 250.0)
+    assert (state.day.coordinate_error_m, state.day.reset_sensor_m) == (-7.0, 250.0)

@@ -8,7 +8,6 @@ from bokeh.events import Tap
 
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.actual.event import EventModel, event_sign
 from railjoule.dashboard.charts.chart import Axis, nice_range, points, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
@@ -23,6 +22,7 @@ from railjoule.dashboard.charts.run_lines import (
     add_tint,
     ends_of,
 )
+from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.compute import LateArrivals
@@ -84,7 +84,7 @@ class RideSpeedChart(RunLines):
             x=[event.position_m for event in shown],
             # at three heights by turns, as events may be close to each other
             y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
-            text=[event_sign(event) for event in shown],
+            text=[event.sign for event in shown],
         )
         limits = [event for event in shown if event.kind == "limit"]
         self.put(

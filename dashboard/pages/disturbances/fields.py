@@ -5,7 +5,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.actual.event import KIND_WORDS, EventModel
+from railjoule.dashboard.day import KIND_WORDS, EventModel
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import NumberField
@@ -24,7 +24,7 @@ class EventFields:
     """The fields of all events; in sight on Disturbances alone."""
 
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.disturbances
+        self.state, self.model = state, state.day
         self.list = stack()
         adders = [
             pmui.Button(

@@ -9,7 +9,7 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import UnplannedLimit, UnplannedStop, VoltageChange
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.live import LiveRun
-from railjoule.dashboard.actual.event import FIRST_STOP_S
+from railjoule.dashboard.day import FIRST_STOP_S
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
 from railjoule.dashboard.state.page_model import PageModel, result
 

@@ -21,7 +21,7 @@ from railjoule.core.simulation.live import (
     start_run,
     wait_longer,
 )
-from railjoule.dashboard.actual.event import event_model
+from railjoule.dashboard.day import event_model
 from railjoule.dashboard.pages.disturbances.live_model import LiveModel, LiveResult
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
@@ -156,13 +156,18 @@ class Live(PageWork[LiveModel]):
         if self.model.run is not None:
             self.model.param.update(on=False, playing=False)
             events = [event_model(event) for event in events_to_keep(self.model.run)]
-            self.state.disturbances.param.update(events=events, as_driver=False)
+            accepted_s = self.state.day.accepted_delay_s
+            self.state.day.events = events
+            # the events alone: a delay of the driver was not accepted while the run played
+            self.state.disturbances.as_driver = False
+            self.state.day.accepted_delay_s = accepted_s
+            self.state.day.param.trigger("changed")
 
     def _ask(self, *_: Any) -> None:
         if not (self.in_sight and self.model.on):
             self.model.playing = False
             return
-        accepted = {"disturbance.accepted_delay_s": float(self.state.disturbances.accepted_delay_s)}
+        accepted = {"disturbance.accepted_delay_s": float(self.state.day.accepted_delay_s)}
         scenario = self.state.scenario.scenario().replace(strategy=self.state.chosen, **accepted)
         if self.is_new(scenario):
             self._drop()

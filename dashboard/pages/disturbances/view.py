@@ -8,7 +8,6 @@ from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.simulation.disturbances import DisturbedRun
-from railjoule.dashboard.actual.model import add_stop
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.driven import reality_words
 from railjoule.dashboard.look import comparisons, words
@@ -70,7 +69,7 @@ class DisturbancesView(PageView):
             size="small",
             margin=(8, 0, 0, 12),
             height=28,
-            on_click=lambda _: add_stop(state),
+            on_click=lambda _: state.day.add_stop(),
         )
         self.invitation = parts.html_pane(
             parts.markup('<p role="status" style="padding:10px 20px 0;font-size:13.5px">{}</p>', NO_EVENT),
@@ -89,7 +88,7 @@ class DisturbancesView(PageView):
         self.live = LivePart(state, palette, HEIGHTS["live_speed"][0])
         lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)
         body = parts.stack(self.speed.host, self.energy.host, lower, css=BODY_CSS)
-        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
+        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure"]), (state.day, ["events"]))
         self.shows(self._show_late, (model, ["late"]))
         self.before = parts.stack(self.message, self.invitation, self.figures, tools, body)
         live = state.live
@@ -115,7 +114,7 @@ class DisturbancesView(PageView):
         return self.speed, self.energy, self.late, self.live.chart
 
     def _drop(self, place_m: float) -> None:
-        self.model.drop(self.model.dropping, place_m)
+        self.state.day.drop(self.model.dropping, place_m)
 
     def settle(self) -> None:
         """Tell the cursor of the rides that it may meet new charts."""
@@ -125,7 +124,7 @@ class DisturbancesView(PageView):
     def _show(self) -> None:
         rides = self.model.rides
         self.tell(self.model.failure, "Shown: the last runs that could be computed." if rides is not None else "")
-        none = not self.model.events
+        none = not self.state.day.events
         self.invitation.visible, self.figures.visible = none, not none
         self.reactions.visible = self.late.host.visible = not none
         if rides is None:
@@ -134,7 +133,7 @@ class DisturbancesView(PageView):
         runs = {"undisturbed": rides.undisturbed} if none else drawn(rides)
         ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
         self.axis.fit(float(max(ends)), roomy=False)
-        self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
+        self.speed.show(partial(self.speed.draw, runs, list(self.state.day.events), over_time))
         self.energy.show(partial(self.energy.draw, runs, over_time))
         self._draw_late(rides)
         self._show_texts(rides)
@@ -155,7 +154,7 @@ class DisturbancesView(PageView):
         scenario = planned.scenario
         what = (
             f"{words.distance(planned.distance_m)} km in {words.time(scenario.travel_time_s)} s, "
-            f"{len(self.model.events) or 'no'} event{'' if len(self.model.events) == 1 else 's'} on the way, "
+            f"{len(self.state.day.events) or 'no'} event{'' if len(self.state.day.events) == 1 else 's'} on the way, "
             f"planned with: {words.STRATEGY_WORDS[planned.strategy]}{self._day()}"
         )
         self.heading.object = parts.heading(self.page, scenario.title, what, "")
@@ -166,9 +165,9 @@ class DisturbancesView(PageView):
 
     def _day(self) -> str:
         """Return what else differs from the plan, where the actual run on Drive is switched on."""
-        if not self.state.actual.on:
+        if not self.state.day.on:
             return ""
-        reality = self.state.robustness
+        reality = self.state.day
         return f"; {reality_words(reality.actual_load_percent / 100, reality.coordinate_error_m)} as on Drive"
 
     def _cells(self, rides: Rides) -> list[str]:

@@ -3,8 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
-from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
-from railjoule.dashboard.actual.model import event_changes
+from railjoule.dashboard.day import FOLLOWING, LOAD_AND_POSITION
 from railjoule.dashboard.pages.disturbances.compute import (
     LateArrivals,
     Rides,
@@ -13,12 +12,10 @@ from railjoule.dashboard.pages.disturbances.compute import (
     compute_rides,
 )
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
-from railjoule.dashboard.state.page_work import Items, PageWork
+from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
-
-NUMBERS = ("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
 
 
 class Disturbances(PageWork[DisturbancesModel]):
@@ -37,17 +34,15 @@ class Disturbances(PageWork[DisturbancesModel]):
         self.late = self.study(compute_late_arrivals, self._take_late)
         self._request: RidesRequest | None = None
         self._drawn: RidesRequest | None = None
-        self._events = Items(lambda *_: self.model.param.trigger("changed"))
-        state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
+        self.day = state.day
+        # before a press adds the first one
+        self._count = len(self.day.events)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
-        self.model.param.watch(self._watch_events, "events")
-        self.model.param.watch(self._take_delay, "accepted_delay_s")
-        self.model.param.watch(self._ask, "changed")
-        # with it the rides have the load and the position error of the day, too: `event_changes`
-        state.actual.param.watch(self._ask, "on")
-        state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
-        self.model.take(state.scenario.edited)
+        self.day.param.watch(self._watch_events, "events")
+        self.day.param.watch(self._take_delay, "accepted_delay_s")
+        # with `on` the rides have the load and the position error of the day, too: `event_changes`
+        self.day.param.watch(self._ask, ["changed", "on", *LOAD_AND_POSITION, *FOLLOWING])
 
     def forget(self, *_: Any) -> None:
         """Forget what was asked for and end it, as the scenario has gone."""
@@ -56,10 +51,13 @@ class Disturbances(PageWork[DisturbancesModel]):
         self._request = self._drawn = None
 
     def _watch_events(self, *_: Any) -> None:
-        self._events.follow(self.model.events, lambda _: NUMBERS)
+        # flat out, each reaction would arrive at another time, and their energies would not compare
+        if not self._count and self.day.events and self.day.accepted_delay_s == 0:
+            self.model.as_driver = True
         # an event that is added on Drive must not change its numbers once this page is opened
         if not self.in_sight:
             self.model.as_driver = False
+        self._count = len(self.day.events)
         self._ask()
 
     def _take_delay(self, *_: Any) -> None:
@@ -72,7 +70,7 @@ class Disturbances(PageWork[DisturbancesModel]):
         if not self.in_sight:
             self.rest()
             return
-        changes = {"strategy": self.state.chosen, **event_changes(self.state)}
+        changes = {"strategy": self.state.chosen, **self.day.event_changes}
         if self.model.as_driver:
             # what is accepted follows from the rest
             changes["disturbance.accepted_delay_s"] = 0.0
@@ -94,10 +92,10 @@ class Disturbances(PageWork[DisturbancesModel]):
     def _take_rides(self, rides: Rides) -> None:
         if rides.as_driver and self.model.as_driver:
             with self.quiet():
-                self.model.accepted_delay_s = rides.accepted_s
+                self.day.accepted_delay_s = rides.accepted_s
         self.model.param.update(rides=rides, failure=None)
         curve = self._curve()
-        if not self.model.events:
+        if not self.day.events:
             self._drawn = self.model.late = None
         elif curve is not None and curve != self._drawn:
             self._drawn = curve

@@ -5,9 +5,9 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.actual.follower import SENSOR_ERRORS, SENSOR_FIELDS
+from railjoule.dashboard.day import CHANCE, SENSOR_ERRORS, SENSOR_FIELDS
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.robustness.model import CHANCE_FIELDS, FULL_RUNS, ROBUST_FIELDS
+from railjoule.dashboard.pages.robustness.model import FULL_RUNS, ROBUST_FIELDS
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, number_fields, tie
 from railjoule.dashboard.state.workbench import Workbench
@@ -17,39 +17,39 @@ class RealityFields:
     """Fields for actual conditions, sensors and Monte Carlo; in sight on Robustness alone."""
 
     def __init__(self, state: Workbench) -> None:
-        self.state, model = state, state.robustness
+        self.state, model, day = state, state.robustness, state.day
         self.braking = pmui.Checkbox(
             label="Brake along the target curve",
-            value=model.target_braking,
+            value=day.target_braking,
             size="small",
             margin=(0, 16, 0, 14),
             sx={"& .MuiTypography-root": {"fontSize": "13px"}},
         )
         self.drawing = _Study(state, f"Run {words.number(FULL_RUNS, 0)}", "Stop", "draw_all", "stop_drawing")
         self.search = _Study(state, "Find the robust plan", "Cancel", "find_robust", "stop_search")
-        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS, *SENSOR_ERRORS), visible=model.target_braking)
+        self.sensors = stack(*number_fields(day, *SENSOR_FIELDS, *SENSOR_ERRORS), visible=day.target_braking)
         self.view = stack(
             html_pane('<div class="section">Actual conditions <span>\u00b7 the framed cell</span></div>'),
-            LoadField(model, "actual_load_percent", ["most_load_percent"]),
-            *number_fields(model, "coordinate_error_m", "speed_error_percent"),
+            LoadField(day, "actual_load_percent", ["most_load_percent"]),
+            *number_fields(day, "coordinate_error_m", "speed_error_percent"),
             html_pane('<div class="section">Braking sensors <span>\u00b7 metres before the stop</span></div>'),
             self.braking,
             self.sensors,
             html_pane('<div class="section">Monte Carlo <span>\u00b7 normal, resistance log-normal</span></div>'),
-            *number_fields(model, *CHANCE_FIELDS),
+            *number_fields(day, *CHANCE),
             self.drawing.view,
             html_pane('<div class="section">Robust plan <span>\u00b7 on time under these draws</span></div>'),
             *number_fields(model, *ROBUST_FIELDS),
             self.search.view,
             html_pane('<hr class="rule">'),
         )
-        tie(self.braking, model, "target_braking")
-        model.param.watch(self._show_sensors, "target_braking")
+        tie(self.braking, day, "target_braking")
+        day.param.watch(self._show_sensors, "target_braking")
         model.param.watch(self._show_progress, ["chance", "drawing", "robust", "searching"])
 
     def _show_sensors(self, *_: Any) -> None:
         # without the target curve nothing depends on them
-        self.sensors.visible = self.state.robustness.target_braking
+        self.sensors.visible = self.state.day.target_braking
 
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness

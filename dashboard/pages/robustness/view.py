@@ -161,7 +161,7 @@ class RobustnessView(PageView):
         self._fit()
 
     def _choose(self, load_factor: float, error_m: float) -> None:
-        self.model.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)
+        self.state.day.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""

@@ -6,7 +6,7 @@ from typing import Any
 from railjoule.core import Scenario
 from railjoule.core.studies.braking_sensors import BrakingSensors
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
+from railjoule.dashboard.day import CHANCE, FOLLOWING, LOAD_AND_POSITION
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,
     RealityRequest,
@@ -20,7 +20,6 @@ from railjoule.dashboard.pages.robustness.compute import (
     compute_table,
 )
 from railjoule.dashboard.pages.robustness.model import (
-    CHANCE_FIELDS,
     FULL_RUNS,
     PREVIEW_RUNS,
     ROBUST_FIELDS,
@@ -60,13 +59,12 @@ class Robustness(PageWork[RobustnessModel]):
         self._all = False
         self._sought: RobustRequest | None = None
         self._waiting: dict[str, Any] = {}
-        state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
-        state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
-        self._take_crush_load()
+        state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
-        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *ROBUST_FIELDS, *TABLE_FIELDS])
+        state.day.param.watch(self._ask, [*LOAD_AND_POSITION, *FOLLOWING, *CHANCE])
+        self.model.param.watch(self._ask, [*ROBUST_FIELDS, *TABLE_FIELDS])
         self.model.param.watch(self._draw_all, "draw_all")
         self.model.param.watch(self._stop, "stop_drawing")
         self.model.param.watch(self._find_robust, "find_robust")
@@ -81,15 +79,12 @@ class Robustness(PageWork[RobustnessModel]):
         self._drop_robust()
         self._waiting.clear()
 
-    def _take_crush_load(self, *_: Any) -> None:
-        self.model.most_load_percent = self.state.scenario.most_load_percent
-
     def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
         return {"strategy": self.state.chosen, **changes}
 
     def _draws(self, scenario: Scenario, runs: int) -> RealityRequest:
         """Return the request for what chance draws."""
-        return RealityRequest(scenario, self._with_strategy({**self.model.chance_changes(runs), **NOTHING_WRONG}))
+        return RealityRequest(scenario, self._with_strategy({**self.state.day.chance_changes(runs), **NOTHING_WRONG}))
 
     def _ask(self, *_: Any) -> None:
         """Ask for what the last change concerns, and only while the page is in sight.
@@ -166,7 +161,9 @@ class Robustness(PageWork[RobustnessModel]):
 
     def _robust_request(self) -> RobustRequest:
         model = self.model
-        changes = self._with_strategy({**model.robust_changes(ROBUST_RUNS), **NOTHING_WRONG})
+        accepted = {"disturbance.accepted_delay_s": float(model.accepted_delay_s)}
+        draws = self.state.day.chance_changes(ROBUST_RUNS)
+        changes = self._with_strategy({**draws, **accepted, **NOTHING_WRONG})
         reality = RealityRequest(self.state.scenario.scenario(), changes)
         return RobustRequest(reality, model.probability_percent / 100, model.candidates)
 

@@ -86,9 +86,9 @@ def test_a_change_is_noted_with_its_runs_but_not_with_each_of_many(
 def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
     keeping = Keeping(state, Lifeline())
     keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
-    assert (state.scenario.preset, state.scenario.load_percent, state.robustness.seed) == ("liashenko-i", 30, 7)
+    assert (state.scenario.preset, state.scenario.load_percent, state.day.seed) == ("liashenko-i", 30, 7)
     assert state.notice == "Parts of the link were ignored: load is not known."
-    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7"
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&day.seed=7"
     assert not keeping.can_undo
 
 

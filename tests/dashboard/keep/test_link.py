@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.keep.former_keys import FORMER_KEYS
 from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
@@ -94,6 +95,31 @@ def test_what_cannot_be_opened_is_told(query: str, told: str) -> None:
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
     read = read_link("?utm_source=mail&page=Speed+limits&load_percent=20")
     assert (read.snapshot, read.refusal) == ({"page": "Speed limits", "load_percent": 20}, "")
+
+
+@pytest.mark.parametrize(
+    ("query", "snapshot"),
+    [
+        ("robustness.seed=7&robustness.actual_load_percent=80", {"day.seed": 7, "day.actual_load_percent": 80}),
+        (
+            "actual.on=true&actual.reaction=known&disturbances.accepted_delay_s=5",
+            {"day.on": True, "day.reaction": "known", "day.accepted_delay_s": 5},
+        ),
+        (
+            "disturbances.events=" + quote('[{"kind":"stop","position_m":500}]'),
+            {"day.events": [{"kind": "stop", "position_m": 500}]},
+        ),
+    ],
+)
+@pytest.mark.parametrize("version", ["v=1&", ""])
+def test_a_link_with_earlier_keys_opens(query: str, snapshot: dict[str, object], version: str) -> None:
+    read = read_link(f"?{version}{query}")
+    assert (read.snapshot, read.refusal) == (snapshot, "")
+
+
+def test_every_earlier_key_has_a_field() -> None:
+    assert set(FORMER_KEYS.values()) <= set(KEYS)
+    assert not set(FORMER_KEYS) & set(KEYS)
 
 
 def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:

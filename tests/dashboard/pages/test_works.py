@@ -67,7 +67,7 @@ class Desk:
         self.work = made(self.state)
         found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
         self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
-        self.state.actual.on = True
+        self.state.day.on = True
         if made.__name__ == "MeasuredRuns":
             try_example(self.state)
         if made.__name__ == "Imports":

@@ -13,11 +13,10 @@ import pytest
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.studies.sweep import make_study, sweep
-from railjoule.dashboard.actual.model import as_planned
-from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.line.work import WholeLines
@@ -65,14 +64,14 @@ def drive_enoc(state: Workbench) -> None:
 
 
 def meet_a_stop(state: Workbench) -> None:
-    state.actual.on = True
-    state.robustness.actual_load_percent = 80.0
-    state.disturbances.drop("stop", 500.0)
+    state.day.on = True
+    state.day.actual_load_percent = 80.0
+    state.day.drop("stop", 500.0)
 
 
 def have_the_day_as_planned(state: Workbench) -> None:
-    state.actual.on = True
-    as_planned(state)
+    state.day.on = True
+    state.day.as_planned()
 
 
 def set_limits(state: Workbench) -> None:
@@ -97,7 +96,7 @@ def fix_an_arrival(state: Workbench) -> None:
 CASES = (
     Case("Start", "liashenko-i", plan, prepare=slide),
     Case("Drive", "liashenko-i", plan, prepare=slide),
-    Case("Drive", "liashenko-i", lambda s: s.actual.run.actual, prepare=meet_a_stop, name="actual run"),
+    Case("Drive", "liashenko-i", lambda s: s.day.run.actual, prepare=meet_a_stop, name="actual run"),
     Case("Compare", "liashenko-i", plan, prepare=drive_fastest),
     Case("Trade-off", "liashenko-0", plan, prepare=drive_enoc),
     Case("Robustness", "tram-950m-stop", lambda s: s.robustness.reality.following.actual),
@@ -119,7 +118,7 @@ CASES = (
     Case(
         "Drive",
         "tram-950m-stop",
-        lambda s: s.actual.run.actual,
+        lambda s: s.day.run.actual,
         prepare=have_the_day_as_planned,
         name="actual run as planned",
     ),

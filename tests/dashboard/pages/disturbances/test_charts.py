@@ -4,6 +4,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.day import Day
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.charts import LateChart, RideSpeedChart, saved_by
@@ -13,17 +14,22 @@ from railjoule.dashboard.pages.disturbances.compute import (
     compute_late_arrivals,
     compute_rides,
 )
-from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.disturbances.view import DisturbancesView, drawn
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.state.workbench import Workbench
+
+
+def tram_stop() -> Day:
+    scenario = ScenarioModel()
+    scenario.choose("tram-950m-stop")
+    return Day(scenario)
 
 
 @pytest.fixture(scope="module")
 def asked() -> RidesRequest:
-    model = DisturbancesModel()
-    model.take(load_scenario("tram-950m-stop"))
-    return RidesRequest(load_scenario("tram-950m-stop"), model.changes)
+    model = tram_stop()
+    return RidesRequest(load_scenario("tram-950m-stop"), model.event_tables)
 
 
 def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> None:
@@ -32,8 +38,7 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> No
     chart = RideSpeedChart(300, Axis(palette), palette, dropped.append)
     chart.axis.fit(950.0, roomy=False)
     chart.build()
-    model = DisturbancesModel()
-    model.take(load_scenario("tram-950m-stop"))
+    model = tram_stop()
     runs = drawn(compute_rides(asked))
 
     class Press:

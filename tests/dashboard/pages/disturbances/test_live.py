@@ -41,7 +41,7 @@ def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
     played = model.ended.live
     model.param.trigger("keep_events")
     assert not model.on
-    (event,) = state.disturbances.events
+    (event,) = state.day.events
     assert (event.kind, event.position_m, event.duration_s) == ("stop", 900.0, pytest.approx(15.0))
     replanned = state.disturbances.rides.rides["computer"]
     assert replanned.actual.energy_kwh == pytest.approx(played.actual.energy_kwh, rel=1e-6)

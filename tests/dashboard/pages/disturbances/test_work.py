@@ -16,14 +16,14 @@ def state() -> Workbench:
     # without an event there is the plan, and nothing to catch up
     assert state.disturbances.rides is not None
     assert state.disturbances.late is None
-    state.disturbances.drop("stop", 433.0)
+    state.day.drop("stop", 433.0)
     return state
 
 
 def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     model = state.disturbances
     before = model.rides
-    model.events[0].duration_s = 35.0
+    state.day.events[0].duration_s = 35.0
     assert model.rides is not before
     standing = np.diff(model.rides.rides["known"].actual.time_s)
     assert standing.max() == pytest.approx(35.0)
@@ -31,12 +31,12 @@ def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
 
 def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbench) -> None:
     model = state.disturbances
-    before, place = model.rides, model.events[0].position_m
-    model.events[0].position_m = 5000.0
+    before, place = model.rides, state.day.events[0].position_m
+    state.day.events[0].position_m = 5000.0
     assert isinstance(model.failure, ScenarioError)
     assert "must lie before the end of the line" in str(model.failure)
     assert model.rides is before
-    model.events[0].position_m = place
+    state.day.events[0].position_m = place
     assert model.failure is None
 
 
@@ -46,29 +46,29 @@ def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:
     Disturbances(state)
     state.page = "Disturbances"
     model = state.disturbances
-    model.drop("stop", 1200.0)
-    model.events[0].param.update(duration_s=20.0, noticed_at_m=900.0)
+    state.day.drop("stop", 1200.0)
+    state.day.events[0].param.update(duration_s=20.0, noticed_at_m=900.0)
     rides = model.rides.rides
     # `simulate_disturbances` gives the driver 19.184 s with this stop and no accepted delay
-    assert model.accepted_delay_s == model.rides.accepted_s == 19.2
+    assert state.day.accepted_delay_s == model.rides.accepted_s == 19.2
     assert all(ride.delay_s == pytest.approx(19.2, abs=0.01) for ride in rides.values())
     driver, replanned, known = (rides[one].actual.energy_kwh for one in ("driver", "computer", "known"))
     assert driver > replanned > known
     # it follows the event until it is set by hand
-    model.events[0].duration_s += 10.0
-    assert model.accepted_delay_s == pytest.approx(29.2, abs=0.2)
-    model.accepted_delay_s = 5.0
-    model.events[0].duration_s += 10.0
-    assert model.accepted_delay_s == 5.0
+    state.day.events[0].duration_s += 10.0
+    assert state.day.accepted_delay_s == pytest.approx(29.2, abs=0.2)
+    state.day.accepted_delay_s = 5.0
+    state.day.events[0].duration_s += 10.0
+    assert state.day.accepted_delay_s == 5.0
     assert model.rides.rides["driver"].delay_s > 30.0
 
 
 def test_an_event_that_is_added_on_drive_leaves_the_accepted_delay() -> None:
     state = Workbench()
     Disturbances(state)
-    state.disturbances.drop("stop", 1200.0)
+    state.day.drop("stop", 1200.0)
     state.page = "Disturbances"
-    assert state.disturbances.accepted_delay_s == 0.0
+    assert state.day.accepted_delay_s == 0.0
 
 
 def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
@@ -83,7 +83,7 @@ def test_a_limit_on_the_shipped_tram_is_possible() -> None:
     state.scenario.choose("tram-950m")
     assert state.chosen == "phases"
     state.page = "Disturbances"
-    state.disturbances.drop("limit", 475.0)
+    state.day.drop("limit", 475.0)
     model = state.disturbances
     assert model.failure is None
     assert model.rides is not None

@@ -23,7 +23,7 @@ def state() -> Workbench:
 
 def test_the_run_is_the_framed_cell(state: Workbench) -> None:
     model = state.robustness
-    model.param.update(actual_load_percent=100.0, coordinate_error_m=10.0)
+    state.day.param.update(actual_load_percent=100.0, coordinate_error_m=10.0)
     cell = model.table.energy_kwh[-1, list(model.table.coordinate_error_m).index(10.0)]
     assert model.reality.following.actual.energy_kwh == pytest.approx(cell, rel=1e-12)
 
@@ -31,7 +31,7 @@ def test_the_run_is_the_framed_cell(state: Workbench) -> None:
 def test_another_reality_leaves_table_and_chance(state: Workbench) -> None:
     model = state.robustness
     table, chance, reality = model.table, model.chance, model.reality
-    model.coordinate_error_m = -7.0
+    state.day.coordinate_error_m = -7.0
     assert model.reality is not reality
     assert model.table is table
     assert model.chance is chance
@@ -57,37 +57,37 @@ def test_the_table_covers_both_directions_on_request(state: Workbench) -> None:
 def test_a_setting_out_of_order_is_told_and_the_last_run_stays(state: Workbench) -> None:
     model = state.robustness
     reality = model.reality
-    model.stop_sensor_m = 290.0
+    state.day.stop_sensor_m = 290.0
     assert isinstance(model.failure, ScenarioError)
     assert model.reality is reality
-    model.stop_sensor_m = 15.0
+    state.day.stop_sensor_m = 15.0
     assert model.failure is None
     with pytest.raises(ValueError, match=r"^At most 120, the vehicle's crush load\.$"):
-        model.parse("actual_load_percent", "121")
+        state.day.parse("actual_load_percent", "121")
     assert model.table.done == model.table.energy_kwh.size
 
 
 def test_another_seed_draws_anew(state: Workbench) -> None:
     model = state.robustness
     before = model.chance.energy_kwh
-    model.seed = 5
+    state.day.seed = 5
     assert not np.array_equal(model.chance.energy_kwh, before)
 
 
 def test_the_stopping_errors_follow_the_fields_of_the_sensors(state: Workbench) -> None:
     model = state.robustness
     stops, chance = model.stops, model.chance
-    model.sensor_deviation_m = 1.0
+    state.day.sensor_deviation_m = 1.0
     assert model.stops.spread_with.deviation_m == pytest.approx(2 * stops.spread_with.deviation_m, rel=0.1)
     assert model.stops.spread_without.deviation_m == stops.spread_without.deviation_m
     assert model.chance is not chance
     text = stop_table(model.stops)
     assert words.number(model.stops.spread_with.half_width_m, 2) in text
     # an error of D3 is one of the stop, of the run in sight as of all that are drawn
-    model.d3_error_m = 0.8
+    state.day.d3_error_m = 0.8
     assert model.reality.following.stop_error_m == pytest.approx(0.8, abs=1e-6)
     assert model.stops.spread_with.mean_m == pytest.approx(0.8, abs=0.1)
-    model.param.update(sensor_deviation_m=0.5, d3_error_m=0.0)
+    state.day.param.update(sensor_deviation_m=0.5, d3_error_m=0.0)
 
 
 def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
@@ -112,7 +112,7 @@ def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
     assert f"the robust plan is on time in {share} %: enough." in section.text.object
     assert section.candidates.sources["robust"].data["x"] == [100 * found.chosen.drawn.share_on_time]
     # another position error is that of the run above, and not of the draws
-    model.coordinate_error_m = 3.0
+    state.day.coordinate_error_m = 3.0
     assert model.robust.found is found
     model.probability_percent = 99.0
     assert model.robust is None
@@ -121,6 +121,6 @@ def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
     assert model.failure is None
     section.show(model.robust)
     assert "is reached by none of 5 plans" in section.text.object
-    model.seed = 6
+    state.day.seed = 6
     section.show(model.robust)
     assert not section.view.visible

@@ -5,11 +5,10 @@ from itertools import pairwise
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, occupied_m
-from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.drive.view import DriveView
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
@@ -25,13 +24,13 @@ class Pages:
         self.actual = Actual(self.state)
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)
-        if not self.state.disturbances.events:
-            add_stop(self.state)
+        if not self.state.day.events:
+            self.state.day.add_stop()
         self.state.page = "Drive"
 
     def run(self):
         self.state.page = "Drive"
-        return self.state.actual.run
+        return self.state.day.run
 
     def draw(self):
         state = self.state
@@ -47,8 +46,8 @@ def pages():
 @pytest.mark.parametrize("preset", ["metro-with-limit", "liashenko-fig-3"])
 def test_without_events_it_is_the_run_of_robustness(preset):
     pages = Pages(preset)
-    pages.state.actual.on = True
-    pages.state.disturbances.events = []
+    pages.state.day.on = True
+    pages.state.day.events = []
     run = pages.run()
     pages.state.page = "Robustness"
     following = pages.state.robustness.reality.following
@@ -60,8 +59,8 @@ def test_without_events_it_is_the_run_of_robustness(preset):
 @pytest.mark.parametrize("reaction", ["driver", "computer", "known"])
 def test_it_is_the_ride_of_disturbances_with_all_that_differs(pages, reaction):
     state = pages.state
-    state.actual.param.update(on=True, reaction=reaction)
-    state.robustness.param.update(actual_load_percent=80.0, coordinate_error_m=10.0)
+    state.day.param.update(on=True, reaction=reaction)
+    state.day.param.update(actual_load_percent=80.0, coordinate_error_m=10.0)
     run = pages.run()
     state.page = "Disturbances"
     ride = state.disturbances.rides.rides[reaction]
@@ -75,10 +74,10 @@ def test_switched_off_disturbances_has_its_events_alone(pages):
     state = pages.state
     state.page = "Disturbances"
     alone = state.disturbances.rides.rides["driver"]
-    state.actual.on = True
+    state.day.on = True
     as_planned_but_events = state.disturbances.rides.rides["driver"]
     assert as_planned_but_events.actual.energy_kwh != alone.actual.energy_kwh
-    state.robustness.param.update(actual_load_percent=state.scenario.load_percent, coordinate_error_m=0.0)
+    state.day.param.update(actual_load_percent=state.scenario.load_percent, coordinate_error_m=0.0)
     assert state.disturbances.rides.rides["driver"].actual.energy_kwh == pytest.approx(alone.actual.energy_kwh)
 
 
@@ -88,12 +87,12 @@ def test_switched_off_disturbances_has_its_events_alone(pages):
         ("scenario", "travel_time_s", 200.0),
         ("scenario", "load_percent", 20.0),
         ("scenario", "recuperation_percent", 80.0),
-        ("robustness", "actual_load_percent", 70.0),
-        ("robustness", "coordinate_error_m", -15.0),
+        ("day", "actual_load_percent", 70.0),
+        ("day", "coordinate_error_m", -15.0),
     ],
 )
 def test_each_widget_acts(pages, model, field, value):
-    pages.state.actual.on = True
+    pages.state.day.on = True
     before = pages.run()
     setattr(getattr(pages.state, model), field, value)
     after = pages.run()
@@ -103,8 +102,8 @@ def test_each_widget_acts(pages, model, field, value):
 
 def test_as_planned_there_is_nothing_extra(pages):
     state = pages.state
-    state.actual.on = True
-    as_planned(state)
+    state.day.on = True
+    state.day.as_planned()
     run = pages.run()
     assert (run.extra_kwh, run.causes) == (0.0, ())
     assert "The actual run equals the plan" in pages.draw().figures.object
@@ -112,38 +111,38 @@ def test_as_planned_there_is_nothing_extra(pages):
 
 def test_a_stop_is_added_in_the_middle_of_the_longest_free_stretch():
     state = Pages("metro-10-stations").state
-    state.disturbances.events = []
-    places = occupied_m(state)
+    state.day.events = []
+    places = state.day.occupied_m()
     longest = max(after - before for before, after in pairwise(places))
-    add_stop(state)
-    (stop,) = state.disturbances.events
+    state.day.add_stop()
+    (stop,) = state.day.events
     assert min(abs(stop.position_m - place) for place in places) == pytest.approx(0.5 * longest, abs=0.5)
     assert stop.noticed_at_m < stop.position_m
 
 
 def test_a_moved_stop_is_noticed_as_far_ahead_as_before(pages):
-    (stop,) = pages.state.disturbances.events
+    (stop,) = pages.state.day.events
     ahead = stop.position_m - stop.noticed_at_m
-    move_stop(stop, 1450.0)
+    stop.move(1450.0)
     assert (stop.position_m, stop.noticed_at_m) == (1450.0, 1450.0 - ahead)
 
 
 def test_a_stop_beyond_the_line_or_at_another_is_refused(pages):
     state = pages.state
-    add_stop(state)
-    first, second = state.disturbances.events
+    state.day.add_stop()
+    first, second = state.day.events
     with pytest.raises(ValueError, match=r"2310 m lies beyond the line, 2300 m"):
-        checked_place(state, second, 2310.0)
+        state.day.checked_place(second, 2310.0)
     with pytest.raises(ValueError, match=f"from the one at {first.position_m:g} m"):
-        checked_place(state, second, first.position_m)
-    assert checked_place(state, second, second.position_m) == second.position_m
+        state.day.checked_place(second, first.position_m)
+    assert state.day.checked_place(second, second.position_m) == second.position_m
 
 
 def test_a_failure_keeps_the_plan_and_says_why(pages):
     state = pages.state
-    state.actual.on = True
-    state.disturbances.events[0].position_m = 5000.0
-    assert "must lie before the end of the line" in str(state.actual.failure)
+    state.day.on = True
+    state.day.events[0].position_m = 5000.0
+    assert "must lie before the end of the line" in str(state.day.failure)
     view = pages.draw()
     assert "must lie before the end" in view.message.object
     assert "Energy from the supply" in view.figures.object
@@ -152,6 +151,6 @@ def test_a_failure_keeps_the_plan_and_says_why(pages):
 def test_a_preset_with_a_disturbance_opens_with_its_plan_and_shows_the_disturbance_once_switched_on():
     pages = Pages("liashenko-fig-3")
     assert pages.run() is None
-    pages.state.actual.on = True
+    pages.state.day.on = True
     assert pages.run().scenario.disturbance.actual_load_factor == 1.0
     assert load_scenario("liashenko-fig-3").disturbance.coordinate_error_m == 10.0
