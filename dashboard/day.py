@@ -135,13 +135,13 @@ def _sensor_error(name: str) -> TypedNumber:
     return TypedNumber(f"{name} place error, m", "m", 1, default=0.0, bounds=(-MAX_SENSOR_ERROR_M, MAX_SENSOR_ERROR_M))
 
 
-def _deviation(key: str, label: str, unit: str, digits: int, largest: float, scale: float = 1.0) -> TypedNumber:
+def _deviation(key: str, label: str, digits: int, largest: float, scale: float = 1.0) -> TypedNumber:
     """Return a field for the standard deviation of a distribution, with the default of the core."""
     drawn = getattr(MonteCarloOptions(), key)
     default = drawn.log_standard_deviation if isinstance(drawn, LogNormal) else drawn.standard_deviation
     doc = MonteCarloOptions.model_fields[key].description or ""
     return TypedNumber(
-        f"{label}, \u00b1 {unit}", unit, digits, default=round(scale * default, 6), bounds=(0.01, largest), doc=doc
+        label, label.rsplit(maxsplit=1)[-1], digits, default=round(scale * default, 6), bounds=(0.01, largest), doc=doc
     )
 
 
@@ -183,12 +183,12 @@ class Day(TypedParameters, PageModel):
     accepted_delay_s = keyed(
         *(Disturbance, "accepted_delay_s", "Accepted delay", "s"), default=0.0, softbounds=(0, 60), step=1
     )
-    load_deviation_percent = _deviation("load_factor", "Load", "%", 0, 100, 100)
-    error_deviation_m = _deviation("coordinate_error_m", "Position error", "m", 1, 1000)
-    resistance_deviation_percent = _deviation("resistance_factor", "Resistance", "%", 1, 100, 100)
-    voltage_deviation_percent = _deviation("line_voltage_factor", "Supply voltage", "%", 1, 50, 100)
-    speed_deviation_percent = _deviation("speed_error", "Speed error", "%", 2, 10, 100)
-    sensor_deviation_m = _deviation("d1_error_m", "Sensor places", "m", 1, 100)
+    load_deviation_percent = _deviation("load_factor", "Load, \u00b1 %", 0, 100, 100)
+    error_deviation_m = _deviation("coordinate_error_m", "Position error, \u00b1 m", 1, 1000)
+    resistance_deviation_percent = _deviation("resistance_factor", "Resistance, \u00b1 %", 1, 100, 100)
+    voltage_deviation_percent = _deviation("line_voltage_factor", "Supply voltage, \u00b1 %", 1, 50, 100)
+    speed_deviation_percent = _deviation("speed_error", "Speed error, \u00b1 %", 2, 10, 100)
+    sensor_deviation_m = _deviation("d1_error_m", "Sensor places, \u00b1 m", 1, 100)
     mean_departure_delay_s = TypedNumber("Departure delay, mean, s", "s", default=0.0, bounds=(0, 3600))
     seed = keyed(MonteCarloOptions, "seed", "Seed", bounds=(0, 2**31))
 
@@ -343,10 +343,14 @@ class Day(TypedParameters, PageModel):
         stops = [stop.position_m for stop in self.stops if stop is not besides]
         return sorted({0.0, line.length_m, *(station.position_m for station in line.inner_stations), *stops})
 
-    def add_stop(self) -> None:
-        """Add a stop in the middle of the longest stretch without one."""
+    def free_m(self) -> float:
+        """Return the middle of the longest stretch without a stop [m]."""
         before, after = max(pairwise(self.occupied_m()), key=lambda ends: ends[1] - ends[0])
-        self.drop("stop", 0.5 * (before + after))
+        return 0.5 * (before + after)
+
+    def add_stop(self) -> None:
+        """Add a stop where the train drives farthest without one."""
+        self.drop("stop", self.free_m())
 
     def drop(self, kind: str, place_m: float) -> None:
         """Add an event of a kind at a place [m]."""

@@ -30,7 +30,7 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.charts.plot import Figure
 from railjoule.dashboard.state import numbers
 from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel
@@ -66,6 +66,7 @@ class Work:
     start: str = ""
     busy: str = ""
     threads: "ThreadPoolExecutor | None" = None
+    tab: str = ""
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,7 @@ def work(
     is_slow: Callable[..., bool] = lambda *_: False,
     only_last: bool = True,
     clears: bool = False,
+    tab: str = "",
 ) -> Callable[[Method], Method]:
     """Compute a result in a thread whenever a source changes while the page is in sight.
 
@@ -111,10 +113,14 @@ def work(
         Whether a result is dropped when another one has been asked for meanwhile; else it is shown until that comes.
     clears : bool
         Whether an error takes the last result away; else that stays, with the error above it.
+    tab : str
+        The tab that shows it, where a page has tabs: it rests while another one is open.
     """
 
     def decorate(prepare: Method) -> Method:
-        prepare.work = Work(prepare.__name__, names, into, marked, is_slow, only_last, clears)  # type: ignore[attr-defined]
+        prepare.work = Work(  # type: ignore[attr-defined]
+            prepare.__name__, names, into, marked, is_slow, only_last, clears, tab=tab
+        )
         return prepare
 
     return decorate
@@ -127,6 +133,7 @@ def study(
     start: str = "",
     marked: bool = False,
     threads: "ThreadPoolExecutor" = LONG_THREADS,
+    tab: str = "",
 ) -> Callable[[Method], Method]:
     """Compute a result step by step: the function of the method's request yields one more complete at each step.
 
@@ -144,25 +151,27 @@ def study(
     start : str
         The event that starts it.
     threads : executor
+    tab
+        As for `work`; a study that was started by hand goes on behind another tab.
     """
 
     def decorate(prepare: Method) -> Method:
         prepare.work = Work(  # type: ignore[attr-defined]
-            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads
+            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads, tab=tab
         )
         return prepare
 
     return decorate
 
 
-def shows(*names: str) -> Callable[[Method], Method]:
+def shows(*names: str, tab: str = "") -> Callable[[Method], Method]:
     """Call a method when the page is drawn, and whenever a source changes while it is in sight.
 
-    A method that fails is told of above the page, and the others go on.
+    A method that fails is reported above the page, and the others go on. One of a tab waits until that is open.
     """
 
     def decorate(draw: Method) -> Method:
-        draw.shown = names  # type: ignore[attr-defined]
+        draw.shown, draw.tab = names, tab  # type: ignore[attr-defined]
         return draw
 
     return decorate
@@ -186,7 +195,13 @@ class Page(TypedParameters, PageModel):
     """What stands in the sidebar while it is in sight: headings, parameters and hints."""
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
-    figures: ClassVar[tuple[Plot | RunPlot, ...]] = ()
+    figures: ClassVar[tuple[Figure, ...]] = ()
+    works: ClassVar[tuple[Callable[..., Any], ...]] = ()
+    """Further work behind it, as a `PageView` has it."""
+    halves_from_px: ClassVar[int | None] = None
+    """As for a `PageView`."""
+    full_width: ClassVar[tuple[str, ...]] = ()
+    """Names of figures that have the width of the page where others have halves of it."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""
@@ -215,6 +230,18 @@ class Page(TypedParameters, PageModel):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out; `self.host` has its figures."""
         raise NotImplementedError
+
+    def is_open(self, tab: str) -> bool:
+        """Return whether a tab is open; a page without tabs has an empty one, which always is."""
+        return not tab or tab == getattr(self, "tab", "")
+
+    def is_shown(self, tab: str) -> bool:
+        """Return whether the parts of a tab can be drawn: it is open, and they are made."""
+        return self.is_open(tab)
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return whether the shared axis of a name is one of times; else it is one of places."""
+        return True
 
     # ---- what is known of all pages
 
@@ -252,13 +279,15 @@ class PageWorks(PageWork[Page]):
         super().__init__(page.desk, page)
         self.of, self.told = page, tuple(told for _, told in page.methods("work"))
         self.jobs: dict[str, Any] = {}
-        self._failed = ""
+        self._failures: dict[str, RailjouleError] = {}
         self._part: object = None
         for told in self.told:
             self.jobs[told.into] = self._study(told) if told.threads is not None else self._worker(told)
         # before what is asked for: another scenario, or an edit of what the fields begin with, changes the fields first
         page.desk.scenario.param.watch(self._follow_edits, "edits")
         page.desk.param.watch(self._ask_all, "page")
+        if "tab" in page.param:
+            page.param.watch(self._ask_all, "tab")
         for told in self.told:
             self._listen(told)
         self.forget()
@@ -287,21 +316,36 @@ class PageWorks(PageWork[Page]):
     def _study(self, told: Work) -> Any:
         assert told.threads is not None
         return self.study(
-            named(steps_of_request, told.into), partial(self._take_step, told), marked=told.marked, threads=told.threads
+            named(steps_of_request, told.into),
+            partial(self._take_step, told),
+            partial(self._fail, told),
+            marked=told.marked,
+            threads=told.threads,
         )
 
     # ---- asking
 
     def _ask_all(self, *_: Any) -> None:
-        if not self.in_sight:
-            self.rest()
-            return
+        self.rest()
+        self.of.param.update(**self._change_of_failure())
         for told in self.told:
             if not told.start:
                 self._ask(told)
 
+    def rest(self) -> None:
+        """Stop the studies out of sight, except for those started by hand; they begin again once they are in sight."""
+        for told in self.told:
+            if self._is_seen(told) or told.threads is None or told.start or not self.jobs[told.into].busy:
+                continue
+            self.jobs[told.into].stop()
+            self._asked.pop(told.into, None)
+            self._set_busy(told, False)
+
+    def _is_seen(self, told: Work) -> bool:
+        return self.in_sight and self.of.is_open(told.tab)
+
     def _ask(self, told: Work, *_: Any) -> None:
-        if not self.in_sight or self._quiet:
+        if not self._is_seen(told) or self._quiet:
             return
         request = getattr(self.of, told.prepare)()
         if not self.is_new(request, told.into):
@@ -341,8 +385,8 @@ class PageWorks(PageWork[Page]):
         asked = self._asked.get(told.into)
         if asked is None or (told.only_last and request != asked):
             return
-        mended = {"failure": None} if self._failed == told.into else {}
-        self.of.param.update(**{told.into: found, **mended})
+        self._failures.pop(told.into, None)
+        self.of.param.update(**{told.into: found, **self._change_of_failure()})
 
     def _take_step(self, told: Work, answer: tuple[Request, Any], last: bool) -> None:
         self._take(told, answer)
@@ -350,13 +394,17 @@ class PageWorks(PageWork[Page]):
             self._set_busy(told, False)
 
     def _fail(self, told: Work, failure: RailjouleError) -> None:
-        self._failed = told.into
-        self.of.param.update(failure=failure, **({told.into: None} if told.clears else {}))
+        # again as the last one, which is the one that is shown
+        self._failures.pop(told.into, None)
+        self._failures[told.into] = failure
+        idle = {told.busy: False} if told.busy else {}
+        self.of.param.update(**self._change_of_failure(), **idle, **({told.into: None} if told.clears else {}))
 
-    def take_failure(self, failure: RailjouleError) -> None:
-        """Tell the page why a study failed."""
-        idle = {told.busy: False for told in self.told if told.busy}
-        self.of.param.update(failure=failure, **idle)
+    def _change_of_failure(self) -> dict[str, RailjouleError | None]:
+        """Return the last failure of what is in sight, where the page shows another one."""
+        seen = {told.into for told in self.told if self.of.is_open(told.tab)}
+        last = next((failure for into, failure in reversed(self._failures.items()) if into in seen), None)
+        return {} if last is self.of.failure else {"failure": last}
 
     # ---- another scenario
 
@@ -367,6 +415,7 @@ class PageWorks(PageWork[Page]):
             return
         with self.quiet():
             self.end()
+            self._failures.clear()
             idle = {told.busy: False for told in self.told if told.busy}
             self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **idle)
             self._take_over(self.state.scenario.base)

@@ -235,3 +235,32 @@ class RunPlotChart(RunLines):
             text=names,
             colour=[self.palette.tokens[self.lines[word].token] for word in names],
         )
+
+
+@dataclass(frozen=True)
+class ChartOverAxis:
+    """A figure over an axis that figures of a page share, drawn by a chart of its own.
+
+    Parameters
+    ----------
+    name : str
+        As in `Chart`.
+    chart : callable
+        Makes its chart from height, axis and palette.
+    heights : tuple of int
+    axis : str
+        The name of the axis, where a page has several.
+    """
+
+    name: str
+    chart: Callable[[int, Axis, Palette], Chart]
+    heights: Heights = (190, 220, 180)
+    axis: str = ""
+
+    def made(self, axis: Axis, palette: Palette) -> Chart:
+        """Return its chart."""
+        return self.chart(self.heights[0], axis, palette)
+
+
+Figure = Plot | RunPlot | ChartOverAxis
+"""A figure as data."""

@@ -11,7 +11,15 @@ CONDITIONS = (
 )
 FORMER_KEYS: Mapping[str, str] = {
     **{f"robustness.{field}": f"day.{field}" for field in CONDITIONS},
+    **{f"robustness.{field}": f"what_if.{field}" for field in ("both_directions", "knows", "measure")},
+    **{f"robustness.{field}": f"what_if.{field}" for field in ("probability_percent", "candidates")},
+    "robustness.accepted_delay_s": "what_if.accepted_lateness_s",
     **{f"disturbances.{field}": f"day.{field}" for field in ("events", "accepted_delay_s")},
     **{f"actual.{field}": f"day.{field}" for field in ("on", "reaction")},
 }
 """By earlier key the present one."""
+FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
+    "Robustness": {"page": "What if", "what_if.tab": "load"},
+    "Disturbances": {"page": "What if", "what_if.tab": "events"},
+}
+"""By the name of an earlier page, the values that open its successor."""

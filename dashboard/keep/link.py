@@ -14,7 +14,7 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.former_keys import FORMER_KEYS
+from railjoule.dashboard.keep.former_keys import FORMER_KEYS, FORMER_PAGES
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
@@ -94,6 +94,7 @@ def read_link(query: str) -> ReadLink:
     except ValueError:
         return ReadLink(refusal=f"The link has more than the {MAX_FIELDS} values allowed; it was not opened.")
     known = {key: (model, name) for key, model, name in fields_of(_template())}
+    pairs |= FORMER_PAGES.get(pairs.get("page", ""), {})
     version = pairs.pop("v", None)
     if version is None:
         # an address without a version may carry anybody's values

@@ -11,7 +11,7 @@ from panel.viewable import Viewable
 
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.chart import Axis, Chart
-from railjoule.dashboard.charts.plot import Plot, RunPlot
+from railjoule.dashboard.charts.plot import Figure
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
@@ -31,29 +31,50 @@ class PageHost(PageView):
     of: Page
 
     def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
-        self.of, self.page = page, page.page
+        self.of, self.page, self.halves_from_px = page, page.page, page.halves_from_px
         self.heights: Mapping[str, tuple[int, int, int]] = {plot.name: plot.heights for plot in page.figures}
         super().__init__(page.desk, browser, palette)
 
     def make(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         page = self.of
-        self.axis = Axis(self.palette)
-        self.plots: dict[str, Any] = {plot.name: plot.made(self.axis, self.palette) for plot in page.figures}
+        self.axes: dict[str, Axis] = {}
+        self.plots: dict[str, Any] = {plot.name: plot.made(self._axis_of(plot), self.palette) for plot in page.figures}
         page.host = self
         content = page.layout()
+        if "tab" in page.param:
+            page.param.watch(self._appear, "tab")
         for name, names in page.methods("shown"):
             sources: dict[int, tuple[param.Parameterized, list[str]]] = {}
             for source, found in map(page.source, names):
                 sources.setdefault(id(source), (source, []))[1].extend(found)
-            self.shows(getattr(page, name), *sources.values())
+            method = getattr(page, name)
+            self.shows(method, *sources.values(), is_open=partial(page.is_shown, method.tab))
         return stack(self.heading, self.message, content)
 
-    def draw(self, plots: Iterable[Plot | RunPlot], *drawn: Any, **more: Any) -> None:
+    @property
+    def axis(self) -> Axis:
+        """The axis that the figures share, where the page has only one."""
+        return self.axes[""]
+
+    def _axis_of(self, plot: Figure) -> Axis:
+        name = getattr(plot, "axis", "")
+        if name not in self.axes:
+            self.axes[name] = Axis(self.palette)
+        return self.axes[name]
+
+    def draw(self, plots: Iterable[Figure], *drawn: Any, **more: Any) -> None:
         """Draw the same in figures of the page, each as its chart draws; what is out of sight is drawn later."""
         for plot in plots:
             chart = self.plots[plot.name]
             chart.show(partial(chart.draw, *drawn, **more))
+
+    def take_charts(self, charts: Iterable[Chart]) -> None:
+        """Have these charts besides those of the page's figures, in place of those taken before."""
+        named = {plot.name: self.plots[plot.name] for plot in self.of.figures}
+        self.plots = {**named, **{chart.name: chart for chart in charts}}
+        self.queue.take(self.charts)
+        self._fit()
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -62,7 +83,15 @@ class PageHost(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the figures that it may meet new ones."""
-        self.axis.settle("s", 1)
+        for name, axis in self.axes.items():
+            axis.settle_over(self.of.is_over_time(name))
+
+    def _fit(self) -> None:
+        super()._fit()
+        halves, self.halves_from_px = self.halves_from_px, None
+        for name in self.of.full_width:
+            self.plots[name].width_px = self.room_px()
+        self.halves_from_px = halves
 
 
 def sidebar_fields(page: Page) -> Viewable:
@@ -118,7 +147,7 @@ def hosted(kind: type[Page]) -> type[PageView]:
         def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
             super().__init__(state.pages[kind.page], browser, palette)
 
-    Hosted.works = (works_of(kind.page),)
+    Hosted.works = (works_of(kind.page), *kind.works)
     Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
     return Hosted
 

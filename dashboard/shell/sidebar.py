@@ -18,12 +18,11 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.disturbances.fields import EventFields
 from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
-from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.speed_limits.fields import SectionFields
 from railjoule.dashboard.pages.study.settings import StudyFields
+from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
@@ -254,8 +253,7 @@ class EnocField:
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Drive": ActualFields,
     "Trade-off": EnocField,
-    "Robustness": RealityFields,
-    "Disturbances": EventFields,
+    "What if": WhatIfFields,
     "Speed limits": SectionFields,
     "Study": StudyFields,
 }

@@ -92,13 +92,14 @@ class PageWork(Generic[Model]):
         self,
         steps: Callable[[Request], Iterator[Result]],
         deliver: Callable[[Result, bool], None],
+        fail: Callable[[RailjouleError], None] | None = None,
         *,
         marked: bool = False,
         threads: ThreadPoolExecutor = LONG_THREADS,
     ) -> Study[Request, Result]:
         """Return a study of the page, which ends with it; parameters as for `worker` and `Study`."""
         mark = self.state.marks(self.page) if marked else nobody
-        made = Study(steps, deliver, self.take_failure, mark, threads)
+        made = Study(steps, deliver, fail or self.take_failure, mark, threads)
         self._studies.append(made)
         return made
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.dashboard.day import NO_EVENTS
 from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
@@ -38,23 +37,18 @@ def _plan(state: Workbench) -> PageRun:
 def _drive(state: Workbench) -> PageRun:
     if not state.day.on:
         return _plan(state)
-    return _actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
+    return actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
 
 
-def _disturbances(state: Workbench) -> PageRun:
-    # not `chosen_now`: the work behind this page asks for the chosen strategy, and the page tells its refusal
-    return _actual_run(state, {"strategy": state.chosen, **state.day.event_changes})
-
-
-def _actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
+def actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
     """Return the run of a day; where nothing is otherwise than planned, that is the plan.
 
     The commands would follow that plan all the same, and under target braking curves if the scenario has them.
     """
     if not _is_as_planned(state, changes):
-        return PageRun(ACTUAL_RUN, {**_followed(state), **changes})
+        return PageRun(ACTUAL_RUN, {**followed(state), **changes})
     nothing_else: Mapping[str, Any] = {"disturbance": {}} if state.scenario.edited.disturbance != Disturbance() else {}
-    return PageRun(SOLVE, {"strategy": changes["strategy"], **_followed(state), **nothing_else})
+    return PageRun(SOLVE, {"strategy": changes["strategy"], **followed(state), **nothing_else})
 
 
 def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
@@ -72,13 +66,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
     )
 
 
-def _robustness(state: Workbench) -> PageRun:
-    # the page leaves the events of a file to Disturbances; the command drives all that a file names
-    events = NO_EVENTS if state.scenario.edited.disturbance.events else {}
-    return PageRun(FOLLOWING, {"strategy": state.chosen, **_followed(state), **events, **state.day.conditions})
-
-
-def _followed(state: Workbench) -> Mapping[str, Any]:
+def followed(state: Workbench) -> Mapping[str, Any]:
     """Return what keeps a command from simulating the control loop that a file may ask for."""
     in_loop = state.scenario.edited.simulation.kind == "field_oriented"
     return {"simulation.kind": "following"} if in_loop else {}
@@ -137,8 +125,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Drive": _drive,
     "Compare": _plan,
     "Trade-off": _plan,
-    "Robustness": _robustness,
-    "Disturbances": _disturbances,
     "Speed limits": _speed_limits,
     "Line": _line,
     "Study": _study,

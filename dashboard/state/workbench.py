@@ -14,8 +14,6 @@ from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.page_list import PAGES, page_classes, room_of
-from railjoule.dashboard.pages.disturbances.live_model import LiveModel
-from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
@@ -24,7 +22,6 @@ from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.line.model import LineModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.papers.model import PapersModel
-from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
@@ -103,9 +100,6 @@ class Workbench(Kept, PageModel):
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
         self.day = Day(self.scenario)
-        self.robustness = RobustnessModel()
-        self.disturbances = DisturbancesModel()
-        self.live = LiveModel()
         self.speed_limits = SpeedLimitsModel()
         self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()

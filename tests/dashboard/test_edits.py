@@ -2,8 +2,7 @@
 
 import pytest
 
-from railjoule.dashboard.pages.disturbances.work import Disturbances
-from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -22,7 +21,7 @@ def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
 
 
 def test_events_follow_edited_disturbances(state: Workbench) -> None:
-    Disturbances(state)
+    works_of("What if")(state)
     stop = {"position_m": 0.5, "duration_s": 9.0}
     state.scenario.edit({"disturbance.stops": [stop], "disturbance.accepted_delay_s": 7200.0})
     (event,) = state.day.events
@@ -30,7 +29,7 @@ def test_events_follow_edited_disturbances(state: Workbench) -> None:
 
 
 def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> None:
-    Robustness(state)
+    works_of("What if")(state)
     state.scenario.edit(
         {
             "disturbance.coordinate_error_m": -7.0,

@@ -1,4 +1,4 @@
-"""The actual run on Drive is that of Robustness and Disturbances; no expected number is written down here."""
+"""The actual run on Drive is that of What if; no expected number is written down here."""
 
 from itertools import pairwise
 
@@ -7,20 +7,19 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
 
 class Pages:
-    """The work of the three pages over one state, all done in the test's own turn."""
+    """The work of both pages over one state, all done in the test's own turn."""
 
     def __init__(self, preset="metro-with-limit"):
         self.state = Workbench()
-        self.robustness, self.disturbances = Robustness(self.state), Disturbances(self.state)
+        works_of("What if")(self.state)
         self.actual = Actual(self.state)
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)
@@ -49,8 +48,8 @@ def test_without_events_it_is_the_run_of_robustness(preset):
     pages.state.day.on = True
     pages.state.day.events = []
     run = pages.run()
-    pages.state.page = "Robustness"
-    following = pages.state.robustness.reality.following
+    pages.state.page = "What if"
+    following = pages.state.pages["What if"].reality.following
     assert run.actual.energy_kwh == following.actual.energy_kwh
     assert run.planned.energy_kwh == following.planned.energy_kwh
     assert run.delay_s == following.delay_s
@@ -62,8 +61,9 @@ def test_it_is_the_ride_of_disturbances_with_all_that_differs(pages, reaction):
     state.day.param.update(on=True, reaction=reaction)
     state.day.param.update(actual_load_percent=80.0, coordinate_error_m=10.0)
     run = pages.run()
-    state.page = "Disturbances"
-    ride = state.disturbances.rides.rides[reaction]
+    state.pages["What if"].tab = "events"
+    state.page = "What if"
+    ride = state.pages["What if"].rides.rides[reaction]
     assert ride.actual.energy_kwh == run.actual.energy_kwh
     assert ride.planned.energy_kwh == run.planned.energy_kwh
     assert ride.delay_s == pytest.approx(run.delay_s)
@@ -72,13 +72,14 @@ def test_it_is_the_ride_of_disturbances_with_all_that_differs(pages, reaction):
 
 def test_switched_off_disturbances_has_its_events_alone(pages):
     state = pages.state
-    state.page = "Disturbances"
-    alone = state.disturbances.rides.rides["driver"]
+    state.pages["What if"].tab = "events"
+    state.page = "What if"
+    alone = state.pages["What if"].rides.rides["driver"]
     state.day.on = True
-    as_planned_but_events = state.disturbances.rides.rides["driver"]
+    as_planned_but_events = state.pages["What if"].rides.rides["driver"]
     assert as_planned_but_events.actual.energy_kwh != alone.actual.energy_kwh
     state.day.param.update(actual_load_percent=state.scenario.load_percent, coordinate_error_m=0.0)
-    assert state.disturbances.rides.rides["driver"].actual.energy_kwh == pytest.approx(alone.actual.energy_kwh)
+    assert state.pages["What if"].rides.rides["driver"].actual.energy_kwh == pytest.approx(alone.actual.energy_kwh)
 
 
 @pytest.mark.parametrize(

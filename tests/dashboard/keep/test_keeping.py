@@ -12,10 +12,8 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
-from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.line.work import WholeLines
-from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
@@ -26,7 +24,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (Robustness, Disturbances, SpeedLimits, works_of("Motor"), WholeLines):
+    for work in (works_of("What if"), SpeedLimits, works_of("Motor"), WholeLines):
         work(state)
     return state
 

@@ -12,8 +12,7 @@ from railjoule.dashboard.keep.former_keys import FORMER_KEYS
 from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
-from railjoule.dashboard.pages.disturbances.work import Disturbances
-from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -78,7 +77,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),
         ("?v=1&robustness.seed=1.5", "robustness.seed = 1.5 must be a whole number."),
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
-        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 15 known."),
+        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 14 known."),
         ("?v=1&colours=green", "colours = green must be one of system, light, dark."),
         ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 16 known; did you mean liashenko-i?"),
         ("?v=1&wings=2", "wings is not known."),
@@ -109,6 +108,9 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
             "disturbances.events=" + quote('[{"kind":"stop","position_m":500}]'),
             {"day.events": [{"kind": "stop", "position_m": 500}]},
         ),
+        ("robustness.knows=both", {"what_if.knows": "both"}),
+        ("page=Robustness", {"page": "What if", "what_if.tab": "load"}),
+        ("page=Disturbances", {"page": "What if", "what_if.tab": "events"}),
     ],
 )
 @pytest.mark.parametrize("version", ["v=1&", ""])
@@ -183,7 +185,7 @@ def test_any_text_is_read(text: str) -> None:
 @given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
-    for work in (Robustness, Disturbances, SpeedLimits):
+    for work in (works_of("What if"), SpeedLimits):
         work(state)
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
     snapshot_of(state)

@@ -51,11 +51,11 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
     )
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.0)
     state.day.param.update(seed=7, target_braking=False)
-    state.robustness.knows = "both"
+    state.pages["What if"].knows = "both"
     state.day.drop("limit", 700.0)
     state.speed_limits.cut(3)
     state.speed_limits.param.update(section_count=3, found=False, storage_size_kwh=1.5)
-    state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="Robustness", colours="dark")
+    state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="What if", colours="dark")
     snapshot = snapshot_of(state)
     read = read_link(write_link(snapshot, originals_of(snapshot)))
     assert read.refusal == ""
@@ -69,7 +69,7 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
     refusals = lay(state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "day.seed": 5, "page": "Nowhere"})
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
-    assert refusals[1].startswith("page is not one of the 15 known")
+    assert refusals[1].startswith("page is not one of the 14 known")
     assert state.scenario.load_percent == 30.0
     assert state.day.seed == 5
     assert state.page == Workbench().page

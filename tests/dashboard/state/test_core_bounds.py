@@ -74,6 +74,10 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
     ),
     "voltage": (VOLTAGE, {"share_percent": (VoltageChange, "line_voltage_factor", 100)}),
     "recuperation": (RECUPERATION, {"share_percent": (RecuperationChange, "recuperation_factor", 100)}),
+    "what if": (
+        Workbench().pages["What if"],
+        {"accepted_lateness_s": (Disturbance, "accepted_delay_s", 1)},
+    ),
     "motor": (
         Motor(Workbench()),
         {
