@@ -14,7 +14,7 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.former_keys import FORMER_KEYS, FORMER_PAGES
+from railjoule.dashboard.keep.former_keys import FORMER_PAGES, present_key
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
@@ -98,7 +98,7 @@ def read_link(query: str) -> ReadLink:
     version = pairs.pop("v", None)
     if version is None:
         # an address without a version may carry anybody's values
-        pairs = {key: value for key, value in pairs.items() if FORMER_KEYS.get(key, key) in known}
+        pairs = {key: value for key, value in pairs.items() if present_key(key, known) in known}
     elif version != VERSION:
         told = short(version)
         sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
@@ -107,7 +107,7 @@ def read_link(query: str) -> ReadLink:
     refusals: list[str] = []
     left = LONGEST_TEXT
     for key, value in pairs.items():
-        field = FORMER_KEYS.get(key, key)
+        field = present_key(key, known)
         if field not in known:
             refusals.append(f"{short(key)} is not known")
             continue

@@ -14,8 +14,8 @@ from railjoule.dashboard.state.workbench import Workbench
 Snapshot = dict[str, Any]
 BASE = ("preset", "toml")
 """What names the scenario under all edits."""
-VIEW = ("page", "colours")
-"""What is looked at, and how: no step of undo and redo."""
+VIEW = ("page", "tab", "colours")
+"""The fields of the view, of whichever model: their changes are no steps of undo and redo."""
 
 
 def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:

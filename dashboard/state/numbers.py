@@ -179,14 +179,14 @@ def keyed(
     scale : float
         A number of the page over that of the file, such as 100 for a percentage.
     **params
-        As for any number, in place of what the core says.
+        As for any number, in place of those of the core.
     """
     field = part.model_fields[key]
     default = field.default * scale if isinstance(field.default, float) else field.default
     whole = isinstance(default, int) and not isinstance(default, bool)
     kind = TypedInteger if whole else TypedNumber
-    told = {"default": default, "doc": field.description or "", **core_bounds(part, key, scale)}
-    return kind(f"{label}, {unit}" if unit and "," not in label else label, unit, digits, **{**told, **params})
+    declared = {"default": default, "doc": field.description or "", **core_bounds(part, key, scale)}
+    return kind(f"{label}, {unit}" if unit and "," not in label else label, unit, digits, **{**declared, **params})
 
 
 class TypedParameters(Kept):

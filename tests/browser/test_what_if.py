@@ -1,4 +1,4 @@
-"""What if, as a user works with it."""
+"""The page What if, as a user works with it."""
 
 import re
 from collections.abc import Iterator

@@ -16,7 +16,7 @@ from railjoule.dashboard.state.workbench import Workbench
 
 
 class ActualFields:
-    """The switch of the actual run, and all that differs from the plan; in sight on Drive alone."""
+    """The switch of the actual run, and all that differs from the plan; in sight on Drive only."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.day = state, state.day

@@ -1,4 +1,4 @@
-"""What chance makes of a plan: histograms with their quantiles, energy over load."""
+"""Random draws of the conditions: histograms with their quantiles, energy over load."""
 
 from collections.abc import Callable
 

@@ -88,11 +88,11 @@ def _energy_at_equal_arrival(following: Following) -> float | None:
     return None if equal is None else equal.energy_kwh
 
 
-def compute_table(conditions: Conditions, both_directions: bool, knows: Knows) -> Iterator[StudyTable]:
+def compute_table(conditions: Conditions, both_directions: bool, known: Knows) -> Iterator[StudyTable]:
     """Yield the table of loads and position errors step by step; errors as `compute_reality`."""
     scenario = conditions.actual()
     with named_refusals(scenario):
-        yield from sensitivity_steps(scenario, both_directions=both_directions, knows=knows)
+        yield from sensitivity_steps(scenario, both_directions=both_directions, knows=known)
 
 
 def compute_stops(conditions: Conditions) -> Iterator[BrakingSensors]:

@@ -39,13 +39,13 @@ class Column:
 
     @property
     def name(self) -> str:
-        """The quantity alone, as within a sentence."""
+        """The quantity, as within a sentence."""
         name = self.words.rpartition(", ")[0]
         return name[0].lower() + name[1:]
 
     @property
     def unit(self) -> str:
-        """The unit alone."""
+        """The unit."""
         return self.words.rpartition(", ")[2]
 
     def told(self, value: float) -> str:

@@ -201,7 +201,7 @@ class EventsTab(Page):
         self.playing.show_result()
 
     def events_words(self) -> str:
-        """Return what the tab compares, under the heading."""
+        """Return the text below the heading."""
         day, scenario = self.desk.day, self.desk.scenario.scenario()
         count = len(day.events)
         also = ""
@@ -234,7 +234,7 @@ def event_figures(rides: Rides) -> list[str]:
 
 
 def driver_figure(driver: DisturbedRun, planned_kwh: float) -> str:
-    """Return what the driver misses of timetable and stop; in time, the extra energy against the undisturbed run."""
+    """Return the driver's miss of timetable or stop; without one the extra energy against the undisturbed run."""
     by_driver = driver.actual.energy_kwh
     missed = comparisons.misses(driver.delay_s, driver.stop_error_m)
     detail = f"{words.energy(by_driver)} kWh, undisturbed {words.energy(planned_kwh)}"
@@ -246,7 +246,7 @@ def driver_figure(driver: DisturbedRun, planned_kwh: float) -> str:
 
 
 def beside_driver(ride: DisturbedRun, driver: DisturbedRun, what: str) -> str:
-    """Return what a reaction saves of the driver's energy; no share where it is later or misses the stop."""
+    """Return the share of the driver's energy that a reaction saves; kWh if it is later or misses the stop."""
     own, by_driver = ride.actual.energy_kwh, driver.actual.energy_kwh
     later_s, energy = ride.delay_s - driver.delay_s, f"{words.energy(by_driver)} kWh"
     verb, saved = comparisons.saving(own, by_driver)

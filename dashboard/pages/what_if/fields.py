@@ -28,7 +28,7 @@ SECTION = '<div class="section">{} <span>\u00b7 {}</span></div>'
 
 
 class WhatIfFields:
-    """The fields of each tab, made when it is first open; in sight on What if alone."""
+    """The fields of each tab, made when it is first open; in sight on What if only."""
 
     def __init__(self, state: Workbench) -> None:
         self.page, self.day, self.scenario = state.pages["What if"], state.day, state.scenario

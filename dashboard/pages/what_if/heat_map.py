@@ -29,7 +29,7 @@ CELL = 0.96
 
 @dataclass(frozen=True)
 class Measure:
-    """What of the table is shown.
+    """A quantity of the table.
 
     Parameters
     ----------
@@ -50,11 +50,11 @@ class Measure:
 
     @property
     def unit(self) -> str:
-        """The unit alone."""
+        """The unit, without the quantity."""
         return self.words.rpartition(", ")[2]
 
     def texts(self, table: StudyTable) -> list[str]:
-        """Return what each cell reads, row after row: a share, where it means nothing kWh, or what a run misses."""
+        """Return the texts of the cells, row by row: shares, kWh if a share is meaningless, misses."""
         energies = table.energy_kwh
         if self.reference_kwh is None:
             shown = zip(self.values(table).ravel(), energies.ravel(), strict=True)
@@ -186,13 +186,13 @@ class HeatMapChart(Chart):
             self.put("plan", x=[], y=[], ink=[])
 
     def _label(self, axis: Any, labels: list[str]) -> None:
-        told = dict(enumerate(labels))
-        if axis.major_label_overrides != told:
-            axis.update(ticker=FixedTicker(ticks=list(told)), major_label_overrides=told)
+        places = dict(enumerate(labels))
+        if axis.major_label_overrides != places:
+            axis.update(ticker=FixedTicker(ticks=list(places)), major_label_overrides=places)
 
 
 def printed_table(table: StudyTable, measure: Measure) -> str:
-    """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario.
+    """Return the paper's table beside that of railjoule, or nothing where the paper has none for this table's scenario.
 
     Parameters
     ----------

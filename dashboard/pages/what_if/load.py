@@ -42,7 +42,7 @@ from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.work.runs import is_slow
 
 LOAD = "load"
-KNOWS: dict[str, Knows] = {"none": "nothing", "for the load": "load", "for the position": "place", "for both": "both"}
+KNOWN: dict[str, Knows] = {"none": "nothing", "for the load": "load", "for the position": "place", "for both": "both"}
 SELECT: dict[str, Any] = {"margin": (6, 0, 6, 6)}
 HEAT_MAP = Plot("heatmap", "", heights=(350, 440, 320), chart=HeatMapChart)
 DRIVEN = (
@@ -63,7 +63,7 @@ class LoadTab(Page):
     """The part of the page that this tab shows."""
 
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
-    knows = param.Selector(default="nothing", objects=list(KNOWS.values()), label="Replanning", doc="What is known.")
+    known = param.Selector(default="nothing", objects=list(KNOWN.values()), label="Replanning", doc="What is known.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), label="Show", doc="What it shows.")
 
     reality = result(Reality, "The last good run.")
@@ -82,10 +82,10 @@ class LoadTab(Page):
         return compute_reality, conditions(self.desk, self.desk.day.conditions)
 
     # the run comes first; the table has loads and errors of its own
-    @study("reality", "both_directions", "knows", into="table", marked=True, tab=LOAD)
+    @study("reality", "both_directions", "known", into="table", marked=True, tab=LOAD)
     def _table(self) -> Request:
         plan = conditions(self.desk, {**self.desk.day.conditions, **NOTHING_WRONG})
-        return self.reality and (compute_table, plan, self.both_directions, self.knows)
+        return self.reality and (compute_table, plan, self.both_directions, self.known)
 
     @study("reality", *CHANCE, into="stops", tab=LOAD)
     def _stops(self) -> Request:
@@ -104,12 +104,12 @@ class LoadTab(Page):
         ways = buttons(
             self, "both_directions", {"One direction": False, "Both directions": True}, margin=(10, 0, 0, 12)
         )
-        known = menu(self, "knows", "Replanning", KNOWS, **SELECT)
+        replanning = menu(self, "known", "Replanning", KNOWN, **SELECT)
         hint = parts.html_pane(parts.note_paragraphs([HINT], "margin:10px 0 0 12px"))
         left = parts.stack(
             pn.Row(shown, ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),
             plots["heatmap"].host,
-            pn.Row(known, hint, margin=0, sizing_mode="stretch_width"),
+            pn.Row(replanning, hint, margin=0, sizing_mode="stretch_width"),
             self.stop_errors,
             self.printed,
         )

@@ -1,4 +1,4 @@
-"""What if: the plan under another load, a position error, events on the way, and random draws of all of them."""
+"""The page What if: the plan under another load, a position error, events on the way, and random draws."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -36,7 +36,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
     """The page with its three tabs."""
 
     page = "What if"
-    kept = ("tab", "both_directions", "knows", "measure", *ROBUST_FIELDS)
+    kept = ("tab", "both_directions", "known", "measure", *ROBUST_FIELDS)
     passing = ("as_driver", "dropping", "drawing", "searching")
     figures = (
         *(HEAT_MAP, *DRIVEN, BRAKING, PLACE),
@@ -51,7 +51,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
     tab = param.Selector(default=LOAD, objects=list(TABS), doc="The tab in sight.")
 
     def part(self, scenario: Scenario) -> object:
-        """Return what its fields begin with."""
+        """Return the part of a scenario that the accepted lateness is from."""
         return scenario.disturbance
 
     def is_shown(self, tab: str) -> bool:

@@ -176,7 +176,7 @@ def late_ends(curves: Mapping[str, Curve]) -> tuple[tuple[float, float], tuple[f
 
 
 def saved_by(late: LateArrivals, reaction: str) -> str:
-    """Return what the first seconds of delay save, in words."""
+    """Return the saving by the first seconds of delay, in words."""
     delay, energy = late.delay_s[reaction], late.energy_kwh[reaction]  # type: ignore[index]
     known = np.flatnonzero(np.isfinite(energy))
     # a train that cannot make up all of its delay arrives no later for the first delays that are accepted

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.keep.former_keys import FORMER_KEYS
 from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
@@ -66,7 +65,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
 
 
 @pytest.mark.parametrize(
-    ("query", "told"),
+    ("query", "sentence"),
     [
         ("?v=2&load_percent=30", "The link has version 2, but this page reads version 1; it was not opened."),
         pytest.param("?v=1&" + "&k=1" * 600, "has more than the 500 values allowed", id="many values"),
@@ -87,8 +86,8 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&disturbances.events=" + quote(json.dumps([{}] * 501)), "must have at most 500 entries."),
     ],
 )
-def test_what_cannot_be_opened_is_told(query: str, told: str) -> None:
-    assert told in read_link(query).refusal
+def test_what_cannot_be_opened_is_told(query: str, sentence: str) -> None:
+    assert sentence in read_link(query).refusal
 
 
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
@@ -108,7 +107,9 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
             "disturbances.events=" + quote('[{"kind":"stop","position_m":500}]'),
             {"day.events": [{"kind": "stop", "position_m": 500}]},
         ),
-        ("robustness.knows=both", {"what_if.knows": "both"}),
+        ("robustness.measure=delay_s&robustness.candidates=9", {"what_if.measure": "delay_s", "what_if.candidates": 9}),
+        ("robustness.knows=both", {"what_if.known": "both"}),
+        ("robustness.accepted_delay_s=4", {"what_if.accepted_lateness_s": 4}),
         ("page=Robustness", {"page": "What if", "what_if.tab": "load"}),
         ("page=Disturbances", {"page": "What if", "what_if.tab": "events"}),
     ],
@@ -117,11 +118,6 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
 def test_a_link_with_earlier_keys_opens(query: str, snapshot: dict[str, object], version: str) -> None:
     read = read_link(f"?{version}{query}")
     assert (read.snapshot, read.refusal) == (snapshot, "")
-
-
-def test_every_earlier_key_has_a_field() -> None:
-    assert set(FORMER_KEYS.values()) <= set(KEYS)
-    assert not set(FORMER_KEYS) & set(KEYS)
 
 
 def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:

@@ -51,7 +51,7 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
     )
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.0)
     state.day.param.update(seed=7, target_braking=False)
-    state.pages["What if"].knows = "both"
+    state.pages["What if"].known = "both"
     state.day.drop("limit", 700.0)
     state.speed_limits.cut(3)
     state.speed_limits.param.update(section_count=3, found=False, storage_size_kwh=1.5)

@@ -1,4 +1,4 @@
-"""What the tab "Events" tells of savings."""
+"""The numbers of the tab "Events"."""
 
 import html
 import re
@@ -30,7 +30,7 @@ def plain(markup: str) -> str:
     return " ".join(html.unescape(re.sub(r"<[^>]+>", " ", markup)).split())
 
 
-def test_a_late_driver_is_told_by_the_delay(ride) -> None:
+def test_a_late_driver_is_shown_by_the_delay(ride) -> None:
     assert plain(driver_figure(ride(9.0, 0.0), 10.0)) == "Energy saved, driver 10.0 % 9.00 kWh, undisturbed 10.00"
     assert plain(driver_figure(ride(9.0, 12.0), 10.0)) == "Driver 12.0 s late 9.00 kWh, undisturbed 10.00"
     # neither does it cost what the undisturbed run, which is in time, needs less
@@ -39,9 +39,9 @@ def test_a_late_driver_is_told_by_the_delay(ride) -> None:
 
 
 def test_a_reaction_saves_only_where_it_arrives_no_later(ride) -> None:
-    def told(one: tuple[float, float], driver: tuple[float, float]) -> str:
+    def figure(one: tuple[float, float], driver: tuple[float, float]) -> str:
         return plain(beside_driver(ride(*one), ride(*driver), "Replanning"))
 
-    assert told((9.0, 5.0), (10.0, 5.0)) == "Replanning saves 10.0 % 9.00 kWh, arrives at the same time"
-    assert told((9.0, 5.0), (10.0, 1.0)) == "Replanning needs 1.000 kWh less 9.00 kWh, arrives 4.0 s later"
-    assert told((11.0, 5.0), (10.0, 5.0)) == "Replanning costs 10.0 % more 11.00 kWh, arrives at the same time"
+    assert figure((9.0, 5.0), (10.0, 5.0)) == "Replanning saves 10.0 % 9.00 kWh, arrives at the same time"
+    assert figure((9.0, 5.0), (10.0, 1.0)) == "Replanning needs 1.000 kWh less 9.00 kWh, arrives 4.0 s later"
+    assert figure((11.0, 5.0), (10.0, 5.0)) == "Replanning costs 10.0 % more 11.00 kWh, arrives at the same time"

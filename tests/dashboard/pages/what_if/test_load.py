@@ -32,7 +32,7 @@ def test_a_run_that_misses_timetable_and_stop_is_no_saving() -> None:
     main, equal, plan = figures_at(1.0, 10.0)
     assert main == "Load 100 %, +10 m 3.2 s late 14.5 m beyond the stop"
     assert re.fullmatch(r"Energy at equal arrival \+[\d.]+ % 9\.68 kWh, for the actual load [\d.]+", equal)
-    # beside the plan for half of the load it needs more, and that is told
+    # beside the plan for half of the load it needs more, and that is shown
     assert plan == "Against the plan +1.867 kWh +23.9 %, planned 7.81"
 
 
@@ -55,7 +55,7 @@ def test_a_miss_comes_first_though_the_run_needs_more() -> None:
     assert re.match(r"Energy at equal arrival \+\d", equal)
 
 
-def test_a_run_in_time_at_its_stop_is_told_by_its_energy() -> None:
+def test_a_run_in_time_at_its_stop_is_shown_by_its_energy() -> None:
     scenario = load_scenario("liashenko-ii")
     cells = load_figures(compute_reality(Conditions(scenario, {"disturbance.actual_load_factor": 0.0})), None)
     main, arrival, _ = map(plain, cells)

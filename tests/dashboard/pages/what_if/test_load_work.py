@@ -38,10 +38,10 @@ def test_another_reality_leaves_the_table(state: Workbench) -> None:
 def test_what_the_train_knows_changes_the_table_alone(state: Workbench) -> None:
     model = state.pages["What if"]
     reality = model.reality
-    model.knows = "both"
+    model.known = "both"
     assert model.table.over_replanned == pytest.approx(np.zeros(model.table.energy_kwh.shape), abs=1e-9)
     assert model.reality is reality
-    model.knows = "nothing"
+    model.known = "nothing"
 
 
 def test_the_table_covers_both_directions_on_request(state: Workbench) -> None:
