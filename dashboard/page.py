@@ -239,6 +239,10 @@ class Page(TypedParameters, PageModel):
         """Return whether the parts of a tab can be drawn: it is open, and they are made."""
         return self.is_open(tab)
 
+    def goes_on(self, into: str) -> bool:
+        """Return whether a study was asked for by hand, and so continues out of sight."""
+        return False
+
     def is_over_time(self, axis: str) -> bool:
         """Return whether the shared axis of a name is one of times; else it is one of places."""
         return True
@@ -335,7 +339,8 @@ class PageWorks(PageWork[Page]):
     def rest(self) -> None:
         """Stop the studies out of sight, except for those started by hand; they begin again once they are in sight."""
         for told in self.told:
-            if self._is_seen(told) or told.threads is None or told.start or not self.jobs[told.into].busy:
+            by_hand = told.start or self.of.goes_on(told.into)
+            if self._is_seen(told) or told.threads is None or by_hand or not self.jobs[told.into].busy:
                 continue
             self.jobs[told.into].stop()
             self._asked.pop(told.into, None)

@@ -71,6 +71,10 @@ class ChanceTab(Page):
         """Compute all runs of the present conditions, not only those of the preview."""
         self.more_of = self._draws(PREVIEW_RUNS)
 
+    def goes_on(self, into: str) -> bool:
+        """Return whether all runs of the present conditions were asked for."""
+        return into == "chance" and self.more_of is not None and self.more_of == self._draws(PREVIEW_RUNS)
+
     def search_robust(self, *_: Any) -> None:
         """Search the robust plan."""
         self.param.trigger("find_robust")
