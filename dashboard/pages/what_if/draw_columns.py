@@ -1,4 +1,4 @@
-"""What is explored of the runs that chance draws: a column for each quantity drawn and for each result."""
+"""The random draws as columns, one for each quantity drawn and for each result, and the rows within brushes."""
 
 import json
 import math
@@ -28,14 +28,11 @@ class Column:
         Takes a table, gives an array of shape (done,) in that unit.
     show : callable
         How a number of that array reads, without its unit.
-    is_drawn : bool
-        Whether chance draws it; else it is a result.
     """
 
     words: str
     values: Callable[[StudyTable], FloatArray]
     show: Callable[[float], str]
-    is_drawn: bool = False
 
     @property
     def name(self) -> str:
@@ -48,13 +45,13 @@ class Column:
         """The unit."""
         return self.words.rpartition(", ")[2]
 
-    def told(self, value: float) -> str:
+    def with_unit(self, value: float) -> str:
         """Return a number with its unit."""
         return f"{self.show(value)} {self.unit}"
 
 
-def _drawn(name: str, told: str, show: Callable[[float], str], scale: float = 1.0) -> Column:
-    return Column(told, lambda table: scale * table[name], show, is_drawn=True)
+def _drawn(name: str, title: str, show: Callable[[float], str], scale: float = 1.0) -> Column:
+    return Column(title, lambda table: scale * table[name], show)
 
 
 def _percent(show: Callable[[float], str]) -> Callable[[float], str]:
@@ -82,24 +79,15 @@ COLUMNS: Mapping[str, Column] = {
 POINTS = "draws"
 """The name of the figure of points; those of the histograms begin with it."""
 FIRST = "load", "extra"
-"""What is drawn over which at first: the second over the first."""
+"""The quantities to the right and upwards at first."""
 OUTCOMES = "extra", "late", "overshoot"
-"""Of these a brush tells the median."""
+"""The results whose medians are written."""
+HINT = "Drag over the points or along a histogram to brush; click in a figure to let go of its brush."
 
 
 def histogram_name(column: str) -> str:
     """Return the name of the figure that shows how often a column's values came out."""
     return f"{POINTS}_{column}"
-
-
-@dataclass(frozen=True, eq=False)
-class Request:
-    """What is to be drawn of a table: `y` over `x`, and histograms of all else, in light or dark colours."""
-
-    table: StudyTable
-    x: str
-    y: str
-    dark: bool
 
 
 def varied(table: StudyTable) -> dict[str, FloatArray]:
@@ -111,22 +99,22 @@ def varied(table: StudyTable) -> dict[str, FloatArray]:
     }
 
 
-def brushes_of(text: str) -> dict[str, Bounds]:
-    """Return the brushes that a browser tells as JSON, by figure; whatever is none, or of no column, is left out."""
+def parse_brushes(text: str) -> dict[str, Bounds]:
+    """Return the brushes in a browser's JSON, by figure; invalid ones, and those of unknown columns, are left out."""
     try:
-        told = json.loads(text)
+        sent = json.loads(text)
     except (ValueError, RecursionError):
         return {}
-    if not isinstance(told, Mapping):
+    if not isinstance(sent, Mapping):
         return {}
-    found = {str(figure): _bounds_of(brush) for figure, brush in told.items()}
+    found = {str(figure): _parse_bounds(brush) for figure, brush in sent.items()}
     return {figure: brush for figure, brush in found.items() if brush}
 
 
-def _bounds_of(told: Any) -> Bounds:
-    if not isinstance(told, Mapping):
+def _parse_bounds(sent: Any) -> Bounds:
+    if not isinstance(sent, Mapping):
         return {}
-    return {name: (float(ends[0]), float(ends[1])) for name, ends in told.items() if name in COLUMNS and _is_span(ends)}
+    return {name: (float(ends[0]), float(ends[1])) for name, ends in sent.items() if name in COLUMNS and _is_span(ends)}
 
 
 def _is_span(ends: Any) -> bool:
@@ -135,10 +123,48 @@ def _is_span(ends: Any) -> bool:
 
 
 def common(brushes: Mapping[str, Bounds]) -> Bounds:
-    """Return what lies within all brushes, which may be nothing: then an end lies before its start."""
+    """Return the bounds common to all brushes; an end before its start holds no row."""
     bounds: Bounds = {}
     for brush in brushes.values():
         for name, (low, high) in brush.items():
             lowest, highest = bounds.get(name, (-math.inf, math.inf))
             bounds[name] = max(low, lowest), min(high, highest)
     return bounds
+
+
+def held_rows(columns: Mapping[str, FloatArray], bounds: Bounds) -> Any:
+    """Return for each row whether it lies within bounds: from the start, up to but not including the end."""
+    count = len(next(iter(columns.values())))
+    return np.logical_and.reduce(
+        [
+            np.ones(count, bool),
+            *((columns[name] >= low) & (columns[name] < high) for name, (low, high) in bounds.items()),
+        ]
+    )
+
+
+def brush_words(table: StudyTable, columns: Mapping[str, FloatArray], bounds: Bounds) -> list[str]:
+    """Return in sentences the number of runs within bounds, and their medians beside those of all runs."""
+    held = held_rows(columns, bounds)
+    count, stuck = len(held), table.done - len(held)
+    lost = f" In {words.number(stuck, 0)} more the train comes to a stand." if stuck else ""
+    if not bounds:
+        return [f"{words.number(count, 0)} draws that reached the end.{lost} {HINT}"]
+    where = "; ".join(
+        f"{COLUMNS[name].name} {COLUMNS[name].show(low)} to {COLUMNS[name].with_unit(high)}"
+        for name, (low, high) in bounds.items()
+    )
+    within = f"{words.number(held.sum(), 0)} of {words.number(count, 0)} draws ({words.share(held.mean())} %)"
+    counted = f"{within}: {where}.{lost}"
+    if not held.any():
+        return [counted]
+    medians = ", ".join(
+        f"{COLUMNS[name].name} {_median(name, columns[name][held])} (all: {_median(name, columns[name])})"
+        for name in OUTCOMES
+        if name in columns
+    )
+    return [counted, f"Medians of these: {medians}."]
+
+
+def _median(name: str, values: FloatArray) -> str:
+    return COLUMNS[name].with_unit(float(np.median(values)))

@@ -1,42 +1,44 @@
-"""Explore the draws: any two quantities of the runs that chance draws over each other, the others beside, to brush.
+"""Explore the draws: any two of their quantities over each other, the others beside, to brush.
 
-It is opened by hand: before that nothing of it is loaded, computed or on the page, and nothing once it is closed.
+It is opened by hand: before that nothing of it is computed or on the page, and nothing once it is closed.
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+import numpy as np
 import panel_material_ui as pmui
-from bokeh.models import CustomJS
+from bokeh.models import BoxAnnotation, ColumnDataSource, CustomJS
 from panel import Row
 
-from railjoule.core import RailjouleError
+from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.figures import FinishedChart
-from railjoule.dashboard.charts.sketches import SketchKind
+from railjoule.dashboard.charts.chart import nice_range
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
+from railjoule.dashboard.pages.what_if.chance_charts import SHOWN
 from railjoule.dashboard.pages.what_if.draw_columns import (
     COLUMNS,
     FIRST,
     POINTS,
     Bounds,
-    Request,
-    brushes_of,
+    brush_words,
     common,
     histogram_name,
+    parse_brushes,
     varied,
 )
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.work.worker import Worker
-
-if TYPE_CHECKING:
-    from railjoule.dashboard.pages.what_if.draws import BrushedFigure, Drawn
 
 EVENTS = "panstart", "pan", "panend", "tap"
 OPEN, CLOSE = "Explore the draws", "Close the draws"
 WAITS = "The draws can be explored once all of them are there."
+BINS = 30
+LAYERS = {"all": "line2", "brushed": "driven"}
+"""All draws and, above them, those within the brushes, with their colours."""
 GRID_CSS = """
 :host { display: grid; grid-template-columns: repeat(3, minmax(0, 1fr)); gap: 4px 16px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: repeat(2, minmax(0, 1fr)); } }
@@ -48,37 +50,54 @@ HEIGHTS = {POINTS: (320, 400, 280), **{histogram_name(name): (110, 130, 110) for
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 12, 6, 0), "width": 270}
 
 
-def draw(request: Request) -> "Drawn":
-    """Return the figures of a request; runs in a thread, as HoloViews takes its time to load and to draw."""
-    from railjoule.dashboard.pages.what_if.draws import draw as drawn  # noqa: PLC0415
-
-    return drawn(request)
-
-
-class BrushedChart(FinishedChart):
-    """A chart of the draws."""
+class BrushedChart(LoneChart):
+    """A figure of the draws that can be brushed: points of two columns, or a histogram of one."""
 
     title = "Draws"
 
-    def __init__(self, name: str, caption: str, kind: SketchKind) -> None:
-        # before its sketch is made
-        self.kind = kind
-        super().__init__(name, caption, HEIGHTS[name][0])
-        self._join: Callable[[], None] | None = None
+    def __init__(
+        self, columns: tuple[str, ...], caption: str, dark: bool, join: Callable[["BrushedChart"], None]
+    ) -> None:
+        self.columns, self.kind = columns, "map" if len(columns) > 1 else "bars"
+        name = POINTS if len(columns) > 1 else histogram_name(columns[0])
+        # colours of its own, which go with it
+        super().__init__(name, caption, HEIGHTS[name][0], Palette(dark))
+        self.box = BoxAnnotation(visible=False, fill_alpha=0.12, line_alpha=0.8, line_width=1)
+        self._join, self._is_joined = join, False
 
-    def take(self, taken: "BrushedFigure", brushing: "_Brushing") -> None:
-        """Draw a figure, and let it be brushed."""
-        self._join = partial(brushing.add, self.name, taken)
-        self.show(partial(self.draw, taken.figure))
+    def build(self) -> None:
+        """Make the figure, with a box for its brush, which the browser shows."""
+        points = len(self.columns) > 1
+        f = self.frame(ticks=4, x_title=COLUMNS[self.columns[0]].words if points else "")
+        for layer, token in LAYERS.items():
+            if points:
+                style: dict[str, Any] = {"size": 3.5, "fill_alpha": 0.6, "line_color": None}
+                self.glyphs("scatter", layer, *self.columns, paint={"fill_color": token}, **style)
+            else:
+                bars = {"fill_color": token, "line_color": "surface"}
+                self.glyphs("quad", layer, "left", "right", 0, "top", paint=bars, line_width=0.5)
+        f.yaxis.visible = f.ygrid.visible = points
+        self.palette.paint(self.box, fill_color="accent", line_color="accent")
+        f.add_layout(self.box)
+
+    def draw(self, *values: FloatArray) -> None:
+        """Draw the values of its columns, all of them brushed."""
+        ends = [nice_range(*map(float, np.quantile(one, SHOWN))) for one in values]
+        drawn: dict[str, FloatArray] = dict(zip(self.columns, values, strict=True))
+        if len(self.columns) == 1:
+            counts, edges = np.histogram(values[0], BINS, ends[0])
+            drawn = {"left": edges[:-1], "right": edges[1:], "top": counts}
+            ends.append((0.0, 1.06 * max(float(counts.max()), 1.0)))
+        for layer in LAYERS:
+            self.put(layer, **{name: column.tolist() for name, column in drawn.items()})
+        self.set_ranges(ends[0], ends[1])
 
     def settle(self) -> None:
-        """Draw what waits."""
+        """Draw the figure; figures refer to each other only once they stand on the page, or they get another look."""
         super().settle()
-        # Only now, as figures that are brushed together refer to each other: the library gives all that a figure refers
-        # to the look of its own theme when it makes the figure's place.
-        if self.is_drawn and self._join is not None:
-            join, self._join = self._join, None
-            join()
+        if self.is_drawn and not self._is_joined:
+            self._is_joined = True
+            self._join(self)
 
 
 class Explorer:
@@ -97,12 +116,9 @@ class Explorer:
         self.charts: tuple[BrushedChart, ...] = ()
         self.is_open = False
         self._table: StudyTable | None = None
+        self._columns: Mapping[str, FloatArray] = {}
         self._axes = FIRST
-        self._brushing: _Brushing | None = None
-        # by the threads for single runs of seconds: short requests do not wait for it
-        self._worker: Worker[Request, Drawn] = Worker(
-            draw, self._take, self._fail, is_slow=lambda _: True, about=lambda: self._table
-        )
+        self._brushing: Brushing | None = None
         self.button = pmui.Button(
             label=OPEN, variant="outlined", size="small", margin=(8, 0, 4, 6), on_click=lambda _: self._turn()
         )
@@ -111,13 +127,13 @@ class Explorer:
         self.view = parts.stack(self.button, self.place, css=PLACE_CSS)
 
     def follow(self) -> None:
-        """Follow the draws and the colours: other draws are other figures, and those of before are let go of."""
+        """Follow the draws and the colours: other draws are other figures, and the former ones are removed."""
         if self.model.chance is not self._table:
             self._table = self.model.chance
             if self.charts:
                 self._let_go()
-        if self._brushing is not None:
-            self._brushing.wear(self.state.dark)
+        for chart in self.charts:
+            chart.palette.switch(self.state.dark)
         if self.is_open and not self.charts:
             self._begin()
 
@@ -135,26 +151,23 @@ class Explorer:
         self._changed()
 
     def _begin(self) -> None:
-        """Lay out what can be drawn of the table, and ask for it."""
-        columns = [] if self._table is None or self.model.drawing else list(varied(self._table))
-        if len(columns) < 2:
+        """Lay out the controls and the figures of the table, or a sentence that it is not complete yet."""
+        self._columns = {} if self._table is None or self.model.drawing else varied(self._table)
+        if len(self._columns) < 2:
             if list(self.place) != [self.waiting]:
                 self.place[:] = [self.waiting]
             return
-        self._lay_out(columns)
-        self._ask()
-
-    def _lay_out(self, columns: list[str]) -> None:
-        """Lay out the controls; the axes stay as they were chosen, where the table has such columns."""
-        x, y = self._axes if set(self._axes) <= set(columns) else columns[:2]
-        options = {COLUMNS[name].words: name for name in columns}
+        names = list(self._columns)
+        # the axes stay as they were chosen, where the table has such columns
+        x, y = self._axes if set(self._axes) <= set(names) else names[:2]
+        options = {COLUMNS[name].words: name for name in names}
         self.x, self.y = (
             pmui.Select(label=label, options=options, value=value, **SELECT)
             for label, value in (("To the right", x), ("Upwards", y))
         )
         for select in (self.x, self.y):
             select.param.watch(self._choose, "value")
-        # what stands beneath must not move while one brushes
+        # the figures below must not move while one brushes
         self.words = parts.html_pane(styles={"min-height": "76px"})
         self.reset = pmui.Button(
             label="Let go of all brushes",
@@ -167,6 +180,7 @@ class Explorer:
         self.figures = parts.stack()
         row = Row(self.y, self.x, self.reset, margin=(0, 0, 0, 6), stylesheets=[parts.WRAP_CSS])
         self.place[:] = [row, self.words, self.figures]
+        self._draw()
 
     def _choose(self, event: Any) -> None:
         """Draw the chosen quantities; where both would be one, they change places."""
@@ -175,105 +189,93 @@ class Explorer:
             # leads back here, with two that differ
             other.value = event.old
         else:
-            self._ask()
+            self._draw()
 
-    def _ask(self) -> None:
-        """Ask for figures, and lay out where they will be."""
+    def _draw(self) -> None:
+        """Draw the figures of the chosen axes; brushes in histograms stay."""
         self._axes = x, y = self.x.value, self.y.value
-        others = [name for name in self.x.options.values() if name not in self._axes]
-        points = BrushedChart(POINTS, "", "map")
-        histograms = [BrushedChart(histogram_name(name), COLUMNS[name].words, "bars") for name in others]
+        others = [name for name in self._columns if name not in self._axes]
+        names = {histogram_name(name) for name in others}
+        before = {} if self._brushing is None else self._brushing.brushes
+        brushes = {name: brush for name, brush in before.items() if name in names}
+        self._brushing = Brushing(self._columns, brushes, self._show_words)
+        dark, join = self.state.dark, self._brushing.add
+        points = BrushedChart((x, y), f"{COLUMNS[y].words}, over {COLUMNS[x].name}", dark, join)
+        histograms = [BrushedChart((name,), COLUMNS[name].words, dark, join) for name in others]
         self.charts = (points, *histograms)
         self._changed()
         self.figures[:] = [points.host, parts.stack(*(chart.host for chart in histograms), css=GRID_CSS)]
-        if self._table is not None:
-            self._worker.ask(Request(self._table, x, y, self.state.dark))
-
-    def _take(self, drawn: "Drawn") -> None:
-        # closed meanwhile, or about to be drawn over another axis
-        if not self.charts or (drawn.request.x, drawn.request.y) != self._axes:
-            return
-        before = {} if self._brushing is None else self._brushing.brushes
-        brushes = {name: brush for name, brush in before.items() if name in drawn.figures and name != POINTS}
-        self._brushing = _Brushing(drawn, brushes, self.state.dark, self._tell)
-        self._tell(common(brushes))
+        self._show_words(common(brushes))
         for chart in self.charts:
-            chart.take(drawn.figures[chart.name], self._brushing)
+            chart.show(partial(chart.draw, *(self._columns[name] for name in chart.columns)))
 
     def _release(self) -> None:
         if self._brushing is not None:
             self._brushing.set({})
 
-    def _tell(self, bounds: Bounds) -> None:
-        """Say what lies within all brushes."""
-        if self._brushing is not None:
+    def _show_words(self, bounds: Bounds) -> None:
+        if self._table is not None:
             self.reset.disabled = not bounds
-            self.words.object = parts.note_paragraphs(self._brushing.drawn.told(bounds))
-
-    def _fail(self, failure: RailjouleError) -> None:
-        self._let_go()
-        self.place[:] = [parts.html_pane(parts.failure("The draws cannot be explored.", str(failure), ""))]
+            self.words.object = parts.note_paragraphs(brush_words(self._table, self._columns, bounds))
 
 
-class _Brushing:
-    """Figures of the same rows, over which the browser brushes; assets/scripts/brush.js has the other half.
+class Brushing:
+    """Figures of the same rows, which the browser brushes; assets/scripts/brush.js has the other half.
 
     Parameters
     ----------
-    drawn : Drawn
-        The figures.
+    columns : mapping
+        The rows.
     brushes : dict
-        What is brushed from the first.
-    dark : bool
-    tell : callable
-        Takes the bounds of all brushes together, once one of them has changed.
+        The brushes at first, by figure.
+    changed : callable
+        Called with the bounds of all brushes together once one of them has changed.
     """
 
-    def __init__(self, drawn: "Drawn", brushes: dict[str, Bounds], dark: bool, tell: Callable[[Bounds], None]) -> None:
-        self.drawn, self._dark, self._tell = drawn, dark, tell
-        self._count = 0
-        self.rows = drawn.source()
+    def __init__(
+        self, columns: Mapping[str, FloatArray], brushes: dict[str, Bounds], changed: Callable[[Bounds], None]
+    ) -> None:
+        self._brushed, self._count = changed, 0
+        self.rows = ColumnDataSource(dict(columns))
         self.rows.tags = [json.dumps(brushes), 0]
         self.rows.on_change("tags", self._hear)
         self._callback = CustomJS(code=function("brush", "brush({rows, parts}, cb_obj)"))
         self.rows.js_on_change("tags", self._callback)
-        self._figures: dict[str, BrushedFigure] = {}
+        self._charts: list[BrushedChart] = []
 
     @property
     def brushes(self) -> dict[str, Bounds]:
-        """Where the brush of each figure lies that has one."""
-        return brushes_of(str(self.rows.tags[0])) if self.rows.tags else {}
+        """The brushes by figure."""
+        return parse_brushes(str(self.rows.tags[0])) if self.rows.tags else {}
 
-    def add(self, name: str, added: "BrushedFigure") -> None:
+    def add(self, chart: BrushedChart) -> None:
         """Let a figure be brushed."""
-        # made for a theme that may have changed since
-        added.palette.switch(self._dark)
+        assert chart.figure is not None
         for event in EVENTS:
-            added.figure.js_on_event(event, self._callback)
-        self._figures[name] = added
-        told = [
-            {"name": key, "figure": one.figure, "columns": one.columns, "box": one.box, "brushed": one.brushed}
-            for key, one in self._figures.items()
+            chart.figure.js_on_event(event, self._callback)
+        self._charts.append(chart)
+        figures = [
+            {
+                "name": one.name,
+                "figure": one.figure,
+                "columns": list(one.columns),
+                "box": one.box,
+                "brushed": one.sources["brushed"],
+            }
+            for one in self._charts
         ]
-        self._callback.args = {"rows": self.rows, "parts": told}
+        self._callback.args = {"rows": self.rows, "parts": figures}
         if self.brushes:
-            # what has just come does not show them yet
+            # the new figure does not show them yet
             self.set(self.brushes)
 
     def set(self, brushes: dict[str, Bounds]) -> None:
-        """Let the browser have these brushes and no others."""
+        """Replace all brushes."""
         self._count += 1
-        # as a text: a dict of ours would be a map there, and an object of the browser's a dict here
+        # as a text: a dict of Python would be a map there, and an object of the browser a dict here
         self.rows.tags = [json.dumps(brushes), -self._count]
-        # within a message that is still to be sent, the library calls nobody for what we have set ourselves
-        self._tell(common(brushes))
-
-    def wear(self, dark: bool) -> None:
-        """Wear the colours of the theme, all that is drawn by now."""
-        if dark != self._dark:
-            self._dark = dark
-            for one in self._figures.values():
-                one.palette.switch(dark)
+        # within a message that is still to be sent, the library calls no listener for a change by Python
+        self._brushed(common(brushes))
 
     def _hear(self, _attribute: str, _old: Any, _new: Any) -> None:
-        self._tell(common(self.brushes))
+        self._brushed(common(self.brushes))

@@ -1,18 +1,16 @@
 """Explore the draws: opened by hand, dropped when closed or when the draws are renewed; nothing of it stays."""
 
-import gc
-import subprocess
-import sys
 from typing import Any
 
-import holoviews as hv
+import numpy as np
 import pytest
 from builders import plain_scenario
 
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.look.tokens import DARK
-from railjoule.dashboard.pages.what_if.explorer import CLOSE, OPEN, Explorer
+from railjoule.dashboard.look.tokens import DARK, LIGHT
+from railjoule.dashboard.pages.what_if.draw_columns import varied
+from railjoule.dashboard.pages.what_if.explorer import BINS, CLOSE, OPEN, Explorer
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -25,7 +23,7 @@ def tables() -> tuple[StudyTable, StudyTable]:
     return drawn(1), drawn(2)
 
 
-def explorer_of(table: StudyTable | None) -> Explorer:
+def open_explorer(table: StudyTable | None) -> Explorer:
     state = Workbench()
     state.pages["What if"].chance = table
     made = Explorer(state.pages["What if"], lambda: None)
@@ -38,7 +36,7 @@ def press(explorer: Explorer) -> None:
 
 
 def test_nothing_is_there_before_it_is_opened_and_after_it_is_closed(tables: tuple[Any, Any]) -> None:
-    explorer = explorer_of(tables[0])
+    explorer = open_explorer(tables[0])
     assert (explorer.charts, list(explorer.place), explorer.button.label) == ((), [], OPEN)
     press(explorer)
     assert explorer.button.label == CLOSE
@@ -50,7 +48,7 @@ def test_nothing_is_there_before_it_is_opened_and_after_it_is_closed(tables: tup
 
 
 def test_draws_that_are_renewed_are_drawn_once_all_are_there(tables: tuple[Any, Any]) -> None:
-    explorer = explorer_of(tables[0])
+    explorer = open_explorer(tables[0])
     press(explorer)
     explorer.y.value = "late" if "late" in explorer.y.options.values() else "energy"
     chosen = explorer.y.value
@@ -67,22 +65,23 @@ def test_draws_that_are_renewed_are_drawn_once_all_are_there(tables: tuple[Any, 
 
 
 def test_without_draws_it_says_so() -> None:
-    explorer = explorer_of(None)
+    explorer = open_explorer(None)
     press(explorer)
     assert list(explorer.place) == [explorer.waiting]
 
 
 def test_axes_that_would_be_one_change_places(tables: tuple[Any, Any]) -> None:
-    explorer = explorer_of(tables[0])
+    explorer = open_explorer(tables[0])
     press(explorer)
     explorer.x.value = "extra"
     assert (explorer.x.value, explorer.y.value) == ("extra", "load")
-    f = explorer.charts[0].figure
-    assert (f.xaxis[0].axis_label, f.yaxis[0].axis_label) == ("Extra energy, %", "Load, %")
+    points = explorer.charts[0]
+    assert points.figure.xaxis[0].axis_label == "Extra energy, %"
+    assert points.caption == "Load, %, over extra energy"
 
 
 def test_its_figures_follow_the_theme(tables: tuple[Any, Any]) -> None:
-    explorer = explorer_of(tables[0])
+    explorer = open_explorer(tables[0])
     press(explorer)
     explorer.state.dark = True
     explorer.follow()
@@ -90,47 +89,35 @@ def test_its_figures_follow_the_theme(tables: tuple[Any, Any]) -> None:
         assert chart.figure.renderers[1].glyph.fill_color == DARK["driven"]
 
 
-def registries() -> dict[str, int]:
-    """Return how much HoloViews keeps for the whole process."""
-    gc.collect()
-    kept = hv.core.options.Store
-    alive = gc.get_objects()
-    return {
-        "options": len(kept._custom_options["bokeh"]),
-        "references": len(kept._weakrefs),
-        "streams": len(hv.streams.Stream.registry),
-        # by its type: a proxy of what has gone, left by another test, cannot be asked what it is
-        "plots": sum(issubclass(type(one), hv.plotting.Plot) for one in alive),
-        "explorers": sum(type(one) is Explorer for one in alive),
-    }
+def test_points_and_a_histogram_of_each_other_column(tables: tuple[Any, Any]) -> None:
+    explorer = open_explorer(tables[0])
+    press(explorer)
+    columns = varied(tables[0])
+    charts = {chart.name: chart for chart in explorer.charts}
+    assert charts.keys() == {"draws", *(f"draws_{name}" for name in columns.keys() - {"load", "extra"})}
+    for chart in charts.values():
+        every, brushed = chart.figure.renderers[:2]
+        assert (every.glyph.fill_color, brushed.glyph.fill_color) == (LIGHT["line2"], LIGHT["driven"])
+        assert brushed.data_source is chart.sources["brushed"]
+    points = charts["draws"]
+    assert points.columns == ("load", "extra")
+    assert points.caption == "Extra energy, %, over load"
+    np.testing.assert_allclose(points.sources["brushed"].data["load"], columns["load"])
+    counts = np.array(charts["draws_energy"].sources["brushed"].data["top"])
+    # of the values this part is drawn: all but 0.3 % at both ends
+    assert len(counts) == BINS
+    assert len(columns["energy"]) - 2 <= counts.sum() <= len(columns["energy"])
 
 
-def test_pages_that_come_and_go_leave_nothing_in_the_registries(tables: tuple[Any, Any]) -> None:
-    before = registries()
-    for _ in range(4):
-        explorer = explorer_of(tables[0])
-        press(explorer)
-        explorer.x.value = "resistance"
-        press(explorer)
-        press(explorer)
-        # the last one is left open, as a page is that its reader just leaves
-        del explorer
-    assert registries() == before
-
-
-LATE = """
-import sys
-from railjoule.dashboard.app import VIEWS, Session
-session = Session()
-for page in VIEWS:
-    if page != "Papers":
-        session.state.page = page
-        session.views[VIEWS[page].__name__]
-assert "holoviews" not in sys.modules, "loaded too early"
-"""
-
-
-@pytest.mark.nightly
-def test_no_page_loads_holoviews_before_it_is_asked_for() -> None:
-    found = subprocess.run([sys.executable, "-c", LATE], capture_output=True, text=True, check=False)
-    assert found.returncode == 0, found.stderr[-2000:]
+def test_brushes_of_histograms_outlast_another_axis(tables: tuple[Any, Any]) -> None:
+    explorer = open_explorer(tables[0])
+    press(explorer)
+    low, high = np.quantile(varied(tables[0])["resistance"], (0.2, 0.6)).tolist()
+    explorer._brushing.set({"draws_resistance": {"resistance": (low, high)}})
+    assert not explorer.reset.disabled
+    assert "running resistance" in explorer.words.object
+    explorer.y.value = "energy"
+    assert explorer._brushing.brushes == {"draws_resistance": {"resistance": (low, high)}}
+    explorer.reset.clicks += 1
+    assert explorer.reset.disabled
+    assert explorer._brushing.brushes == {}
