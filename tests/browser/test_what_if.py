@@ -40,10 +40,9 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
 
 
 def turn_to_tab(user: User, name: str) -> None:
-    """Open a tab, and wait until it is drawn."""
+    """Open a tab."""
     user.page.get_by_role("tab", name=name).click()
     expect(user.page.get_by_role("tab", name=name)).to_have_attribute("aria-selected", "true")
-    user.settled()
 
 
 def test_tabs_are_reached_by_keyboard_and_stand_in_the_address(user: User, server: Server) -> None:

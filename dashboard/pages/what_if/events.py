@@ -10,7 +10,9 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.live import events_to_keep
 from railjoule.dashboard.charts.driven import reality_words
+from railjoule.dashboard.day import event_model
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.page import Page, Request, shows, study, work
@@ -78,6 +80,14 @@ class EventsTab(Page):
         first = not day.events and day.accepted_delay_s == 0
         self.as_driver = self.as_driver or first
         day.drop(kind, place_m)
+
+    def keep_events(self, *_: Any) -> None:
+        """Make the events of the run that plays those of the page."""
+        run = self.live.run
+        if run is not None:
+            self.as_driver = False
+            self.live.param.update(on=False, playing=False)
+            self.desk.day.events = [event_model(event) for event in events_to_keep(run)]
 
     def _leave_driver(self, *changes: Any) -> None:
         # set by hand, by a link or by a step back
@@ -151,7 +161,7 @@ class EventsTab(Page):
         lower = parts.stack(self.reacting, plots["late_arrival"].host, css=LOWER_CSS)
         body = parts.stack(plots["ride_speed"].host, plots["ride_energy"].host, lower, css=BODY_CSS)
         self.before = parts.stack(self.invitation, self.arrivals, tools, body)
-        self.playing = LivePart(self.live, self.host)
+        self.playing = LivePart(self.live, self.host, self.keep_events)
         mode = buttons(self.live, "on", modes, margin=(8, 8, 4, 20))
         return parts.stack(mode, self.before, self.playing.view)
 

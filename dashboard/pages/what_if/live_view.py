@@ -1,5 +1,6 @@
 """The part of the page that plays a run: its controls, its numbers, its chart, and how it ended."""
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -39,13 +40,13 @@ UNLIKE = (
 class LivePart:
     """All that is in sight while the page plays a run."""
 
-    def __init__(self, model: LiveModel, host: Any) -> None:
+    def __init__(self, model: LiveModel, host: Any, keep: Callable[..., None]) -> None:
         self.model, self.axis, self.chart = model, host.axes[PLAYED.axis], host.plots[PLAYED.name]
         self.chart.press = self._press
         self.numbers, self.message, self.status, self.table = (parts.html_pane() for _ in range(4))
         self.play = _button("Play", self._play, variant="contained")
-        self.again = _button("Start again", self._trigger("restart"))
-        self.keep = _button("Keep these events", self._trigger("keep_events"))
+        self.again = _button("Start again", lambda _: model.param.trigger("restart"))
+        self.keep = _button("Keep these events", keep)
         self.pace = buttons(self.model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8))
         tools = pn.Row(self.play, self.pace, self.again, self.keep, margin=(0, 0, 0, 12), stylesheets=[parts.WRAP_CSS])
         body = parts.stack(self.status, self.chart.host, self._fields(), self.table, css=BODY_CSS)
@@ -56,14 +57,14 @@ class LivePart:
 
     def _fields(self) -> pn.Column:
         model = self.model
-        self.clear = _button("Clear signal", self._trigger("clear_signal"))
+        self.clear = _button("Clear signal", model.clear_signal)
         rows = (
             (
                 NumberField(model, "signal_m"),
                 NumberField(model, "signal_s", of="Signal "),
                 box(model, "is_open", "until cleared", margin=(0, 12)),
                 pn.Row(
-                    _button("Set red signal", self._trigger("set_signal")),
+                    _button("Set red signal", model.set_signal),
                     self.clear,
                     margin=0,
                     stylesheets=[parts.WRAP_CSS],
@@ -73,17 +74,14 @@ class LivePart:
                 NumberField(model, "from_m"),
                 NumberField(model, "to_m", of="Limit "),
                 NumberField(model, "limit_kmh", of="Limit "),
-                _button("Set limit", self._trigger("set_limit")),
+                _button("Set limit", model.set_limit),
             ),
             (
                 NumberField(model, "voltage_percent"),
-                _button("Set voltage", self._trigger("set_voltage")),
+                _button("Set voltage", model.set_voltage),
             ),
         )
         return parts.stack(*(parts.stack(*row, css=FIELDS_CSS) for row in rows))
-
-    def _trigger(self, name: str) -> Any:
-        return lambda _: self.model.param.trigger(name)
 
     def _play(self, _: Any) -> None:
         run = self.model.run
@@ -98,7 +96,7 @@ class LivePart:
 
     def _press(self, place_m: float) -> None:
         self.model.signal_m = float(round(place_m))
-        self.model.param.trigger("set_signal")
+        self.model.set_signal()
 
     def show_plan(self) -> None:
         """Draw the run with the plan that it has now."""

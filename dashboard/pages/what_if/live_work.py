@@ -3,25 +3,19 @@
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import panel as pn
 
-from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
+from railjoule.core import RailjouleError, Scenario
 from railjoule.core.simulation.live import (
     LiveRun,
     advance,
-    clear_signal,
-    events_to_keep,
     finished_run,
     known_run,
-    set_event,
     start_run,
     wait_longer,
 )
-from railjoule.dashboard.day import event_model
 from railjoule.dashboard.pages.what_if.live_model import LiveModel, LiveResult
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
@@ -85,8 +79,8 @@ class Live(PageWork[LiveModel]):
         self.of.param.watch(self._ask, "tab")
         self.model.param.watch(self._ask, "on")
         self.model.param.watch(self._set_clock, "playing")
-        for name in ("set_signal", "clear_signal", "set_limit", "set_voltage", "restart", "keep_events"):
-            self.model.param.watch(getattr(self, f"_{name}"), name)
+        self.model.param.watch(self._restart, "restart")
+        self.model.param.watch(lambda event: self.plan(event.new), "step")
         self.model.take(state.scenario.edited)
 
     @property
@@ -120,31 +114,6 @@ class Live(PageWork[LiveModel]):
         self._planning = True
         self.steps.ask(StepRequest(step, run))
 
-    def _set_signal(self, *_: Any) -> None:
-        """Set the red signal of the fields."""
-        model = self.model
-        self._set(UnplannedStop(position_m=model.signal_m, duration_s=model.signal_s), model.is_open)
-
-    def _set_limit(self, *_: Any) -> None:
-        """Set the lower limit of the fields."""
-        model = self.model
-        if model.from_m >= model.to_m:
-            begins, ends = f"{model.from_m:g} m", f"{model.to_m:g} m"
-            self.take_failure(ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that."))
-            return
-        self._set(UnplannedLimit(from_m=model.from_m, to_m=model.to_m, limit_kmh=model.limit_kmh))
-
-    def _set_voltage(self, *_: Any) -> None:
-        """Set the supply voltage of the field."""
-        self._set(VoltageChange(line_voltage_factor=self.model.voltage_percent / 100))
-
-    def _set(self, event: Event, is_open: bool = False) -> None:
-        self.plan(partial(set_event, event=event, is_open=is_open))
-
-    def _clear_signal(self, *_: Any) -> None:
-        """Clear the red signal that the train meets first."""
-        self.plan(_clear_first)
-
     def tick(self, seconds: float) -> None:
         """Let the clock go on [s of reality]; it waits while a plan is made, as the plan begins where the train is."""
         run = self.model.run
@@ -157,13 +126,6 @@ class Live(PageWork[LiveModel]):
         elif now.has_arrived:
             self.model.playing = False
             self.results.ask(now)
-
-    def _keep_events(self, *_: Any) -> None:
-        """Make what was set the events of the page."""
-        if self.model.run is not None:
-            self.model.param.update(on=False, playing=False)
-            self.of.as_driver = False
-            self.state.day.events = [event_model(event) for event in events_to_keep(self.model.run)]
 
     def _ask(self, *_: Any) -> None:
         if not (self.in_sight and self.model.on):
@@ -219,9 +181,3 @@ class Live(PageWork[LiveModel]):
         since, self._read_s = now - self._read_s, now
         with pn.io.hold():
             self.tick(min(since, LONGEST_TICK_S))
-
-
-def _clear_first(run: LiveRun) -> LiveRun:
-    """Return a run whose next red signal is clear; the same run where none is red."""
-    red = [one for one in run.events if one.is_ahead and not run.has_left(one)]
-    return clear_signal(run, min(red, key=run.stand_node)) if red else run

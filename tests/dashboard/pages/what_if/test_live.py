@@ -26,20 +26,20 @@ def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
     drawn = view.plots["live_speed"].sources
     assert drawn["train"].data["x"] == pytest.approx([model.run.position_m])
     assert drawn["driven"].data["x"][-1] == pytest.approx(model.run.position_m)
-    model.param.trigger("set_signal")
+    model.set_signal()
     assert model.failure is None
     assert list(drawn["signs"].data["text"]) == ["red 15 s"]
     assert "planned again in" in view.of.playing.status.object
     # one behind the train is refused, and the run goes on
     model.signal_m = 100.0
-    model.param.trigger("set_signal")
+    model.set_signal()
     assert "is not ahead of the train" in view.of.playing.message.object
     while model.ended is None:
         work.tick(0.5)
     assert not model.playing
     assert "How it ended" in view.of.playing.table.object
     played = model.ended.live
-    model.param.trigger("keep_events")
+    state.pages["What if"].keep_events()
     assert not model.on
     (event,) = state.day.events
     assert (event.kind, event.position_m, event.duration_s) == ("stop", 900.0, pytest.approx(15.0))
