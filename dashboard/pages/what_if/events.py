@@ -151,7 +151,7 @@ class EventsTab(Page):
             buttons(self, "dropping", drops, margin=(8, 8, 0, 20)),
             add,
             pn.Spacer(sizing_mode="stretch_width"),
-            over_time_buttons(self.desk, margin=(8, 20, 0, 0)),
+            over_time_buttons(self.desk, margin=(8, 20, 0, 20)),
             margin=0,
             sizing_mode="stretch_width",
             stylesheets=[parts.WRAP_CSS],

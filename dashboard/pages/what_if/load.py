@@ -176,7 +176,7 @@ def load_figures(reality: Reality, table: StudyTable | None) -> list[str]:
         detail = f"{words.energy(energy)} kWh, {against} {words.energy(known)}"
         cells = [
             parts.figure(label, *comparisons.above(energy, known), detail, "main", term="Extra energy"),
-            parts.figure("Arrival", words.delay(following.delay_s), "s", "at the stop"),
+            parts.figure("Arrival", words.delay(following.delay_s), "s", _early_words(reality)),
         ]
     false = comparisons.is_false_saving(energy, planned, following.delay_s, following.stop_error_m)
     share = "" if false else f"{comparisons.above(energy, planned)}, "
@@ -188,6 +188,14 @@ def load_figures(reality: Reality, table: StudyTable | None) -> list[str]:
         place = reality_words(table.load_factor[k], table.coordinate_error_m[m])
         cells.append(parts.figure("Largest in table", largest, "%", place))
     return cells
+
+
+def _early_words(reality: Reality) -> str:
+    """Return the energy of a run that is too early against that of a plan for its load which is as early."""
+    following, equal = reality.following, reality.equal_kwh
+    if equal is None or following.delay_s > -comparisons.OTHER_TIME_S:
+        return "at the stop"
+    return f"{comparisons.above(following.actual.energy_kwh, equal)} energy at equal arrival"
 
 
 def _equal_figure(reality: Reality) -> str:

@@ -138,7 +138,7 @@ SPEEDS = ChartOverAxis("ride_speed", RideSpeedChart, (300, 380, 240), RIDES)
 ENERGIES = ChartOverAxis("ride_energy", _energy_chart, (170, 200, 150), RIDES)
 LATE = Plot(
     "late_arrival",
-    "Energy, kWh, over the delay at the end, s; dots: the runs above",
+    "Energy, kWh, over the delay at the end, s",
     {
         **{line.of or name: Stroke(line.token, line.stroke) for name, line in LINES.items() if name != "undisturbed"},
         "present": Stroke("accent", marks=True, line=False),

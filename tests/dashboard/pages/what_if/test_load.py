@@ -60,7 +60,19 @@ def test_a_run_in_time_at_its_stop_is_shown_by_its_energy() -> None:
     cells = load_figures(compute_reality(Conditions(scenario, {"disturbance.actual_load_factor": 0.0})), None)
     main, arrival, _ = map(plain, cells)
     assert re.match(r"Load 0 %, 0 m \+[\d.]+ % [\d.]+ kWh, for the actual load [\d.]+", main)
-    assert arrival.startswith("Arrival ")
+    assert arrival == "Arrival 0.0 s at the stop"
+
+
+def test_an_early_run_has_its_energy_at_equal_arrival_too() -> None:
+    changes = {"disturbance.actual_load_factor": 1.0, "disturbance.coordinate_error_m": 10.0}
+    reality = compute_reality(Conditions(load_scenario("ftorek-300s"), changes))
+    main, arrival, _ = map(plain, load_figures(reality, None))
+    assert main.startswith("Load 100 %, +10 m +1.1 %")
+    # against the later timetable it looked more expensive than it is
+    assert reality.equal_kwh is not None
+    assert reality.replanned_kwh is not None
+    assert reality.following.actual.energy_kwh > reality.equal_kwh > reality.replanned_kwh
+    assert re.fullmatch(rf"Arrival {MINUS}2\.2 s \+[\d.]+ % energy at equal arrival", arrival)
 
 
 def test_less_than_the_plan_by_a_miss_has_no_percentage() -> None:
