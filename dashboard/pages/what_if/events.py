@@ -24,7 +24,7 @@ from railjoule.dashboard.pages.what_if.compute import (
     compute_rides,
 )
 from railjoule.dashboard.pages.what_if.conditions import EVENTS, FOLLOWING, LOAD_AND_POSITION, conditions
-from railjoule.dashboard.pages.what_if.live_model import LiveModel
+from railjoule.dashboard.pages.what_if.live import LiveModel
 from railjoule.dashboard.pages.what_if.live_view import LivePart
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS, late_curves, late_ends, saved_by
 from railjoule.dashboard.parts import html as parts

@@ -12,13 +12,12 @@ from railjoule.dashboard import day
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.look import words
 from railjoule.dashboard.page import shows
-from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST_FIELDS, SCATTER, ChanceTab
+from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
 from railjoule.dashboard.pages.what_if.events import EventsTab
-from railjoule.dashboard.pages.what_if.live_chart import PLAYED
-from railjoule.dashboard.pages.what_if.live_work import Live
+from railjoule.dashboard.pages.what_if.live import Live
+from railjoule.dashboard.pages.what_if.live_view import PLAYED
 from railjoule.dashboard.pages.what_if.load import BRAKING, DRIVEN, HEAT_MAP, LOAD, PLACE, LoadTab
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
-from railjoule.dashboard.pages.what_if.robust import ROBUST
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.program import PageRun
 from railjoule.dashboard.state.programs import FOLLOWING, actual_run, followed

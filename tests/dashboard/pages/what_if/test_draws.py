@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.pages.what_if.draw_columns import (
+from railjoule.dashboard.pages.what_if.explorer import (
     COLUMNS,
     HINT,
     brush_words,

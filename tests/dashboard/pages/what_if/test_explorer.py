@@ -9,8 +9,7 @@ from builders import plain_scenario
 from railjoule.core.studies.montecarlo import monte_carlo
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.look.tokens import DARK, LIGHT
-from railjoule.dashboard.pages.what_if.draw_columns import varied
-from railjoule.dashboard.pages.what_if.explorer import BINS, CLOSE, OPEN, Explorer
+from railjoule.dashboard.pages.what_if.explorer import BINS, CLOSE, OPEN, Explorer, varied
 from railjoule.dashboard.state.workbench import Workbench
 
 

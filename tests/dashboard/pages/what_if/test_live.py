@@ -6,7 +6,7 @@ from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.host import view_of, works_of
-from railjoule.dashboard.pages.what_if.live_work import Live
+from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.state.workbench import Workbench
 
 
