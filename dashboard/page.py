@@ -338,16 +338,16 @@ class PageWorks(PageWork[Page]):
 
     def rest(self) -> None:
         """Stop the studies out of sight, except for those started by hand; they begin again once they are in sight."""
-        for told in self.told:
-            by_hand = told.start or self.of.goes_on(told.into)
-            if self._is_seen(told) or told.threads is None or by_hand or not self.jobs[told.into].busy:
+        for one in self.told:
+            by_hand = one.start or self.of.goes_on(one.into)
+            if self._is_seen(one) or one.threads is None or by_hand or not self.jobs[one.into].busy:
                 continue
-            self.jobs[told.into].stop()
-            self._asked.pop(told.into, None)
-            self._set_busy(told, False)
+            self.jobs[one.into].stop()
+            self._asked.pop(one.into, None)
+            self._set_busy(one, False)
 
-    def _is_seen(self, told: Work) -> bool:
-        return self.in_sight and self.of.is_open(told.tab)
+    def _is_seen(self, one: Work) -> bool:
+        return self.in_sight and self.of.is_open(one.tab)
 
     def _ask(self, told: Work, *_: Any) -> None:
         if not self._is_seen(told) or self._quiet:
@@ -398,16 +398,16 @@ class PageWorks(PageWork[Page]):
         if last:
             self._set_busy(told, False)
 
-    def _fail(self, told: Work, failure: RailjouleError) -> None:
+    def _fail(self, one: Work, failure: RailjouleError) -> None:
         # again as the last one, which is the one that is shown
-        self._failures.pop(told.into, None)
-        self._failures[told.into] = failure
-        idle = {told.busy: False} if told.busy else {}
-        self.of.param.update(**self._change_of_failure(), **idle, **({told.into: None} if told.clears else {}))
+        self._failures.pop(one.into, None)
+        self._failures[one.into] = failure
+        idle = {one.busy: False} if one.busy else {}
+        self.of.param.update(**self._change_of_failure(), **idle, **({one.into: None} if one.clears else {}))
 
     def _change_of_failure(self) -> dict[str, RailjouleError | None]:
         """Return the last failure of what is in sight, where the page shows another one."""
-        seen = {told.into for told in self.told if self.of.is_open(told.tab)}
+        seen = {one.into for one in self.told if self.of.is_open(one.tab)}
         last = next((failure for into, failure in reversed(self._failures.items()) if into in seen), None)
         return {} if last is self.of.failure else {"failure": last}
 

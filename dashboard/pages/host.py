@@ -39,7 +39,9 @@ class PageHost(PageView):
         """Make the parts of the page, and return them laid out."""
         page = self.of
         self.axes: dict[str, Axis] = {}
-        self.plots: dict[str, Any] = {plot.name: plot.made(self._axis_of(plot), self.palette) for plot in page.figures}
+        self.plots: dict[str, Any] = {
+            plot.name: plot.made(self._find_axis(plot), self.palette) for plot in page.figures
+        }
         page.host = self
         content = page.layout()
         if "tab" in page.param:
@@ -57,7 +59,7 @@ class PageHost(PageView):
         """The axis that the figures share, where the page has only one."""
         return self.axes[""]
 
-    def _axis_of(self, plot: Figure) -> Axis:
+    def _find_axis(self, plot: Figure) -> Axis:
         name = getattr(plot, "axis", "")
         if name not in self.axes:
             self.axes[name] = Axis(self.palette)
