@@ -28,11 +28,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import param
 from panel.viewable import Viewable
-from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.dashboard.charts.plot import AnyPlot
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state import numbers
+from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.program import SOLVE, PageRun
@@ -48,6 +48,8 @@ if TYPE_CHECKING:
 Request = tuple[Any, ...] | None
 """A function and its arguments, which must tell by `==` whether they ask for the same; None where nothing is asked."""
 Method = TypeVar("Method", bound=Callable[..., Any])
+keyed = numbers.keyed
+"""A field for a key of the scenario's file."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +67,7 @@ class Work:
     busy: str = ""
     threads: "ThreadPoolExecutor | None" = None
     rest_ms: int = 0
+    tab: str = ""
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,7 @@ def work(
     is_slow: Callable[..., bool] = lambda *_: False,
     only_last: bool = True,
     clears: bool = False,
+    tab: str = "",
 ) -> Callable[[Method], Method]:
     """Compute a result in a thread whenever a source changes while the page is in sight.
 
@@ -117,10 +121,14 @@ def work(
         Whether a result is dropped when another one has been asked for meanwhile; else it is shown until that comes.
     clears : bool
         Whether an error takes the last result away; else that stays, with the error above it.
+    tab : str
+        The tab that shows it, where a page has tabs: it rests while another one is open.
     """
 
     def decorate(prepare: Method) -> Method:
-        prepare.work = Work(prepare.__name__, names, into, marked, is_slow, only_last, clears)  # type: ignore[attr-defined]
+        prepare.work = Work(  # type: ignore[attr-defined]
+            prepare.__name__, names, into, marked, is_slow, only_last, clears, tab=tab
+        )
         return prepare
 
     return decorate
@@ -134,6 +142,7 @@ def study(
     marked: bool = False,
     threads: "ThreadPoolExecutor" = LONG_THREADS,
     rest_ms: int = 0,
+    tab: str = "",
 ) -> Callable[[Method], Method]:
     """Compute a result step by step: the function of the method's request yields one more complete at each step.
 
@@ -153,48 +162,38 @@ def study(
     threads : executor
     rest_ms : int
         It begins again only when no source has changed for this time [ms].
+    tab
+        As for `work`; a study that was started by hand goes on behind another tab.
     """
 
     def decorate(prepare: Method) -> Method:
         prepare.work = Work(  # type: ignore[attr-defined]
-            prepare.__name__, names, into, marked, start=start, busy=busy, threads=threads, rest_ms=rest_ms
+            prepare.__name__,
+            names,
+            into,
+            marked,
+            start=start,
+            busy=busy,
+            threads=threads,
+            rest_ms=rest_ms,
+            tab=tab,
         )
         return prepare
 
     return decorate
 
 
-def shows(*names: str) -> Callable[[Method], Method]:
+def shows(*names: str, tab: str = "") -> Callable[[Method], Method]:
     """Call a method when the page is drawn, and whenever a source changes while it is in sight.
 
-    A method that fails is told of above the page, and the others go on.
+    A method that fails is reported above the page, and the others go on. One of a tab waits until that is open.
     """
 
     def decorate(draw: Method) -> Method:
-        draw.shown = names  # type: ignore[attr-defined]
+        draw.shown, draw.tab = names, tab  # type: ignore[attr-defined]
         return draw
 
     return decorate
-
-
-def keyed(part: type[BaseModel], key: str, label: str, unit: str = "", digits: int = 0, **params: Any) -> Any:
-    """Return a parameter for a key of the scenario's file, with the bounds, the default and the words of the core.
-
-    Parameters
-    ----------
-    part : type
-        The part of the scenario that has the key.
-    key : str
-    label, unit, digits
-        As for `TypedNumber`; the unit follows the label.
-    **params
-        As for any number, in place of what the core says.
-    """
-    field = part.model_fields[key]
-    whole = isinstance(field.default, int) and not isinstance(field.default, bool)
-    kind = TypedInteger if whole else TypedNumber
-    told = {"default": field.default, "doc": field.description or "", **core_bounds(part, key)}
-    return kind(f"{label}, {unit}" if unit else label, unit, digits, **{**told, **params})
 
 
 class Page(TypedParameters, PageModel):
@@ -218,8 +217,12 @@ class Page(TypedParameters, PageModel):
     figures: ClassVar[tuple[AnyPlot, ...]] = ()
     follows_scenario: ClassVar[bool] = True
     """Whether its results belong to the scenario, and go with it."""
+    works: ClassVar[tuple[Callable[..., Any], ...]] = ()
+    """Further work behind it, as a `PageView` has it."""
     halves_from_px: ClassVar[int | None] = None
     """From this width of the window on, figures stand in two columns; None where there is one."""
+    full_width: ClassVar[tuple[str, ...]] = ()
+    """Names of figures that have the width of the page where others have halves of it."""
 
     host: "PageHost"
     """What draws it, once it is drawn."""
@@ -248,6 +251,18 @@ class Page(TypedParameters, PageModel):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out; `self.host` has its figures."""
         raise NotImplementedError
+
+    def is_open(self, tab: str) -> bool:
+        """Return whether a tab is open; a page without tabs has an empty one, which always is."""
+        return not tab or tab == getattr(self, "tab", "")
+
+    def is_shown(self, tab: str) -> bool:
+        """Return whether the parts of a tab can be drawn: it is open, and they are made."""
+        return self.is_open(tab)
+
+    def goes_on(self, into: str) -> bool:
+        """Return whether a study was asked for by hand, and so continues out of sight."""
+        return False
 
     def is_over_time(self, axis: str) -> bool:
         """Return whether the shared axis of a name is one of times; else it is one of places."""
@@ -289,13 +304,15 @@ class PageWorks(PageWork[Page]):
         super().__init__(page.desk, page)
         self.of, self.told = page, tuple(told for _, told in page.methods("work"))
         self.jobs: dict[str, Any] = {}
-        self._failed = ""
+        self._failures: dict[str, RailjouleError] = {}
         self._part: object = None
         for told in self.told:
             self.jobs[told.into] = self._study(told) if told.threads is not None else self._worker(told)
         # before what is asked for: another scenario, or an edit of what the fields begin with, changes the fields first
         page.desk.scenario.param.watch(self._follow_edits, "edits")
         page.desk.param.watch(self._ask_all, "page")
+        if "tab" in page.param:
+            page.param.watch(self._ask_all, "tab")
         for told in self.told:
             self._listen(told)
         self.forget()
@@ -334,15 +351,27 @@ class PageWorks(PageWork[Page]):
     # ---- asking
 
     def _ask_all(self, *_: Any) -> None:
-        if not self.in_sight:
-            self.rest()
-            return
+        self.rest()
+        self.of.param.update(**self._change_of_failure())
         for told in self.told:
             if not told.start:
                 self._ask(told)
 
+    def rest(self) -> None:
+        """Stop the studies out of sight, except for those started by hand; they begin again once they are in sight."""
+        for one in self.told:
+            by_hand = one.start or self.of.goes_on(one.into)
+            if self._is_seen(one) or one.threads is None or by_hand or not self.jobs[one.into].busy:
+                continue
+            self.jobs[one.into].stop()
+            self._asked.pop(one.into, None)
+            self._set_busy(one, False)
+
+    def _is_seen(self, one: Work) -> bool:
+        return self.in_sight and self.of.is_open(one.tab)
+
     def _ask(self, told: Work, *_: Any) -> None:
-        if not self.in_sight or self._quiet:
+        if not self._is_seen(told) or self._quiet:
             return
         request = getattr(self.of, told.prepare)()
         if not self.is_new(request, told.into):
@@ -396,34 +425,35 @@ class PageWorks(PageWork[Page]):
         asked = self._asked.get(told.into)
         if asked is None or (told.only_last and request != asked):
             return
-        mended = {"failure": None} if self._failed == told.into else {}
-        self.of.param.update(**{told.into: found, **mended})
+        self._failures.pop(told.into, None)
+        self.of.param.update(**{told.into: found, **self._change_of_failure()})
 
     def _take_step(self, told: Work, answer: tuple[Request, Any], last: bool) -> None:
         self._take(told, answer)
         if last:
             self._set_busy(told, False)
 
-    def _fail(self, told: Work, failure: RailjouleError) -> None:
-        self._failed = told.into
-        self.of.param.update(failure=failure, **({told.into: None} if told.clears else {}))
+    def _fail(self, one: Work, failure: RailjouleError) -> None:
+        # again as the last one, which is the one that is shown
+        self._failures.pop(one.into, None)
+        self._failures[one.into] = failure
+        idle = {one.busy: False} if one.busy else {}
+        self.of.param.update(**self._change_of_failure(), **idle, **({one.into: None} if one.clears else {}))
 
-    def _fail_study(self, told: Work, failure: RailjouleError) -> None:
+    def _fail_study(self, one: Work, failure: RailjouleError) -> None:
         # the same can be asked for once more
-        self._asked.pop(told.into, None)
-        self._fail(told, failure)
-        self._set_busy(told, False)
-
-    def rest(self) -> None:
-        """Stop the studies of a page out of sight; its results and fields stay, and its return begins them again."""
-        if any(study.busy for study in self._studies):
-            self.end()
-            super().forget()
-            self.of.param.update(**self._idle)
+        self._asked.pop(one.into, None)
+        self._fail(one, failure)
 
     @property
     def _idle(self) -> dict[str, bool]:
         return {told.busy: False for told in self.told if told.busy}
+
+    def _change_of_failure(self) -> dict[str, RailjouleError | None]:
+        """Return the last failure of what is in sight, where the page shows another one."""
+        seen = {one.into for one in self.told if self.of.is_open(one.tab)}
+        last = next((failure for into, failure in reversed(self._failures.items()) if into in seen), None)
+        return {} if last is self.of.failure else {"failure": last}
 
     # ---- another scenario
 
@@ -435,6 +465,7 @@ class PageWorks(PageWork[Page]):
         super().forget()
         with self.quiet():
             self.end()
+            self._failures.clear()
             self.of.param.update(failure=None, **dict.fromkeys(self.of.results), **self._idle)
             self._take_over(self.state.scenario.base)
 

@@ -13,8 +13,7 @@ NAMES = (
     "Drive",
     "Compare",
     "Trade-off",
-    "Robustness",
-    "Disturbances",
+    "What if",
     "Speed limits",
     "Motor",
     "Line",
@@ -48,7 +47,8 @@ def page_classes() -> dict[str, Any]:
     for name in NAMES:
         if find_spec(f"{room_of(name)}.page") is not None:
             module = import_module(f"{room_of(name)}.page")
-            found[name] = next(kind for kind in vars(module).values() if getattr(kind, "page", None) == name)
+            own = (kind for kind in vars(module).values() if getattr(kind, "__module__", "") == module.__name__)
+            found[name] = next(kind for kind in own if getattr(kind, "page", None) == name)
     return found
 
 

@@ -239,19 +239,23 @@ class RunPlotChart(RunLines):
 
 @dataclass(frozen=True)
 class AxisPlot:
-    """A figure over the axis that the figures of a page share, drawn by any chart class.
+    """A figure over an axis that figures of a page share, drawn by a chart of its own.
 
     Parameters
     ----------
     name : str
+        As in `Chart`.
     chart : callable
-        Makes the chart from height, axis and palette.
+        Makes its chart from height, axis and palette.
     heights : tuple of int
+    axis : str
+        The name of the axis, where a page has several.
     """
 
     name: str
     chart: Callable[[int, Axis, Palette], Chart]
     heights: Heights = (190, 220, 180)
+    axis: str = ""
 
     def made(self, axis: Axis, palette: Palette) -> Chart:
         """Return its chart."""
@@ -259,3 +263,4 @@ class AxisPlot:
 
 
 AnyPlot = Plot | RunPlot | AxisPlot
+"""A figure as data."""

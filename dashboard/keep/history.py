@@ -19,7 +19,7 @@ class Step:
 
     before: Snapshot
     after: Snapshot
-    page: str
+    place: Snapshot
     ended_s: float
 
     @property
@@ -60,7 +60,7 @@ class History:
         now = _without_view(snapshot)
         if now == self._now:
             return
-        step = Step(self._now, now, snapshot["page"], self._clock())
+        step = Step(self._now, now, _place(snapshot), self._clock())
         self._now = now
         # what follows an undo is a step of its own: joined to the one before, it could not be taken back alone
         last = self._past[-1] if self._past and not self._future else None
@@ -73,12 +73,12 @@ class History:
             self._past = [*self._past, step][-MAX_STEPS:]
 
     def undo(self) -> Snapshot | None:
-        """Go back a step, and return its snapshot with the page on which it was made; None where there is none."""
+        """Go back a step; return its snapshot with the page and tab on which it was made, None where there is none."""
         if not self._past:
             return None
         step = self._past.pop()
         self._future.append(step)
-        return {**step.before, "page": step.page}
+        return {**step.before, **step.place}
 
     def redo(self) -> Snapshot | None:
         """Go forth a step, as `undo` goes back."""
@@ -86,7 +86,7 @@ class History:
             return None
         step = self._future.pop()
         self._past.append(step)
-        return {**step.after, "page": step.page}
+        return {**step.after, **step.place}
 
     def settle(self, snapshot: Mapping[str, Any]) -> None:
         """Take a snapshot for where the history stands now, without a step."""
@@ -94,4 +94,13 @@ class History:
 
 
 def _without_view(snapshot: Mapping[str, Any]) -> Snapshot:
-    return {key: value for key, value in snapshot.items() if key not in VIEW}
+    return {key: value for key, value in snapshot.items() if not _is_view(key)}
+
+
+def _place(snapshot: Mapping[str, Any]) -> Snapshot:
+    """Return the page and the open tabs of a snapshot."""
+    return {key: value for key, value in snapshot.items() if _is_view(key) and key != "colours"}
+
+
+def _is_view(key: str) -> bool:
+    return key.rpartition(".")[2] in VIEW

@@ -14,7 +14,8 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of, former_keys
+from railjoule.dashboard.keep.former_keys import FORMER_PAGES, present_key
+from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
 from railjoule.dashboard.state.workbench import Workbench
@@ -93,15 +94,11 @@ def read_link(query: str) -> ReadLink:
     except ValueError:
         return ReadLink(refusal=f"The link has more than the {MAX_FIELDS} values allowed; it was not opened.")
     known = {key: (model, name) for key, model, name in fields_of(_template())}
-    former = former_keys(_template())
-    # where a link names both keys, the present one counts
-    pairs = {former[key]: value for key, value in pairs.items() if key in former} | {
-        key: value for key, value in pairs.items() if key not in former
-    }
+    pairs |= FORMER_PAGES.get(pairs.get("page", ""), {})
     version = pairs.pop("v", None)
     if version is None:
         # an address without a version may carry anybody's values
-        pairs = {key: value for key, value in pairs.items() if key in known}
+        pairs = {key: value for key, value in pairs.items() if present_key(key, known) in known}
     elif version != VERSION:
         told = short(version)
         sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
@@ -110,13 +107,14 @@ def read_link(query: str) -> ReadLink:
     refusals: list[str] = []
     left = LONGEST_TEXT
     for key, value in pairs.items():
-        if key not in known:
+        field = present_key(key, known)
+        if field not in known:
             refusals.append(f"{short(key)} is not known")
             continue
         try:
             value = _unpacked(value, left)  # noqa: PLW2901
             left -= len(value)
-            snapshot[key] = _value(*known[key], value)
+            snapshot[field] = _value(*known[field], value)
         except ValueError as refusal:
             refusals.append(f"{key} = {short(value)} {refusal}")
     return ReadLink(snapshot, sentence(refusals))

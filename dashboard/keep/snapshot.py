@@ -14,8 +14,8 @@ from railjoule.dashboard.state.workbench import Workbench
 Snapshot = dict[str, Any]
 BASE = ("preset", "toml")
 """What names the scenario under all edits."""
-VIEW = ("page", "colours")
-"""What is looked at, and how: no step of undo and redo."""
+VIEW = ("page", "tab", "colours")
+"""The fields of the view, of whichever model: their changes are no steps of undo and redo."""
 
 
 def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
@@ -23,12 +23,6 @@ def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
     for model in (state, *state.models.values()):
         for field in model.kept:
             yield f"{model.address_prefix}{field}", model, field
-
-
-def former_keys(state: Workbench) -> Mapping[str, str]:
-    """Return the keys of kept fields by those that they had before."""
-    models = state.models.values()
-    return {old: f"{model.address_prefix}{field}" for model in models for old, field in model.aliases.items()}
 
 
 def snapshot_of(state: Workbench) -> Snapshot:

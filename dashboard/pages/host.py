@@ -38,22 +38,45 @@ class PageHost(PageView):
     def make(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         page = self.of
-        self.axis = Axis(self.palette)
-        self.plots: dict[str, Any] = {plot.name: plot.made(self.axis, self.palette) for plot in page.figures}
+        self.axes: dict[str, Axis] = {}
+        self.plots: dict[str, Any] = {
+            plot.name: plot.made(self._find_axis(plot), self.palette) for plot in page.figures
+        }
         page.host = self
         content = page.layout()
+        if "tab" in page.param:
+            page.param.watch(self._appear, "tab")
         for name, names in page.methods("shown"):
             sources: dict[int, tuple[param.Parameterized, list[str]]] = {}
             for source, found in map(page.source, names):
                 sources.setdefault(id(source), (source, []))[1].extend(found)
-            self.shows(getattr(page, name), *sources.values())
+            method = getattr(page, name)
+            self.shows(method, *sources.values(), is_open=partial(page.is_shown, method.tab))
         return stack(self.heading, self.message, content)
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that the figures share, where the page has only one."""
+        return self.axes[""]
+
+    def _find_axis(self, plot: AnyPlot) -> Axis:
+        name = getattr(plot, "axis", "")
+        if name not in self.axes:
+            self.axes[name] = Axis(self.palette)
+        return self.axes[name]
 
     def draw(self, plots: Iterable[AnyPlot], *drawn: Any, **more: Any) -> None:
         """Draw the same in figures of the page, each as its chart draws; what is out of sight is drawn later."""
         for plot in plots:
             chart = self.plots[plot.name]
             chart.show(partial(chart.draw, *drawn, **more))
+
+    def take_charts(self, charts: Iterable[Chart]) -> None:
+        """Have these charts besides those of the page's figures, in place of those taken before."""
+        named = {plot.name: self.plots[plot.name] for plot in self.of.figures}
+        self.plots = {**named, **{chart.name: chart for chart in charts}}
+        self.queue.take(self.charts)
+        self._fit()
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -62,7 +85,15 @@ class PageHost(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the figures that it may meet new ones."""
-        self.axis.settle_over(self.of.is_over_time(""))
+        for name, axis in self.axes.items():
+            axis.settle_over(self.of.is_over_time(name))
+
+    def _fit(self) -> None:
+        super()._fit()
+        halves, self.halves_from_px = self.halves_from_px, None
+        for name in self.of.full_width:
+            self.plots[name].width_px = self.room_px()
+        self.halves_from_px = halves
 
 
 def sidebar_fields(page: Page) -> Viewable:
@@ -120,7 +151,7 @@ def hosted(kind: type[Page]) -> type[PageView]:
         def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
             super().__init__(state.pages[kind.page], browser, palette)
 
-    Hosted.works = (works_of(kind.page),)
+    Hosted.works = (works_of(kind.page), *kind.works)
     Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
     return Hosted
 

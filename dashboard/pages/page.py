@@ -99,7 +99,7 @@ class PageView:
     def settle(self) -> None:
         """Tell a shared cursor of charts that were built or drawn; called last within a message."""
 
-    def shows(self, draw: Any, *sources: tuple[Any, list[str]]) -> None:
+    def shows(self, draw: Any, *sources: tuple[Any, list[str]], is_open: Callable[[], bool] = lambda: True) -> None:
         """Call a part of the page when the page is made, and when any of the named values changes.
 
         Parameters
@@ -108,8 +108,10 @@ class PageView:
             The part, without arguments.
         sources : pairs
             A parameterized object and the names of its values.
+        is_open : callable
+            Returns whether the part can be seen: until then it is due.
         """
-        self._parts.append(_Part(draw, sources))
+        self._parts.append(_Part(draw, sources, is_open))
 
     @property
     def in_sight(self) -> bool:
@@ -171,7 +173,7 @@ class PageView:
         for chart in self.charts:
             chart.scenario_title = self.state.scenario.edited.title
         # a part may change what another one shows
-        while due := [part for part in self._parts if part.due]:
+        while due := [part for part in self._parts if part.due and part.is_open()]:
             for part in due:
                 part.due = False
                 self._run(part)
@@ -232,5 +234,6 @@ class PageView:
 class _Part:
     """A part of a page: what draws it, whether that is due, and whether it failed the last time."""
 
-    def __init__(self, draw: Any, sources: tuple[tuple[Any, list[str]], ...]) -> None:
-        self.draw, self.sources, self.due, self.failed = draw, sources, True, False
+    def __init__(self, draw: Any, sources: tuple[tuple[Any, list[str]], ...], is_open: Callable[[], bool]) -> None:
+        self.draw, self.sources, self.is_open = draw, sources, is_open
+        self.due, self.failed = True, False

@@ -10,7 +10,6 @@ from panel.viewable import Viewable
 
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario, preset_names
-from railjoule.dashboard.actual.fields import ActualFields
 from railjoule.dashboard.browser.messages import added_to, unfrozen
 from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
@@ -18,10 +17,10 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.disturbances.fields import EventFields
+from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
-from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.study.settings import StudyFields
+from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
@@ -216,8 +215,7 @@ class PageFields:
 
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Drive": ActualFields,
-    "Robustness": RealityFields,
-    "Disturbances": EventFields,
+    "What if": WhatIfFields,
     "Study": StudyFields,
 }
 """Fields that one page alone has, by its name."""

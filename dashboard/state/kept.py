@@ -27,9 +27,6 @@ class Kept(param.Parameterized):
     kept: ClassVar[tuple[str, ...]] = ()
     passing: ClassVar[tuple[str, ...]] = ()
     """What is set by hand, but is only of the moment or follows from the rest."""
-    aliases: ClassVar[Mapping[str, str]] = {}
-    """Kept fields by the keys that they had in addresses before: old links are read by them, none is written."""
-
     address_prefix: str | None = None
     """What its fields are called by in the page's address, before their names; None where it is no part of a page."""
 

@@ -158,6 +158,37 @@ class TypedInteger(TypedNumber, param.Integer):
     """A whole number that has a field on a page."""
 
 
+def keyed(
+    part: type[BaseModel],
+    key: str,
+    label: str,
+    unit: str = "",
+    digits: int = 0,
+    scale: float = 1.0,
+    **params: Any,
+) -> Any:
+    """Return a parameter for a key of the scenario's file, with the bounds, the default and the words of the core.
+
+    Parameters
+    ----------
+    part : type
+        The part of the scenario that has the key.
+    key : str
+    label, unit, digits
+        As for `TypedNumber`; the unit follows a label without a comma.
+    scale : float
+        A number of the page over that of the file, such as 100 for a percentage.
+    **params
+        As for any number, in place of those of the core.
+    """
+    field = part.model_fields[key]
+    default = field.default * scale if isinstance(field.default, float) else field.default
+    whole = isinstance(default, int) and not isinstance(default, bool)
+    kind = TypedInteger if whole else TypedNumber
+    declared = {"default": default, "doc": field.description or "", **core_bounds(part, key, scale)}
+    return kind(f"{label}, {unit}" if unit and "," not in label else label, unit, digits, **{**declared, **params})
+
+
 class TypedParameters(Kept):
     """Parameters whose numbers can be typed."""
 

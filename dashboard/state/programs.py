@@ -7,15 +7,12 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.dashboard.actual.event import TABLES
-from railjoule.dashboard.actual.model import actual_changes, event_changes
 from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench
 
 ACTUAL_RUN = simulation("actual_run", "actual_run")
 FOLLOWING = simulation("simulate_following", "following")
-NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
 
 
 def page_run(state: Workbench) -> PageRun:
@@ -29,25 +26,20 @@ def _plan(state: Workbench) -> PageRun:
 
 
 def _drive(state: Workbench) -> PageRun:
-    if not state.actual.on:
+    if not state.day.on:
         return _plan(state)
-    return _actual_run(state, {"strategy": state.chosen_now, **actual_changes(state)})
+    return actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
 
 
-def _disturbances(state: Workbench) -> PageRun:
-    # not `chosen_now`: the work behind this page asks for the chosen strategy, and the page tells its refusal
-    return _actual_run(state, {"strategy": state.chosen, **event_changes(state)})
-
-
-def _actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
+def actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
     """Return the run of a day; where nothing is otherwise than planned, that is the plan.
 
     The commands would follow that plan all the same, and under target braking curves if the scenario has them.
     """
     if not _is_as_planned(state, changes):
-        return PageRun(ACTUAL_RUN, {**_followed(state), **changes})
+        return PageRun(ACTUAL_RUN, {**followed(state), **changes})
     nothing_else: Mapping[str, Any] = {"disturbance": {}} if state.scenario.edited.disturbance != Disturbance() else {}
-    return PageRun(SOLVE, {"strategy": changes["strategy"], **_followed(state), **nothing_else})
+    return PageRun(SOLVE, {"strategy": changes["strategy"], **followed(state), **nothing_else})
 
 
 def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
@@ -55,7 +47,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
     day, measured = state.scenario.edited.disturbance, state.scenario.edited.simulation
     load = changes.get("disturbance.actual_load_factor", day.actual_load_factor)
     return (
-        not state.disturbances.events
+        not state.day.events
         and load in {None, state.scenario.load_percent / 100}
         and changes.get("disturbance.coordinate_error_m", day.coordinate_error_m) == 0
         and changes.get("simulation.speed_error", measured.speed_error) == 0
@@ -65,13 +57,7 @@ def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
     )
 
 
-def _robustness(state: Workbench) -> PageRun:
-    # the page leaves the events of a file to Disturbances; the command drives all that a file names
-    events = NO_EVENTS if state.scenario.edited.disturbance.events else {}
-    return PageRun(FOLLOWING, {"strategy": state.chosen, **_followed(state), **events, **state.robustness.changes})
-
-
-def _followed(state: Workbench) -> Mapping[str, Any]:
+def followed(state: Workbench) -> Mapping[str, Any]:
     """Return what keeps a command from simulating the control loop that a file may ask for."""
     in_loop = state.scenario.edited.simulation.kind == "field_oriented"
     return {"simulation.kind": "following"} if in_loop else {}
@@ -114,8 +100,6 @@ def _measured_runs(state: Workbench) -> PageRun:
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
-    "Robustness": _robustness,
-    "Disturbances": _disturbances,
     "Study": _study,
     "Learn": _learn,
     "Measured runs": _measured_runs,

@@ -10,19 +10,16 @@ from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.actual.model import ActualModel
+from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.page_list import PAGES, page_classes, room_of
-from railjoule.dashboard.pages.disturbances.live_model import LiveModel
-from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.state.files import FilesModel
@@ -87,10 +84,7 @@ class Workbench(Kept, PageModel):
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
-        self.robustness = RobustnessModel()
-        self.disturbances = DisturbancesModel()
-        self.live = LiveModel()
-        self.actual = ActualModel()
+        self.day = Day(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()

@@ -1,4 +1,4 @@
-"""What HoloViews draws, reached from Start by mouse: the draws of Robustness and the differences of Papers."""
+"""What HoloViews draws, reached from Start by mouse: the draws of What if and the differences of Papers."""
 
 import re
 from collections.abc import Iterator
@@ -60,7 +60,8 @@ def drag(user: User, name: str, start: tuple[float, float], end: tuple[float, fl
 
 
 def test_the_draws_are_explored_only_once_asked_for(user: User) -> None:
-    user.turn_to("Robustness")
+    user.turn_to("What if")
+    user.page.get_by_role("tab", name="Chance").click()
     expect(user.page.get_by_text("runs, seed 1.")).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
     assert user.page.locator(".rj-chart-draws").count() == 0
     user.page.get_by_role("button", name="Explore the draws").click()

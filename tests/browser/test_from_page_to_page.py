@@ -19,7 +19,7 @@ from railjoule.dashboard.page_list import PAGES
 THERE_WITHIN_S = 45.0
 FIRST_RUN_WITHIN_MS, COMPILED_WITHIN_MS = 30_000, 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
-WITHOUT_NUMBER = {"Disturbances", "Study", "Measured runs", "Import", "Help"}
+WITHOUT_NUMBER = {"Study", "Measured runs", "Import", "Help"}
 WITHOUT_CHART = {"Start", "Learn", "Study", "Papers", "Measured runs", "Import", "Help"}
 """In the first view: on Learn they stand beneath the lessons that are played, where the way down finds them."""
 NAMES = tuple(PAGES)

@@ -28,7 +28,7 @@ def question(user: User, page: str) -> None:
 
 def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
     open_page(user, "Drive")
-    group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("What if", "Robustness"))
+    group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("Equipment", "Speed limits"))
     group.hover()
     user.settled()
     expect(entry).to_be_hidden()
@@ -44,9 +44,9 @@ def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
         expect(group).to_be_focused()
     group.press("ArrowDown")
     user.page.keyboard.press("ArrowDown")
-    expect(bar(user).get_by_role("button", name="Disturbances", exact=True)).to_be_focused()
+    expect(bar(user).get_by_role("button", name="Motor", exact=True)).to_be_focused()
     user.page.keyboard.press("Enter")
-    question(user, "Disturbances")
+    question(user, "Motor")
     expect(group).to_have_class("group here")
 
 
@@ -87,7 +87,7 @@ def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
     expect(user.page.get_by_label("Draw Optimal")).to_be_enabled()
     user.page.get_by_role("radio", name="Optimal").check()
     expect(box).not_to_be_checked()
-    open_page(user, "Robustness")
+    open_page(user, "What if")
     expect(radio).to_be_visible()
     expect(box).to_be_hidden()
     open_page(user, "Line")

@@ -2,9 +2,7 @@
 
 import pytest
 
-from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
-from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -23,15 +21,15 @@ def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
 
 
 def test_events_follow_edited_disturbances(state: Workbench) -> None:
-    Disturbances(state)
+    works_of("What if")(state)
     stop = {"position_m": 0.5, "duration_s": 9.0}
     state.scenario.edit({"disturbance.stops": [stop], "disturbance.accepted_delay_s": 7200.0})
-    (event,) = state.disturbances.events
-    assert (event.position_m, event.duration_s, state.disturbances.accepted_delay_s) == (0.5, 9.0, 7200.0)
+    (event,) = state.day.events
+    assert (event.position_m, event.duration_s, state.day.accepted_delay_s) == (0.5, 9.0, 7200.0)
 
 
 def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> None:
-    Robustness(state)
+    works_of("What if")(state)
     state.scenario.edit(
         {
             "disturbance.coordinate_error_m": -7.0,
@@ -39,4 +37,4 @@ def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> Non
             "simulation.reset_sensor_m": 250.0,
         }
     )
-    assert (state.robustness.coordinate_error_m, state.robustness.reset_sensor_m) == (-7.0, 250.0)
+    assert (state.day.coordinate_error_m, state.day.reset_sensor_m) == (-7.0, 250.0)

@@ -6,14 +6,15 @@ import pytest
 
 from railjoule.dashboard import faults
 from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.day import Day
 from railjoule.dashboard.faults import MOST_KNOWN, Faults
-from railjoule.dashboard.pages.robustness.model import RobustnessModel
+from railjoule.dashboard.state.scenario import ScenarioModel
 
 
 def failure(field: str, value: object) -> Exception:
     """Return what param raises, from one line of its own for all fields."""
     try:
-        setattr(RobustnessModel(), field, value)
+        setattr(Day(ScenarioModel()), field, value)
     except ValueError as error:
         return error
     raise AssertionError

@@ -89,7 +89,6 @@ class Compare(Page):
 
     page = "Compare"
     kept = ("compare_all", "reference")
-    aliases = {"compare_all": "compare_all", "reference": "reference"}  # noqa: RUF012
     passing = ("comparing",)
     figures = PLOTS
 

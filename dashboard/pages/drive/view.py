@@ -9,7 +9,6 @@ from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
 from railjoule.core.simulation.actual_run import ActualRun
-from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
@@ -25,6 +24,7 @@ from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.pages.drive.actual_parts import actual_figures, belongs_to, causes_block, is_same_plan
+from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.drive.law_chart import LawChart
 from railjoule.dashboard.pages.drive.price_chart import PriceChart
 from railjoule.dashboard.pages.drive.proof_row import ProofRow
@@ -112,17 +112,17 @@ class DriveView(PageView):
         column = parts.stack(*(self._beside(chart) for chart in self.charts if chart is not self.simple.chart))
         body = parts.stack(column, rail, css=LAYOUT_CSS)
         tools = pn.Row(self.advice, self.over, margin=0, sizing_mode="stretch_width", stylesheets=[TOOLS_CSS])
-        self.shows(self._show_failure, (self.state, ["failure", "runs"]), (self.state.actual, ["on", "failure", "run"]))
+        self.shows(self._show_failure, (self.state, ["failure", "runs"]), (self.state.day, ["on", "failure", "run"]))
         self.shows(
             self._show_run,
             (self.state, ["runs", "chosen", "ticked", "pins", "over_time"]),
-            (self.state.actual, ["on", "run", "failure"]),
+            (self.state.day, ["on", "run", "failure"]),
         )
         self.shows(
             self._show_proof,
             (self.state, ["runs", "chosen", "pins", "tightened"]),
             (self.state.proof, ["stage", "step", "failure", "has_prices_open"]),
-            (self.state.actual, ["on", "run", "failure"]),
+            (self.state.day, ["on", "run", "failure"]),
         )
         self.shows(self.simple.show, (self.state.simple, ["open", "computing", "found", "stale", "changes", "failure"]))
         self.shows(
@@ -172,7 +172,7 @@ class DriveView(PageView):
         """Say why there is no run as asked for, and offer what mends it."""
         run, failure = self.state.run, self.state.failure
         shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
-        actual = self.state.actual
+        actual = self.state.day
         if failure is None and actual.on and actual.failure is not None:
             self.tell(actual.failure, "Shown: the plan.")
         else:
@@ -234,12 +234,12 @@ class DriveView(PageView):
 
     def _actual(self) -> ActualRun | None:
         """Return the actual run to draw; none where it is switched off or cannot be had."""
-        model = self.state.actual
+        model = self.state.day
         return model.run if model.on and model.failure is None else None
 
     def _waits(self, run: Trajectory) -> bool:
         """Return whether the actual run of a plan is still to come: what stands there stays until then."""
-        model = self.state.actual
+        model = self.state.day
         if not model.on or model.failure is not None:
             return False
         return model.run is None or not belongs_to(model.run, run)

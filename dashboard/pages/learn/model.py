@@ -120,7 +120,7 @@ LESSONS = (
         "brake. For comparison, a second run is planned for the actual load with the travel time of the driven run, so "
         "that only the plan differs. The speeds look almost the same, and so do the energies: on this track the wrong "
         "load costs about three percent and two seconds, little compared with the effect of the passengers' weight "
-        "itself. On steep gradients it can cost more: see Robustness.",
+        "itself. On steep gradients it can cost more: see What if.",
         "Which costs more than its own best plan: an empty or a full train?",
         "Both cost about the same: the empty one needs 3.3 % more than its own best plan and is on time, the full one "
         "3.5 % more and arrives 2.2 s late.",

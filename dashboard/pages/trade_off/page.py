@@ -58,7 +58,6 @@ class TradeOffPage(Page):
 
     page = "Trade-off"
     kept = ("wide_map", "copper_weight", "map_view")
-    aliases = {"wide_map": "wide_map", "copper_weight": "copper_weight"}  # noqa: RUF012
     figures = (FRONTIER, SHARE, SURFACE, CONTOUR)
     halves_from_px = NARROW_PX
 

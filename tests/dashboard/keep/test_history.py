@@ -53,13 +53,24 @@ def test_moves_of_one_slider_are_one_step(clock: Clock) -> None:
 
 def test_turning_a_page_is_no_step_and_undo_turns_to_where_it_was_made(clock: Clock) -> None:
     history = History(snapshot(), clock)
-    history.note(snapshot("Robustness"))
+    history.note(snapshot("What if"))
     assert not history.can_undo
-    history.note(snapshot("Robustness", load=60))
+    history.note(snapshot("What if", load=60))
     history.note(snapshot("Drive", load=60))
     back = history.undo()
     assert back is not None
-    assert back["page"] == "Robustness"
+    assert back["page"] == "What if"
+
+
+def test_opening_a_tab_is_no_step_and_undo_opens_the_one_where_it_was_made(clock: Clock) -> None:
+    history = History({**snapshot("What if"), "what_if.tab": "load"}, clock)
+    history.note({**snapshot("What if"), "what_if.tab": "events"})
+    assert not history.can_undo
+    history.note({**snapshot("What if", load=60), "what_if.tab": "events"})
+    history.note({**snapshot("What if", load=60), "what_if.tab": "chance"})
+    back = history.undo()
+    assert back is not None
+    assert back["what_if.tab"] == "events"
 
 
 def test_a_new_step_forgets_those_ahead(clock: Clock) -> None:

@@ -12,9 +12,7 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
-from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
-from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
@@ -24,7 +22,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (Robustness, Disturbances, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
+    for work in (works_of("What if"), works_of("Speed limits"), works_of("Motor"), works_of("Line")):
         work(state)
     return state
 
@@ -84,9 +82,9 @@ def test_a_change_is_noted_with_its_runs_but_not_with_each_of_many(
 def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
     keeping = Keeping(state, Lifeline())
     keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
-    assert (state.scenario.preset, state.scenario.load_percent, state.robustness.seed) == ("liashenko-i", 30, 7)
+    assert (state.scenario.preset, state.scenario.load_percent, state.day.seed) == ("liashenko-i", 30, 7)
     assert state.notice == "Parts of the link were ignored: load is not known."
-    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7"
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&day.seed=7"
     assert not keeping.can_undo
 
 

@@ -11,9 +11,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
-from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.host import works_of
-from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.state.workbench import Workbench
 
 STATE = Workbench()
@@ -66,7 +64,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
 
 
 @pytest.mark.parametrize(
-    ("query", "told"),
+    ("query", "sentence"),
     [
         ("?v=2&load_percent=30", "The link has version 2, but this page reads version 1; it was not opened."),
         pytest.param("?v=1&" + "&k=1" * 600, "has more than the 500 values allowed", id="many values"),
@@ -77,7 +75,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),
         ("?v=1&robustness.seed=1.5", "robustness.seed = 1.5 must be a whole number."),
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
-        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 15 known."),
+        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 14 known."),
         ("?v=1&colours=green", "colours = green must be one of system, light, dark."),
         ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 16 known; did you mean liashenko-i?"),
         ("?v=1&wings=2", "wings is not known."),
@@ -87,13 +85,38 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&disturbances.events=" + quote(json.dumps([{}] * 501)), "must have at most 500 entries."),
     ],
 )
-def test_what_cannot_be_opened_is_told(query: str, told: str) -> None:
-    assert told in read_link(query).refusal
+def test_what_cannot_be_opened_is_told(query: str, sentence: str) -> None:
+    assert sentence in read_link(query).refusal
 
 
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
     read = read_link("?utm_source=mail&page=Speed+limits&load_percent=20")
     assert (read.snapshot, read.refusal) == ({"page": "Speed limits", "load_percent": 20}, "")
+
+
+@pytest.mark.parametrize(
+    ("query", "snapshot"),
+    [
+        ("robustness.seed=7&robustness.actual_load_percent=80", {"day.seed": 7, "day.actual_load_percent": 80}),
+        (
+            "actual.on=true&actual.reaction=known&disturbances.accepted_delay_s=5",
+            {"day.on": True, "day.reaction": "known", "day.accepted_delay_s": 5},
+        ),
+        (
+            "disturbances.events=" + quote('[{"kind":"stop","position_m":500}]'),
+            {"day.events": [{"kind": "stop", "position_m": 500}]},
+        ),
+        ("robustness.measure=delay_s&robustness.candidates=9", {"what_if.measure": "delay_s", "what_if.candidates": 9}),
+        ("robustness.knows=both", {"what_if.known": "both"}),
+        ("robustness.accepted_delay_s=4", {"what_if.accepted_lateness_s": 4}),
+        ("page=Robustness", {"page": "What if", "what_if.tab": "load"}),
+        ("page=Disturbances", {"page": "What if", "what_if.tab": "events"}),
+    ],
+)
+@pytest.mark.parametrize("version", ["v=1&", ""])
+def test_a_link_with_earlier_keys_opens(query: str, snapshot: dict[str, object], version: str) -> None:
+    read = read_link(f"?{version}{query}")
+    assert (read.snapshot, read.refusal) == (snapshot, "")
 
 
 def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:
@@ -157,7 +180,7 @@ def test_any_text_is_read(text: str) -> None:
 @given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
-    for work in (Robustness, Disturbances, works_of("Speed limits")):
+    for work in (works_of("What if"), works_of("Speed limits")):
         work(state)
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
     snapshot_of(state)

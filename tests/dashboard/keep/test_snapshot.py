@@ -41,9 +41,7 @@ def test_a_new_page_differs_in_nothing_from_what_it_begins_with(state: Workbench
     snapshot = snapshot_of(state)
     originals = originals_of(snapshot)
     # the pages take over the scenario when they are composed; these alone have lists of models
-    assert set(changed(snapshot, originals)) <= {
-        key for key in snapshot if key.startswith(("disturbances.", "line.", "speed_limits."))
-    }
+    assert set(changed(snapshot, originals)) <= {key for key in snapshot if key.startswith(("line.", "speed_limits."))}
 
 
 def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
@@ -52,11 +50,12 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
         {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]}
     )
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.0)
-    state.robustness.param.update(seed=7, knows="nothing", target_braking=False)
-    state.disturbances.drop("limit", 700.0)
+    state.day.param.update(seed=7, target_braking=False)
+    state.pages["What if"].known = "both"
+    state.day.drop("limit", 700.0)
     state.pages["Speed limits"].cut(3)
     state.pages["Speed limits"].param.update(section_count=3, found=False, storage_size_kwh=1.5)
-    state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="Robustness", colours="dark")
+    state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="What if", colours="dark")
     snapshot = snapshot_of(state)
     read = read_link(write_link(snapshot, originals_of(snapshot)))
     assert read.refusal == ""
@@ -67,14 +66,12 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
 
 
 def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
-    refusals = lay(
-        state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "robustness.seed": 5, "page": "Nowhere"}
-    )
+    refusals = lay(state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "day.seed": 5, "page": "Nowhere"})
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
-    assert refusals[1].startswith("page is not one of the 15 known")
+    assert refusals[1].startswith("page is not one of the 14 known")
     assert state.scenario.load_percent == 30.0
-    assert state.robustness.seed == 5
+    assert state.day.seed == 5
     assert state.page == Workbench().page
 
 

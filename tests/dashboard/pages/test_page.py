@@ -8,8 +8,8 @@ from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.run_charts import EffortChart
 from railjoule.dashboard.charts.sketches import NOT_DRAWN
 from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.host import PageHost
 from railjoule.dashboard.pages.page import NOT_SHOWN
-from railjoule.dashboard.pages.robustness.view import RobustnessView
 from railjoule.dashboard.shell.shell import NOT_OPENED
 
 
@@ -87,8 +87,8 @@ def test_a_part_that_fails_is_told_in_one_sentence(
         assert view._error.visible
         assert NOT_SHOWN in view._error.object
         assert planted(traced) == 1
-        session.state.page = "Robustness"
-        assert isinstance(session.views["RobustnessView"], RobustnessView)
+        session.state.page = "What if"
+        assert isinstance(session.views["WhatIfView"], PageHost)
         session.state.page = "Drive"
     session.state.scenario.travel_time_s = 200.0
     assert not view._error.visible

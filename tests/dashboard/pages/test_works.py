@@ -15,6 +15,7 @@ from railjoule.dashboard.app import VIEWS
 from railjoule.dashboard.pages.imports.compute import examples
 from railjoule.dashboard.pages.measured_runs.work import try_example
 from railjoule.dashboard.pages.papers.compute import ShippedTables
+from railjoule.dashboard.pages.what_if.compute import compute_reality
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import worker
@@ -28,7 +29,7 @@ BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Motor.detuning", "Papers.rebuilt", "Robustness.robust", "Start.cards"}
+GO_ON = {"Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 
@@ -67,15 +68,27 @@ class Desk:
         self.work = made(self.state)
         found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
         self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
-        self.state.actual.on = True
+        self.state.day.on = True
         if made.__name__ == "MeasuredRuns":
             try_example(self.state)
+        if made.__name__ == "What if":
+            # tables and curves follow from these
+            self.state.day.add_stop()
+            page = self.state.pages["What if"]
+            compute, *asked = page._rides()
+            page.param.update(reality=compute_reality(page._reality()[1]), rides=compute(*asked))
         if made.__name__ == "Imports":
             self.state.imports.add_sources(examples())
 
     @property
     def asked(self):
         return sum(len(job.asked) for job in self.jobs.values())
+
+    def show(self, name):
+        """Turn to the page, and to the tab that shows what a job computes."""
+        if self.name == "What if":
+            self.work.of.tab = next(one.tab for _, one in self.work.of.methods("work") if one.into == name)
+        self.state.page = self.work.page
 
     def move(self):
         self.state.scenario.load_percent += 1.0
@@ -144,7 +157,7 @@ def test_studies_rest_while_nobody_sees_them(desk):
     for name, job in desk.jobs.items():
         if isinstance(job.job, Worker) or f"{name_of(desk)}.{name}" in GO_ON:
             continue
-        desk.state.page = desk.work.page
+        desk.show(name)
         job.may_go_on.clear()
         with set_curdoc(desk.page.document):
             job.job.ask("in sight")
@@ -152,7 +165,7 @@ def test_studies_rest_while_nobody_sees_them(desk):
         assert not job.job.busy, name
         before = desk.asked
         desk.take_turns(job)
-        desk.state.page = desk.work.page
+        desk.show(name)
         assert name_of(desk) in BY_HAND or desk.asked > before, name
         desk.state.page = "Help"
 

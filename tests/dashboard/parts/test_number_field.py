@@ -2,10 +2,10 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
+from railjoule.dashboard.day import Day
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.pages.line.model import StationModel
-from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.sidebar import Sidebar
 from railjoule.dashboard.state.scenario import ScenarioModel
@@ -128,7 +128,7 @@ def test_a_plain_number_has_no_slider_and_may_be_checked_and_taken_otherwise(mod
 
 
 def test_a_whole_number_stays_one() -> None:
-    model = RobustnessModel()
+    model = Day(ScenarioModel())
     field = NumberField(model, "seed")
     field.type("7")
     assert (model.seed, type(model.seed), field.refusal) == (7, int, "")

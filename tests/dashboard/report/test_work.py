@@ -33,8 +33,8 @@ def test_a_report_holds_what_is_in_sight(reporting: Reporting) -> None:
 
 
 def test_the_page_robustness_lays_its_reality_over_the_scenario(reporting: Reporting) -> None:
-    reporting.state.page = "Robustness"
-    reporting.state.robustness.actual_load_percent = 80.0
+    reporting.state.page = "What if"
+    reporting.state.day.actual_load_percent = 80.0
     reporting.model.param.trigger("wanted")
     assert parse_scenario(scenario_in_report(reporting.model.text, "report.html")).disturbance.actual_load_factor == 0.8
 

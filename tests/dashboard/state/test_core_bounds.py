@@ -21,13 +21,11 @@ from railjoule.core.scenario.line import Station
 from railjoule.core.scenario.options import EnocOptions, MonteCarloOptions, SearchOptions, SimulationOptions
 from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
-from railjoule.dashboard.actual.event import EventModel
-from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
+from railjoule.dashboard.day import Day, EventModel
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.pages.line.page import WholeLines
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.motor.page import Motor
-from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
 from railjoule.dashboard.pages.speed_limits.sections import SectionModel
 from railjoule.dashboard.pages.study.model import StudyModel
@@ -37,10 +35,11 @@ from railjoule.dashboard.state.workbench import Workbench
 
 STOP, LIMIT = EventModel(kind="stop"), EventModel(kind="limit")
 VOLTAGE, RECUPERATION = EventModel(kind="voltage"), EventModel(kind="recuperation")
+DAY = Day(ScenarioModel())
 Key = tuple[type[BaseModel], str, float]
 KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
-    "robustness": (
-        RobustnessModel(),
+    "day": (
+        DAY,
         {
             "actual_load_percent": (Disturbance, "actual_load_factor", 100),
             "coordinate_error_m": (Disturbance, "coordinate_error_m", 1),
@@ -77,7 +76,10 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
     ),
     "voltage": (VOLTAGE, {"share_percent": (VoltageChange, "line_voltage_factor", 100)}),
     "recuperation": (RECUPERATION, {"share_percent": (RecuperationChange, "recuperation_factor", 100)}),
-    "disturbances": (DisturbancesModel(), {"accepted_delay_s": (Disturbance, "accepted_delay_s", 1)}),
+    "what if": (
+        Workbench().pages["What if"],
+        {"accepted_lateness_s": (Disturbance, "accepted_delay_s", 1)},
+    ),
     "motor": (
         Motor(Workbench()),
         {
@@ -170,12 +172,12 @@ def test_every_field_of_every_page_is_held_to_the_file() -> None:
 @pytest.mark.parametrize(
     ("model", "field", "text", "sentence"),
     [
-        (RobustnessModel(), "reset_sensor_m", "0", "Above 0."),
-        (RobustnessModel(), "calibration_length_m", "0", "Above 0."),
-        (RobustnessModel(), "stop_sensor_m", "0", "Above 0."),
-        (RobustnessModel(), "target_deceleration_ms2", "0", "Above 0."),
-        (RobustnessModel(), "speed_error_percent", "50", "Below 50."),
-        (RobustnessModel(), "speed_error_percent", "-50", "Above -50."),
+        (DAY, "reset_sensor_m", "0", "Above 0."),
+        (DAY, "calibration_length_m", "0", "Above 0."),
+        (DAY, "stop_sensor_m", "0", "Above 0."),
+        (DAY, "target_deceleration_ms2", "0", "Above 0."),
+        (DAY, "speed_error_percent", "50", "Below 50."),
+        (DAY, "speed_error_percent", "-50", "Above -50."),
         (SpeedLimits(Workbench()), "time_window_percent", "0", "Above 0."),
         (SpeedLimits(Workbench()), "stop_deceleration_ms2", "0", "Above 0."),
         (SpeedLimits(Workbench()), "storage_size_kwh", "-1", "At least 0."),
@@ -196,11 +198,11 @@ def test_what_the_file_refuses_the_field_refuses(model: TypedParameters, field: 
 def test_a_link_is_held_to_the_kind_of_its_events() -> None:
     for kind, share in (("recuperation", 150.0), ("voltage", 0.0)):
         with pytest.raises(ValueError, match="share_percent"):
-            DisturbancesModel().checked("events", [{"share_percent": share, "kind": kind}])
+            DAY.checked("events", [{"share_percent": share, "kind": kind}])
     # a limit may begin where the line does
-    assert DisturbancesModel().checked("events", [{"kind": "limit", "position_m": 0.0}])
+    assert DAY.checked("events", [{"kind": "limit", "position_m": 0.0}])
 
 
 def test_the_mean_delay_is_one_that_the_file_takes() -> None:
-    model = RobustnessModel(mean_departure_delay_s=ends(RobustnessModel(), "mean_departure_delay_s")[1])
+    model = Day(ScenarioModel(), mean_departure_delay_s=ends(DAY, "mean_departure_delay_s")[1])
     Exponential.model_validate(model.chance_changes(1)["montecarlo.departure_delay_s"])

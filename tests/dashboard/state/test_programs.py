@@ -13,14 +13,11 @@ import pytest
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.studies.sweep import make_study, sweep
-from railjoule.dashboard.actual.model import as_planned
-from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.host import works_of
 from railjoule.dashboard.pages.learn.work import Learn
-from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.state.program import Program
@@ -63,14 +60,18 @@ def drive_enoc(state: Workbench) -> None:
 
 
 def meet_a_stop(state: Workbench) -> None:
-    state.actual.on = True
-    state.robustness.actual_load_percent = 80.0
-    state.disturbances.drop("stop", 500.0)
+    state.day.on = True
+    state.day.actual_load_percent = 80.0
+    state.day.drop("stop", 500.0)
+
+
+def turn_to_events(state: Workbench) -> None:
+    state.pages["What if"].tab = "events"
 
 
 def have_the_day_as_planned(state: Workbench) -> None:
-    state.actual.on = True
-    as_planned(state)
+    state.day.on = True
+    state.day.as_planned()
 
 
 def set_limits(state: Workbench) -> None:
@@ -95,29 +96,36 @@ def fix_an_arrival(state: Workbench) -> None:
 CASES = (
     Case("Start", "liashenko-i", plan, prepare=slide),
     Case("Drive", "liashenko-i", plan, prepare=slide),
-    Case("Drive", "liashenko-i", lambda s: s.actual.run.actual, prepare=meet_a_stop, name="actual run"),
+    Case("Drive", "liashenko-i", lambda s: s.day.run.actual, prepare=meet_a_stop, name="actual run"),
     Case("Compare", "liashenko-i", plan, prepare=drive_fastest),
     Case("Trade-off", "liashenko-0", plan, prepare=drive_enoc),
-    Case("Robustness", "tram-950m-stop", lambda s: s.robustness.reality.following.actual),
+    Case("What if", "tram-950m-stop", lambda s: s.pages["What if"].reality.following.actual),
     Case(
-        "Robustness",
+        "What if",
         "ftorek-300s",
-        lambda s: s.robustness.reality.following.actual,
+        lambda s: s.pages["What if"].reality.following.actual,
         {**SHORT_METRO, "simulation.kind": "field_oriented"},
         name="of a file that asks for the loop",
     ),
-    Case("Disturbances", "tram-950m-stop", lambda s: s.disturbances.rides.rides["computer"].actual),
     Case(
-        "Disturbances",
+        "What if",
+        "tram-950m-stop",
+        lambda s: s.pages["What if"].rides.rides["computer"].actual,
+        prepare=turn_to_events,
+        name="events",
+    ),
+    Case(
+        "What if",
         "liashenko-i",
-        lambda s: s.disturbances.rides.rides["computer"].actual,
+        lambda s: s.pages["What if"].rides.rides["computer"].actual,
         {"disturbance.coordinate_error_m": 5.0, "disturbance.departure_delay_s": 9.0},
+        turn_to_events,
         name="without events",
     ),
     Case(
         "Drive",
         "tram-950m-stop",
-        lambda s: s.actual.run.actual,
+        lambda s: s.day.run.actual,
         prepare=have_the_day_as_planned,
         name="actual run as planned",
     ),
@@ -163,18 +171,18 @@ def case(request: pytest.FixtureRequest) -> Case:
 def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
     """The workbench of a case with its page in sight; all work is done in the test's own turn, studies are left out."""
 
-    def nothing(_: Any) -> Iterator[Any]:
+    def nothing(*_: Any) -> Iterator[Any]:
         yield from ()
 
     for name in (
-        "robustness.work.compute_table",
-        "robustness.work.compute_chance",
-        "disturbances.work.compute_late_arrivals",
+        "load.compute_table",
+        "load.compute_stops",
+        "events.compute_late_arrivals",
     ):
-        monkeypatch.setattr(f"railjoule.dashboard.pages.{name}", nothing)
+        monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (Robustness, Disturbances, Actual, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
+    for work in (works_of("What if"), Actual, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
         work(state)
     if case.edits:
         state.scenario.edit(case.edits)

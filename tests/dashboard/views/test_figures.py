@@ -73,8 +73,18 @@ def with_contours(state):
 SCENARIOS = ("metro-with-limit", "ftorek-300s", "tram-950m-stop")
 
 
+def with_tab(tab, state):
+    state.pages["What if"].tab = tab
+
+
 def with_live_run(state):
-    state.live.on = True
+    state.pages["What if"].tab = "events"
+    state.pages["What if"].live.on = True
+
+
+def with_a_stop(state):
+    state.pages["What if"].tab = "events"
+    state.pages["What if"].drop("stop", state.day.free_m())
 
 
 CASES = {
@@ -82,8 +92,12 @@ CASES = {
     "Start": [("metro-with-limit", None)],
     "Drive": [("metro-with-limit", with_law), ("ftorek-300s", None), ("tram-950m-stop", with_simple_advice)],
     "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None), ("ftorek-300s", with_contours)],
-    "Robustness": [("metro-with-limit", None)],
-    "Disturbances": [*((name, None) for name in SCENARIOS), ("metro-with-limit", with_live_run)],
+    "What if": [
+        ("metro-with-limit", None),
+        *((name, with_a_stop) for name in SCENARIOS),
+        ("metro-with-limit", with_live_run),
+        ("metro-with-limit", partial(with_tab, "chance")),
+    ],
     "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
@@ -96,7 +110,7 @@ CASES = {
 }
 """Of each page the scenarios, and what is done there, until each of its figures is drawn."""
 NO_FIGURE = {"sankey", "surface", "detuning", "robust_speed", "candidates"}
-"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/motor and robustness."""
+"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/motor and what_if."""
 
 
 # Panel warns once of how panel-material-ui calls it
@@ -117,11 +131,17 @@ def test_all_figures_of_a_page_are_drawn(page, caplog):
             session.state.dark = dark
             for chart in view.charts:
                 known.add(chart.name)
-                if chart.is_drawn:
+                if chart.is_drawn and in_open_tab(view, chart):
                     drawn.add(chart.name)
                     check(chart, "dark" if dark else "light")
     assert known - drawn <= NO_FIGURE
     assert [record for record in caplog.records if record.levelno >= logging.ERROR] == []
+
+
+def in_open_tab(view, chart):
+    """Return whether a chart can be seen: behind another tab it is drawn in other colours once that is open."""
+    bodies = getattr(getattr(view, "of", None), "bodies", {})
+    return not any(chart.host in body.select() for tab, body in bodies.items() if tab != view.of.tab)
 
 
 def check(chart, theme):

@@ -1,0 +1,318 @@
+"""The tab "Chance": random draws of the conditions, and the plan that is robust against them."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import param
+from panel.viewable import Viewable
+
+from railjoule.core import Scenario
+from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY, Candidate, DrawnRuns, RobustPlan
+from railjoule.core.studies.table import StudyTable
+from railjoule.dashboard.charts.chart import Axis, nice_range, xy
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.plot import AxisPlot, Plot
+from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import Form, Line, RunLines, ends_of
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.key_names import without_keys
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.page import Page, Request, keyed, shows, study
+from railjoule.dashboard.pages.what_if.chance_charts import HistogramChart, LoadScatter, chance_table, finite
+from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, compute_chance, compute_robust
+from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
+from railjoule.dashboard.pages.what_if.explorer import HEIGHTS, Explorer
+from railjoule.dashboard.pages.what_if.heat_map import percent_difference
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber
+from railjoule.dashboard.state.page_model import result
+
+# ---- the robust plan
+
+LINES = {
+    "nominal": Line("accent", {"line_width": 2.2}),
+    "robust": Line("good", {"line_width": 1.9, "line_dash": [9, 3]}),
+}
+HEADROOM = 1.22
+
+
+class RobustSpeedChart(RunLines):
+    """Planned speeds of the nominal and of the robust plan."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        caption = "Robust plan: speed, km/h, beside the nominal plan"
+        super().__init__("robust_speed", SPEED, LINES, height, axis, palette, caption, Form(ticks=5, last=True))
+
+    def above(self) -> None:
+        """Write the names of the lines."""
+        self.add_names()
+
+    def draw(self, found: RobustPlan) -> None:
+        """Draw the nominal plan, and the robust one once it is known."""
+        runs = {"nominal": found.nominal.plan}
+        if found.chosen is not None and found.chosen is not found.nominal:
+            runs["robust"] = found.chosen.plan
+        self.axis.fit(max(float(run.position_m[-1]) for run in runs.values()), roomy=False)
+        lines = self.fill(runs)
+        self.set_range(0, HEADROOM * ends_of(lines.values())[1])
+        tokens = self.palette.tokens
+        places = {"nominal": 0.25, "robust": 0.7}
+        names = [Name(name, name, tokens[LINES[name].token], preferred=places[name]) for name in runs]
+        self.place_names(lines, names)
+
+
+class CandidatesChart(LoneChart):
+    """Expected energy of each candidate over its share of runs on time."""
+
+    kind = "map"
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        caption = "Candidates: expected energy, kWh, over runs on time, with the 95 % interval"
+        super().__init__("candidates", caption, height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=4, digits=2, x_title="Runs on time, %")
+        self.hairlines("asked", "ink3", line_dash=[2, 3])
+        self.glyphs("segment", "intervals", "x", "y", "x1", "y", paint={"line_color": "line2"})
+        self.dots("points", "driven", size=6)
+        for name, line in LINES.items():
+            self.dots(name, line.token, size=9)
+        self.add_names()
+
+    def draw(self, found: RobustPlan) -> None:
+        """Draw the candidates so far, the probability that was asked for, the nominal and the robust plan."""
+        drawn = [one.drawn for one in found.candidates]
+        energy = np.array([one.expected_kwh for one in drawn])
+        share = 100 * np.array([one.share_on_time for one in drawn])
+        intervals = 100 * np.array([one.share_interval for one in drawn])
+        self.put("intervals", x=intervals[:, 0].tolist(), y=energy.tolist(), x1=intervals[:, 1].tolist())
+        self.put("points", **xy(share, energy))
+        self.put("asked", x=[100 * found.probability])
+        least, most = nice_range(float(np.nanmin(energy)), float(np.nanmax(energy)), 0.12)
+        self.set_ranges((float(min(intervals.min(), 100 * found.probability)) - 2.0, 102.0), (least, most))
+        marks = {"nominal": found.nominal, "robust": found.chosen}
+        tokens, names, lines = self.palette.tokens, [], {}
+        for name, one in marks.items():
+            at = [] if one is None else [(100 * one.drawn.share_on_time, one.drawn.expected_kwh)]
+            self.put(name, x=[x for x, _ in at], y=[y for _, y in at])
+            if at:
+                names.append(Name(name, name, tokens[LINES[name].token], point=at[0]))
+                lines[name] = (np.array([at[0][0]]), np.array([at[0][1]]))
+        self.place_names(lines, names)
+
+
+ROBUST = (
+    AxisPlot("robust_speed", RobustSpeedChart, (250, 310, 220), "robust"),
+    Plot("candidates", "", heights=(250, 310, 220), chart=CandidatesChart),
+)
+
+
+def robust_text(answer: RobustAnswer) -> str:
+    """Return the nominal and the robust plan as a table with the result of the check, or how far the search is."""
+    found = answer.found
+    if answer.refusal:
+        return parts.inset(parts.refusal(without_keys(answer.refusal)))
+    if found.chosen is None or found.checked is None:
+        tried = len(found.candidates) - 1 + found.refused
+        return parts.inset(parts.note_paragraphs([f"{tried} of {found.asked} candidate plans followed."]))
+    header = (
+        "Plan",
+        "Load, %",
+        "Resistance",
+        "Reserve, s",
+        "Planned, kWh",
+        "Expected, kWh",
+        "On time, %",
+        "Interval, %",
+    )
+    pairs = zip((found.nominal, found.chosen), found.checked, strict=True)
+    rows = [(_cells(name, *pair), name == "robust") for name, pair in zip(LINES, pairs, strict=True)]
+    return parts.inset(parts.table("Robust plan", header, rows), parts.note_paragraphs(robust_notes(found)))
+
+
+def _cells(name: str, plan: Candidate, checked: DrawnRuns) -> tuple[str, ...]:
+    low, high = checked.share_interval
+    return (
+        name,
+        words.setting(plan.load_factor),
+        words.number(plan.resistance_factor, 3),
+        words.number(plan.reserve_s, 1),
+        words.energy(plan.plan.energy_kwh),
+        words.energy(checked.expected_kwh),
+        words.share(checked.share_on_time),
+        f"{words.share(low)} to {words.share(high)}",
+    )
+
+
+def robust_notes(found: RobustPlan) -> list[str]:
+    """Return the cost of the robust plan, the result of its check, and the size of the search, in sentences."""
+    assert found.chosen is not None
+    assert found.checked is not None
+    extra, error = found.extra_kwh
+    accepted = found.scenario.disturbance.accepted_delay_s
+    late = f" or at most {words.number(accepted, 1)} s late" if accepted else ""
+    asked, runs = words.share(found.probability), words.number(found.checked[1].runs, 0)
+    held = "enough" if found.is_held else "not enough; choose a higher probability or more candidates"
+    cost = f"{words.energy_difference(extra)} \u00b1 {words.number(error, 4)} kWh"
+    sentences = [
+        f"The robust plan needs {cost} against the nominal plan." if found.chosen is not found.nominal else "",
+        f"Asked for: on time{late} in at least {asked} % of the runs. Under {runs} draws that are not the search's, "
+        f"the robust plan is on time in {words.share(found.checked[1].share_on_time)} %: {held}.",
+        f"Search: {len(found.candidates)} plans under the same {words.number(found.nominal.drawn.runs, 0)} draws. On "
+        "time are those whose 95 % interval lies above the probability.",
+        f"No train can keep {found.refused} more candidates." if found.refused else "",
+    ]
+    return [sentence for sentence in sentences if sentence]
+
+
+# ---- the tab
+
+DRAWS = "chance"
+FULL_RUNS = 10_000
+ROBUST_RUNS = 1500
+"""Draws of the check of a robust plan; its candidates have a fifth of them."""
+ROBUST_FIELDS = ("probability_percent", "accepted_lateness_s", "candidates")
+"""The search for a robust plan."""
+
+
+def _histogram(name: str, caption: str, quantity: str, show: Any) -> Plot:
+    return Plot(name, "", heights=(190, 220, 170), chart=partial(HistogramChart, name, caption, quantity, show))
+
+
+MORE = _histogram(
+    *("more", "Extra energy against a plan for the actual load, %", "Extra energy, %"), percent_difference
+)
+DELAYS = _histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
+SCATTER = Plot("scatter", "", heights=(220, 260, 200), chart=LoadScatter)
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 10px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
+"""
+
+
+class ChanceTab(Page):
+    """The part of the page that this tab shows."""
+
+    probability_percent = TypedNumber("Probability, %", "%", default=100 * PROBABILITY, bounds=(1, 99.9))
+    accepted_lateness_s = keyed(Disturbance, "accepted_delay_s", "Accepted lateness", "s", 1)
+    candidates = TypedInteger("Candidate plans", default=CANDIDATES, bounds=(1, MAX_CANDIDATES))
+
+    chance = result(StudyTable, "Random runs so far.")
+    drawing = param.Boolean(default=False, doc="Whether more are being computed.")
+    more_of = result(Conditions, "The conditions of which all runs were asked for.")
+    robust = result(RobustAnswer, "The robust plan, or the search for it so far.")
+    searching = param.Boolean(default=False, doc="Whether it is being searched.")
+    find_robust = param.Event(doc="Search the robust plan.")
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over the accepted lateness of a scenario."""
+        super().take(scenario)
+        self.accepted_lateness_s = scenario.disturbance.accepted_delay_s
+
+    def draw_all(self, *_: Any) -> None:
+        """Compute all runs of the present conditions, not only those of the preview."""
+        self.more_of = self._draws(PREVIEW_RUNS)
+
+    def goes_on(self, into: str) -> bool:
+        """Return whether all runs of the present conditions were asked for."""
+        return into == "chance" and self.more_of is not None and self.more_of == self._draws(PREVIEW_RUNS)
+
+    def search_robust(self, *_: Any) -> None:
+        """Search the robust plan."""
+        self.param.trigger("find_robust")
+
+    def _draws(self, runs: int, **more: Any) -> Conditions:
+        return conditions(self.desk, {**self.desk.day.chance_changes(runs), **NOTHING_WRONG, **more})
+
+    @study(
+        "scenario", "desk.chosen", "more_of", *FOLLOWING, *CHANCE, into="chance", busy="drawing", marked=True, tab=DRAWS
+    )
+    def _chance(self) -> Request:
+        preview = self._draws(PREVIEW_RUNS)
+        return compute_chance, self._draws(FULL_RUNS) if preview == self.more_of else preview
+
+    @study(
+        *("scenario", "desk.chosen", *FOLLOWING, *CHANCE, *ROBUST_FIELDS),
+        into="robust",
+        start="find_robust",
+        busy="searching",
+        tab=DRAWS,
+    )
+    def _robust(self) -> Request:
+        accepted = {"disturbance.accepted_delay_s": float(self.accepted_lateness_s)}
+        draws = self._draws(ROBUST_RUNS, **accepted)
+        return compute_robust, draws, self.probability_percent / 100, self.candidates
+
+    # ---- what it shows
+
+    def layout_chance(self) -> Viewable:
+        """Return the parts of the tab, laid out."""
+        host, plots = self.host, self.host.plots
+        self.quantiles, self.quantile_table, self.robust_words = (parts.html_pane() for _ in range(3))
+        self.explorer = Explorer(self, lambda: host.take_charts(self.explorer.charts))
+        host.heights = {**host.heights, **HEIGHTS}
+        upper = parts.stack(
+            parts.stack(plots["more"].host, plots["scatter"].host),
+            parts.stack(plots["late"].host, self.quantile_table),
+            css=LAYOUT_CSS,
+        )
+        charts = parts.stack(*(plots[plot.name].host for plot in ROBUST), css=LAYOUT_CSS)
+        self.robust_part = parts.stack(charts, self.robust_words, visible=False)
+        return parts.stack(self.quantiles, upper, self.robust_part, self.explorer.view)
+
+    @shows("chance", "failure", "accepted_lateness_s", tab=DRAWS)
+    def _show_chance(self) -> None:
+        chance = self.chance
+        if chance is None:
+            return
+        self.host.draw([MORE], 100 * chance.over_replanned)
+        self.host.draw([DELAYS], chance.delay_s)
+        self.host.draw([SCATTER], chance)
+        self.quantiles.object = parts.figures(
+            chance_figures(chance, float(self.accepted_lateness_s)), self.failure is not None
+        )
+        self.quantile_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
+
+    @shows("chance", "drawing", "desk.dark", tab=DRAWS)
+    def _explore(self) -> None:
+        self.explorer.follow()
+
+    @shows("robust", tab=DRAWS)
+    def _show_robust(self) -> None:
+        self.robust_part.visible = self.robust is not None
+        if self.robust is not None:
+            self.host.draw(ROBUST, self.robust.found)
+            self.robust_words.object = robust_text(self.robust)
+
+
+# ---- texts
+
+
+def chance_figures(chance: StudyTable, accepted_s: float) -> list[str]:
+    """Return the share of the draws on time, and the extra energy of half of them and of nineteen in twenty at most."""
+    values, delays = finite(chance.over_replanned), finite(chance.delay_s)
+    if not len(values):
+        return []
+    share = float((delays < accepted_s + comparisons.OTHER_TIME_S).sum()) / chance.done
+    late = f"or at most {words.number(accepted_s)} s late, " if accepted_s else ""
+    drawn = f"{late}of {words.number(chance.done, 0)} draws"
+    half, most = (float(np.quantile(values, share)) for share in (0.5, 0.95))
+    return [
+        parts.figure("Runs on time", words.share(share), "%", drawn, "main"),
+        parts.figure("Median", _at_most(half), "%", _unless_missed(half)),
+        parts.figure("95th percentile", _at_most(most), "%", _unless_missed(most)),
+    ]
+
+
+# so many runs need less by arriving late or missing the stop, which is no saving
+def _at_most(share: float) -> str:
+    return f"< {words.share_difference(share)}" if share >= 0 else words.UNKNOWN
+
+
+def _unless_missed(share: float) -> str:
+    return "above a plan for the load" if share >= 0 else "less, with a miss"

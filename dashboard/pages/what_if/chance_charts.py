@@ -1,0 +1,149 @@
+"""Random draws of the conditions: histograms with their quantiles, energy over load."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.studies.table import StudyTable
+from railjoule.dashboard.charts.chart import nice_range, xy
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.line_names import rows_of
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.parts import html as parts
+
+BINS = 36
+SIGN_PX, ROW_PX = 11, 14.0
+QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
+SHOWN = (0.003, 0.997)
+"""Of the values this part is drawn."""
+MAX_POINTS = 2000
+
+
+def finite(values: FloatArray) -> FloatArray:
+    """Return the values of runs that reached the end."""
+    return values[np.isfinite(values)]
+
+
+class HistogramChart(LoneChart):
+    """How often a value came out, with 5 %, median and 95 % as hairlines."""
+
+    kind = "bars"
+
+    def __init__(
+        self, name: str, caption: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
+    ) -> None:
+        super().__init__(name, caption, height, palette)
+        self.quantity, self.show_value = quantity, show
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(ticks=2, x_title=self.quantity)
+        f.yaxis.visible = False
+        f.ygrid.visible = False
+        bars = {"fill_color": "line2", "line_color": "surface"}
+        self.glyphs("quad", "bars", "left", "right", 0, "top", paint=bars, line_width=1)
+        self.glyphs("segment", "marks", "x", 0, "x", "y", paint={"line_color": "ink"}, line_width=1.2)
+        self.signs("signs", "ink2", SIGN_PX, text_align="center", y_offset=-2, text_baseline="bottom")
+
+    def draw(self, values: FloatArray) -> None:
+        """Draw the values so far."""
+        values = finite(values)
+        if not len(values):
+            self.clear()
+            return
+        low, high = np.quantile(values, SHOWN)
+        # where chance changes nothing, all values are one
+        low, high = nice_range(float(low), float(max(high, low + 1e-3)))
+        counts, edges = np.histogram(values, bins=BINS, range=(low, high))
+        most = float(max(counts.max(), 1))
+        self.put("bars", left=edges[:-1].tolist(), right=edges[1:].tolist(), top=counts.tolist())
+        self.x_range.update(start=low, end=high)
+        self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
+
+    def _mark(self, places: list[float], ends: tuple[float, float], most: float) -> None:
+        """Draw the quantiles, their words in as many rows as they need above the bars."""
+        texts = [f"{word}: {self.show_value(place)}" for word, place in zip(QUANTILES.values(), places, strict=True)]
+        frame = self.frame_over(ends, (0.0, most))
+        spans = []
+        for place, text in zip(places, texts, strict=True):
+            width = text_width_px(text, SIGN_PX)
+            left = float(frame.x_px(np.array(place))) - 0.5 * width
+            left = min(max(left, 0.0), max(frame.width_px - width, 0.0))
+            spans.append((left, left + width))
+        rows = rows_of(spans)
+        room_px = ROW_PX * (max(rows) + 1) + ROW_PX
+        # the bars get the frame less the rows of words above them
+        per_px = most / max(frame.height_px - room_px, ROW_PX)
+        self.y_range.update(start=0, end=most + room_px * per_px)
+        levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
+        scale = (ends[1] - ends[0]) / frame.width_px
+        self.put("marks", x=places, y=levels)
+        self.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
+
+
+def chance_table(table: StudyTable) -> str:
+    """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
+    results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
+        "Energy, kWh": (table.energy_kwh, words.energy),
+        "Extra energy against the plan, %": (table.overconsumption, words.share_difference),
+        "Above a plan for this load, %": (table.over_replanned, words.share_difference),
+        "Delay at the stop, s": (table.delay_s, words.delay),
+        "Overshoot, m": (table.stop_error_m, words.stop_error),
+    }
+    rows = []
+    for name, (values, show) in results.items():
+        reached = finite(values)
+        if len(reached):
+            places = (reached.min(), *np.quantile(reached, list(QUANTILES)), reached.max())
+            cells = [show(float(place)) for place in places]
+            if values is table.delay_s:
+                cells[0], cells[-1] = f"earliest {cells[0]}", f"latest {cells[-1]}"
+            rows.append(((name, *cells), False))
+    seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
+    text = f"{words.number(table.done, 0)} of {words.number(table.scenario.montecarlo.runs, 0)} runs, seed {seed}."
+    text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
+    quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
+    return parts.inset(quantiles, parts.note_paragraphs([text, *_missed_words(table)]))
+
+
+def _missed_words(table: StudyTable) -> list[str]:
+    """Return how many runs need less than a plan for their load by a miss, in a sentence; nothing where none does."""
+    known = table.replanned_kwh
+    missed = int(comparisons.is_false_saving(table.energy_kwh, known, table.delay_s, table.stop_error_m).sum())
+    count = f"{words.number(missed, 0)} of the runs need"
+    return [f"{count} less than a plan for their load, but arrive late or miss the stop: no saving."] if missed else []
+
+
+class LoadScatter(LoneChart):
+    """Energy of each run over the load that it carried."""
+
+    kind = "map"
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        caption = "Energy, kWh, over load; blue: planned for that load"
+        super().__init__("scatter", caption, height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=4, digits=1, x_title="Load, %")
+        driven = {"fill_color": "driven"}
+        self.glyphs("scatter", "points", "x", "y", paint=driven, size=3.5, fill_alpha=0.35, line_color=None)
+        self.line("line", "accent", line_width=1.8)
+
+    def draw(self, table: StudyTable) -> None:
+        """Draw the runs so far, and the energy of plans for the actual load."""
+        done = np.isfinite(table.energy_kwh)
+        load = 100 * table["load_factor"][done]
+        energy = table.energy_kwh[done]
+        if not len(load):
+            self.clear()
+            return
+        self.put("points", **xy(load[:MAX_POINTS], energy[:MAX_POINTS]))
+        order = np.argsort(load)[:: max(1, len(load) // 60)]
+        knowing = table.replanned_kwh[done][order]
+        self.put("line", **xy(load[order], knowing))
+        low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
+        self.set_ranges((0.0, 100.0), (low, high))

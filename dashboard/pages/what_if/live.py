@@ -1,0 +1,279 @@
+"""The run that plays: its fields, its clock, and its plans, one step at a time in the page's turn or in a thread."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import panel as pn
+import param
+
+from railjoule.core import RailjouleError, Scenario, ScenarioError
+from railjoule.core.scenario.disturbance import UnplannedLimit, UnplannedStop, VoltageChange
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.live import (
+    LiveRun,
+    advance,
+    clear_signal,
+    finished_run,
+    known_run,
+    set_event,
+    start_run,
+    wait_longer,
+)
+from railjoule.dashboard.day import FIRST_STOP_S
+from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
+from railjoule.dashboard.state.page_model import PageModel, result
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import RUN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.refusals import named_refusals
+from railjoule.dashboard.work.runs import is_slow
+
+PACES = (1.0, 5.0, 20.0)
+"""How many times faster than in reality a run plays."""
+
+
+@dataclass(frozen=True, eq=False)
+class LiveResult:
+    """A run that has arrived, and the same day with all events known before the start."""
+
+    live: DisturbedRun
+    known: DisturbedRun
+
+
+class LiveModel(TypedParameters, PageModel):
+    """The run that plays, and what is set next."""
+
+    passing = (
+        "on",
+        "playing",
+        "pace",
+        "signal_m",
+        "signal_s",
+        "is_open",
+        "from_m",
+        "to_m",
+        "limit_kmh",
+        "voltage_percent",
+        "replan_s",
+        "step",
+    )
+
+    on = param.Boolean(default=False, doc="Whether the page plays a run.")
+    playing = param.Boolean(default=False, doc="Whether its clock runs.")
+    pace = param.Selector(default=5.0, objects=list(PACES), doc="How many times faster than in reality.")
+    signal_m = TypedNumber("Signal at, m", "m", default=500.0, **core_bounds(UnplannedStop, "position_m"))
+    signal_s = TypedNumber("red for, s", "s", default=FIRST_STOP_S, **core_bounds(UnplannedStop, "duration_s"))
+    is_open = param.Boolean(default=False, doc="Whether the signal stays red until it is cleared.")
+    from_m = TypedNumber("Limit from, m", "m", default=600.0, **core_bounds(UnplannedLimit, "from_m"))
+    to_m = TypedNumber("to, m", "m", default=700.0, **core_bounds(UnplannedLimit, "to_m"))
+    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, **core_bounds(UnplannedLimit, "limit_kmh"))
+    voltage_percent = TypedNumber(
+        "Voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
+    )
+
+    run = result(LiveRun, "The run as it is now.")
+    planned = param.Event(doc="The run has another plan, or is another one.")
+    replan_s = param.Number(default=0.0, doc="How long its plan ahead took [s].")
+    step = param.Callable(default=None, allow_None=True, doc="Replaces the run by one with another plan.")
+    restart = param.Event(doc="The train begins at the start again.")
+    ended = result(LiveResult, "The run that has arrived, beside others.")
+
+    def set_signal(self, *_: Any) -> None:
+        """Set the red signal of the fields."""
+        signal = UnplannedStop(position_m=self.signal_m, duration_s=self.signal_s)
+        self.step = partial(set_event, event=signal, is_open=self.is_open)
+
+    def clear_signal(self, *_: Any) -> None:
+        """Clear the red signal that the train meets first."""
+        # another function each time, as the same value would be no change
+        self.step = partial(clear_first)
+
+    def set_limit(self, *_: Any) -> None:
+        """Set the lower limit of the fields."""
+        if self.from_m >= self.to_m:
+            begins, ends = f"{self.from_m:g} m", f"{self.to_m:g} m"
+            self.failure = ScenarioError(f"Limit to {ends}: it begins at {begins}. Choose an end beyond that.")
+            return
+        limit = UnplannedLimit(from_m=self.from_m, to_m=self.to_m, limit_kmh=self.limit_kmh)
+        self.step = partial(set_event, event=limit)
+
+    def set_voltage(self, *_: Any) -> None:
+        """Set the supply voltage of the field."""
+        self.step = partial(set_event, event=VoltageChange(line_voltage_factor=self.voltage_percent / 100))
+
+    def take(self, scenario: Scenario) -> None:
+        """Choose places on a scenario's line."""
+        length = scenario.line.length_m
+        places: dict[str, Any] = {"signal_m": 0.5, "from_m": 0.6, "to_m": 0.7}
+        self.param.update(**{name: round(share * length) for name, share in places.items()})
+
+
+def clear_first(run: LiveRun) -> LiveRun:
+    """Return a run whose next red signal is clear; the same run where none is red."""
+    red = [one for one in run.events if one.is_ahead and not run.has_left(one)]
+    return clear_signal(run, min(red, key=run.stand_node)) if red else run
+
+
+# ---- the clock
+
+TICK_MS = 100
+"""The clock is read this often."""
+LONGEST_TICK_S = 0.5
+"""A clock that was not read for longer stood still: the server was busy."""
+
+Step = Callable[[LiveRun], LiveRun]
+"""Replaces a run by one with another plan."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepRequest:
+    """A step, and the run that it is for."""
+
+    step: Step
+    run: LiveRun
+
+
+def take_step(request: StepRequest) -> LiveRun:
+    """Return the run after a step; errors as the step."""
+    return request.step(request.run)
+
+
+def begin_run(scenario: Scenario) -> LiveRun:
+    """Return a run before its start; errors as `start_run`."""
+    with named_refusals(scenario):
+        return start_run(scenario)
+
+
+def compare_with_notice(run: LiveRun) -> LiveResult:
+    """Return the run beside the one of a train that knew the events; errors as `known_run`."""
+    return LiveResult(finished_run(run), known_run(run))
+
+
+class Live(PageWork[LiveModel]):
+    """Plays a run while its page is in sight."""
+
+    page = "What if"
+
+    def __init__(self, state: Workbench) -> None:
+        self.of = state.pages[self.page]
+        super().__init__(state, self.of.live)
+        self.starts = self.worker(
+            begin_run, self._take_start, marked=True, is_slow=lambda scenario: is_slow(scenario, scenario.strategy)
+        )
+        self.steps = self.worker(take_step, self._take_step, self._refuse_step)
+        self.results = self.worker(compare_with_notice, self._take_result)
+        self._waiting: Step | None = None
+        self._planning = False
+        self._read_s = 0.0
+        self._clock: Any = None
+        state.scenario.follow(lambda scenario: scenario.line.length_m, self.model.take)
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
+        state.param.watch(self._ask, ["page", "chosen"])
+        self.of.param.watch(self._ask, "tab")
+        self.model.param.watch(self._ask, "on")
+        self.model.param.watch(self._set_clock, "playing")
+        self.model.param.watch(self._restart, "restart")
+        self.model.param.watch(lambda event: self.plan(event.new), "step")
+        self.model.take(state.scenario.edited)
+
+    @property
+    def in_sight(self) -> bool:
+        """Whether the tab of events is."""
+        return super().in_sight and self.of.is_open("events")
+
+    def forget(self, *_: Any) -> None:
+        """Forget the run, as its scenario has gone."""
+        super().forget()
+        self._drop()
+
+    def end(self, *_: Any) -> None:
+        """Stop the clock as well."""
+        super().end()
+        self.model.playing = False
+
+    def _restart(self, *_: Any) -> None:
+        """Put the train back to the start."""
+        self.forget()
+        self._ask()
+
+    def plan(self, step: Step) -> None:
+        """Take a step with the run as it is; one that comes while another is taken waits for it."""
+        run = self.model.run
+        if run is None:
+            return
+        if self._planning:
+            self._waiting = step
+            return
+        self._planning = True
+        self.steps.ask(StepRequest(step, run))
+
+    def tick(self, seconds: float) -> None:
+        """Let the clock go on [s of reality]; it waits while a plan is made, as the plan begins where the train is."""
+        run = self.model.run
+        if run is None or self._planning or run.has_arrived:
+            return
+        now = advance(run, seconds * self.model.pace)
+        self.model.run = now
+        if now.held_at is not None:
+            self.plan(wait_longer)
+        elif now.has_arrived:
+            self.model.playing = False
+            self.results.ask(now)
+
+    def _ask(self, *_: Any) -> None:
+        if not (self.in_sight and self.model.on):
+            self.model.playing = False
+            return
+        accepted = {"disturbance.accepted_delay_s": float(self.state.day.accepted_delay_s)}
+        scenario = self.state.scenario.scenario().replace(strategy=self.state.chosen, **accepted)
+        if self.is_new(scenario):
+            self._drop()
+            self.starts.ask(scenario)
+
+    def _drop(self) -> None:
+        self._waiting, self._planning = None, False
+        self.model.param.update(run=None, ended=None, failure=None, playing=False)
+        self.model.param.trigger("planned")
+
+    def _take_start(self, run: LiveRun) -> None:
+        self.model.param.update(run=run, ended=None, failure=None, replan_s=0.0)
+        self.model.param.trigger("planned")
+
+    def _take_step(self, run: LiveRun) -> None:
+        # the run that it was for may have gone
+        if not self._planning:
+            return
+        self.model.param.update(run=run, failure=None, replan_s=self.steps.last_duration_s)
+        self.model.param.trigger("planned")
+        self._go_on()
+
+    def _refuse_step(self, failure: RailjouleError) -> None:
+        self.take_failure(failure)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        self._planning = False
+        step, self._waiting = self._waiting, None
+        if step is not None:
+            self.plan(step)
+
+    def _take_result(self, result: LiveResult) -> None:
+        self.model.ended = result
+
+    def _set_clock(self, *_: Any) -> None:
+        if self._clock is not None:
+            self._clock.stop()
+            self._clock = None
+        # without a page around it, `tick` is called by hand
+        if self.model.playing and pn.state.curdoc is not None:
+            self._read_s = time.monotonic()
+            self._clock = pn.state.add_periodic_callback(self._read, period=TICK_MS)
+
+    def _read(self) -> None:
+        now = time.monotonic()
+        since, self._read_s = now - self._read_s, now
+        with pn.io.hold():
+            self.tick(min(since, LONGEST_TICK_S))

@@ -1,0 +1,328 @@
+"""The part of the page that plays a run: its chart, its controls, its numbers, and how it ended."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+from bokeh.events import Tap
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.simulation.disturbances import DisturbedRun
+from railjoule.core.simulation.leg import Leg
+from railjoule.core.simulation.live import LiveEvent, LiveRun
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, xy
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.plot import AxisPlot
+from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import (
+    DRIVEN_DASH,
+    Curve,
+    add_limits,
+    add_stations,
+    draw_limits,
+    draw_stations,
+    limits_of,
+)
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.pages.what_if.live import PACES, LiveModel, LiveResult
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import box, buttons
+from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.numbers import clock
+
+LINES = {"former plan": "pinned", "plan ahead": "accent", "driven": "driven"}
+"""The colours of the lines, in the order of drawing."""
+NAMES = {"former plan": "ink3", "plan ahead": "accent", "driven": "driven"}
+"""The colours in which they are named."""
+STROKES: dict[str, dict[str, Any]] = {
+    "former plan": {"line_width": 1.8, "line_dash": [2, 3]},
+    "plan ahead": {"line_width": 2.2, "line_dash": DRIVEN_DASH},
+    "driven": {"line_width": 2.4},
+}
+HEADROOM = 1.2
+"""The upper end of the axis over the highest speed."""
+LIMIT_ROOM = 1.1
+"""The same over the highest limit: the signs of the signals stand between."""
+# a cell of a coarse plan is drawn in as many pieces as it is seen to be curved
+DRAWN_POINTS = 400
+
+
+class LiveSpeedChart(DistanceChart):
+    """Speed over distance while a run plays; a press sets a red signal."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__("live_speed", SPEED.words, height, axis, palette)
+        self.unit, self.digits = SPEED.unit, SPEED.digits
+        self.press: Callable[[float], None] = lambda _: None
+        """Called with the place of a press [m]."""
+        self._plan: Leg | None = None
+        self._drawn_m = 0.0
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=True, ticks=5)
+        f.xaxis.axis_label = "Distance, m"
+        add_limits(self)
+        add_stations(self)
+        self.hairlines("signals", "limit", line_width=1.4)
+        for name, token in LINES.items():
+            self.line(name, token, **STROKES[name])
+        self.dots("train", "surface", "driven", size=11, line_width=3)
+        self.signs("signs", "limit", x_offset=4, text_baseline="top")
+        self.add_names()
+        f.on_event(Tap, self._press)
+        self.set_cursor_sources(*LINES)
+
+    def _press(self, event: Any) -> None:
+        if event.x is not None and 0 < event.x < self.axis.end:
+            self.press(float(event.x))
+
+    def draw(self, run: LiveRun) -> None:
+        """Draw a run with its plan."""
+        driven = [_curve(leg) for leg in (*run.driven, run.plan.until(run.position_m))]
+        curves = {
+            "former plan": _curve(run.former) if run.former is not None else (np.empty(0), np.empty(0)),
+            "plan ahead": _curve(run.plan),
+            "driven": (np.concatenate([x for x, _ in driven]), np.concatenate([y for _, y in driven])),
+        }
+        for name, (x, y) in curves.items():
+            # as lists: `stream` adds to them
+            self.put(name, x=x.tolist(), y=y.tolist())
+        borders, limits = limits_of(run.since.scenario)
+        limit = draw_limits(self, borders, limits)
+        draw_stations(self, [station.position_m for station in run.scenario.line.inner_stations])
+        speeds = [float(y.max()) for _, y in curves.values() if len(y)]
+        speeds.append(run.planned.max_speed_kmh)
+        top = max(HEADROOM * max(speeds), LIMIT_ROOM * float(limits.max()))
+        self.set_range(0, top)
+        signals = [one for one in run.events if one.is_ahead and not run.has_left(one)]
+        places = [float(one.event.position_m) for one in signals]  # type: ignore[attr-defined]
+        self.put("signals", x=places)
+        self.put("signs", x=places, y=[0.99 * top] * len(places), text=[_sign(one) for one in signals])
+        self._plan, self._drawn_m = run.plan, run.position_m
+        self._draw_train(run)
+        shown = {name: curve for name, curve in curves.items() if len(curve[0]) > 1}
+        names = [Name(name, name, self.palette.tokens[NAMES[name]]) for name in reversed(shown)]
+        taken = [self.frame_now.box(x, 0.99 * top, "red 000 s", lift_px=-15) for x in places]
+        self.place_names({**shown, "limit": limit}, names, taken)
+
+    def move(self, run: LiveRun) -> None:
+        """Move the train on, over the plan that is drawn."""
+        if self.figure is None or run.plan is not self._plan:
+            return
+        now = run.position_m
+        between = (run.plan.position_m > self._drawn_m) & (run.plan.position_m < now)
+        x = np.append(run.plan.position_m[between], now)
+        y = np.sqrt(np.interp(x, run.plan.position_m, run.plan.speed2)) / MS_PER_KMH
+        if now > self._drawn_m:
+            self.sources["driven"].stream({"x": x.tolist(), "y": y.tolist()})
+        self._drawn_m = now
+        self._draw_train(run)
+
+    def _draw_train(self, run: LiveRun) -> None:
+        self.put("train", **xy(np.array([run.position_m]), np.array([run.speed_ms / MS_PER_KMH])))
+
+
+PLAYED = AxisPlot("live_speed", LiveSpeedChart, (300, 380, 240), "live")
+
+
+def _curve(leg: Leg) -> Curve:
+    """Return places [m] and speeds [km/h] of a leg, fine enough for the root of a straight line."""
+    first, last = float(leg.position_m[0]), float(leg.position_m[-1])
+    places: FloatArray = np.union1d(leg.position_m, np.linspace(first, last, DRAWN_POINTS))
+    return places, np.sqrt(np.interp(places, leg.position_m, leg.speed2)) / MS_PER_KMH
+
+
+def _sign(signal: LiveEvent) -> str:
+    """Return the sign of a red signal."""
+    return "red" if signal.is_open else f"red {words.number(signal.event.duration_s, 0)} s"  # type: ignore[attr-defined]
+
+
+# ---- controls, numbers, texts
+
+UNLIKE_S = 0.1
+"""Energies of arrivals that differ by this do not compare [s]."""
+BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
+FIELDS_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(172px, 1fr)); align-items: end; }
+"""
+HOW = (
+    "Press Play, then set a signal, a limit or a voltage while the train drives: the plan ahead is computed again from "
+    "where the train is. A click on the chart sets a red signal there."
+)
+STANDS_IN = "{} over cells of {} m, as {} is too slow for that or refuses the line"
+FASTEST = "as fast as allowed, as the time is too short"
+UNLIKE = (
+    "Energies of different arrivals do not compare. Set an accepted delay in the sidebar and play again, so that both "
+    "arrive at the same time."
+)
+
+
+class LivePart:
+    """All that is in sight while the page plays a run."""
+
+    def __init__(self, model: LiveModel, host: Any, keep: Callable[..., None]) -> None:
+        self.model, self.axis, self.chart = model, host.axes[PLAYED.axis], host.plots[PLAYED.name]
+        self.chart.press = self._press
+        self.numbers, self.message, self.status, self.table = (parts.html_pane() for _ in range(4))
+        self.play = _button("Play", self._play, variant="contained")
+        self.again = _button("Start again", lambda _: model.param.trigger("restart"))
+        self.keep = _button("Keep these events", keep)
+        self.pace = buttons(self.model, "pace", {f"{pace:g}\u00d7": pace for pace in PACES}, margin=(8, 8, 0, 8))
+        tools = pn.Row(self.play, self.pace, self.again, self.keep, margin=(0, 0, 0, 12), stylesheets=[parts.WRAP_CSS])
+        body = parts.stack(self.status, self.chart.host, self._fields(), self.table, css=BODY_CSS)
+        self.view = parts.stack(self.numbers, tools, self.message, body)
+        # not a part of the page: a tenth of a second is too short to settle all charts
+        model.param.watch(self.move, "run")
+        host.browser.follow(["hidden"], lambda: self._pause(host.browser.hidden))
+
+    def _fields(self) -> pn.Column:
+        model = self.model
+        self.clear = _button("Clear signal", model.clear_signal)
+        rows = (
+            (
+                NumberField(model, "signal_m"),
+                NumberField(model, "signal_s", of="Signal "),
+                box(model, "is_open", "until cleared", margin=(0, 12)),
+                pn.Row(
+                    _button("Set red signal", model.set_signal),
+                    self.clear,
+                    margin=0,
+                    stylesheets=[parts.WRAP_CSS],
+                ),
+            ),
+            (
+                NumberField(model, "from_m"),
+                NumberField(model, "to_m", of="Limit "),
+                NumberField(model, "limit_kmh", of="Limit "),
+                _button("Set limit", model.set_limit),
+            ),
+            (
+                NumberField(model, "voltage_percent"),
+                _button("Set voltage", model.set_voltage),
+            ),
+        )
+        return parts.stack(*(parts.stack(*row, css=FIELDS_CSS) for row in rows))
+
+    def _play(self, _: Any) -> None:
+        run = self.model.run
+        if run is not None and run.has_arrived:
+            self.model.param.trigger("restart")
+        else:
+            self.model.playing = run is not None and not self.model.playing
+
+    def _pause(self, hidden: bool) -> None:
+        if hidden:
+            self.model.playing = False
+
+    def _press(self, place_m: float) -> None:
+        self.model.signal_m = float(round(place_m))
+        self.model.set_signal()
+
+    def show_plan(self) -> None:
+        """Draw the run with the plan that it has now."""
+        run = self.model.run
+        sentences = [HOW] if run is None or run.former is None else _status(run, self.model.replan_s)
+        self.status.object = parts.markup('<div role="status">{}</div>', parts.note_paragraphs(sentences))
+        self.show_controls()
+        if run is None:
+            self.numbers.object = ""
+            self.chart.wait("")
+            return
+        self.axis.fit(float(run.planned.position_m[-1]), roomy=False)
+        self.chart.show(partial(self._draw, run))
+        self.show_numbers()
+
+    def _draw(self, _: LiveRun) -> None:
+        # a chart that waited draws the run as it is by then
+        if self.model.run is not None:
+            self.chart.draw(self.model.run)
+
+    def move(self, *_: Any) -> None:
+        """Move the train and its numbers on."""
+        if self.model.run is not None:
+            self.chart.move(self.model.run)
+            self.show_numbers()
+
+    def show_numbers(self) -> None:
+        """Show where the train is, and what it needs."""
+        run = self.model.run
+        assert run is not None
+        late = run.delay_s
+        verdict = "late" if late >= 0.05 else "early" if late <= -0.05 else "on time"
+        whole_m = words.number(run.planned.distance_m, 0)
+        cells = [
+            parts.figure("Clock", clock(run.time_s), "", f"of {clock(run.scenario.travel_time_s)}", "main", term=""),
+            parts.figure("Position", words.number(run.position_m, 0), "m", f"of {whole_m}", term=""),
+            parts.figure("Speed", words.number(run.speed_ms / MS_PER_KMH), "km/h", _doing(run), term=""),
+            parts.figure("Arrives", clock(run.arrival_s), "", f"{words.delay(late)} s, {verdict}", term="Delay"),
+            parts.figure("Energy so far", words.energy(run.energy_j / J_PER_KWH), "kWh", "", term=""),
+            parts.figure("To come", words.energy(run.remaining_j / J_PER_KWH), "kWh", "by the plan ahead", term=""),
+        ]
+        self.numbers.object = parts.figures(cells, role="timer")
+
+    def show_controls(self) -> None:
+        """Show what can be pressed, and why the last press was refused."""
+        run, model = self.model.run, self.model
+        failure = model.failure
+        self.message.visible = failure is not None
+        if failure is not None:
+            self.message.object = parts.refusal(str(failure))
+        self.play.label = "Pause" if model.playing else "Play again" if run is not None and run.has_arrived else "Play"
+        self.keep.disabled = run is None or not run.events
+        self.clear.disabled = run is None or not any(one.is_ahead and not run.has_left(one) for one in run.events)
+
+    def show_result(self) -> None:
+        """Show how the run ended, beside its plan and the run of a train that knew all before."""
+        result = self.model.ended
+        self.table.object = "" if result is None else _table(result)
+
+
+def _button(label: str, act: Any, variant: str = "outlined") -> pmui.Button:
+    return pmui.Button(label=label, variant=variant, size="small", height=28, margin=(8, 4, 0, 4), on_click=act)
+
+
+def _doing(run: LiveRun) -> str:
+    if run.has_arrived:
+        return "arrived"
+    if run.speed_ms > 0:
+        return ""
+    return f"stands for {words.time(run.dwell_left_s)} s" if run.dwell_left_s > 0 else "stands"
+
+
+def _status(run: LiveRun, replan_s: float) -> list[str]:
+    """Return how the plan ahead came about, and what it cannot keep."""
+    made = words.STRATEGY_WORDS[run.strategy]
+    if run.strategy == "fastest":
+        made = FASTEST
+    elif run.strategy != run.scenario.strategy:
+        cells = words.number(run.plan.scenario.solver.mesh_m, 0)
+        made = STANDS_IN.format(made, cells, words.STRATEGY_WORDS[run.scenario.strategy])
+    where = f"At {words.number(run.since.position_m, 0)} m"
+    return [f"{where}: planned again in {1000 * replan_s:.0f} ms, {made}.", *run.notes]
+
+
+def _table(result: LiveResult) -> str:
+    """Return the energies and arrivals of the plan, the run that played, and the one with advance notice."""
+    planned = result.live.planned
+    nothing = (comparisons.NOTHING.cell, words.delay(0.0))
+    rows: list[tuple[tuple[str, ...], bool]] = [(("Undisturbed", words.energy(planned.energy_kwh), *nothing), False)]
+    rows += [
+        (_row("Played", result.live, planned.energy_kwh), True),
+        (_row(words.REACTION_WORDS["known"], result.known, planned.energy_kwh), False),
+    ]
+    is_unlike = abs(result.live.delay_s - result.known.delay_s) >= UNLIKE_S
+    table = parts.table("How it ended", ("Run", "kWh", "more, %", "late, s"), rows)
+    return parts.markup("{}{}", table, parts.note_paragraphs([UNLIKE] if is_unlike else []))
+
+
+def _row(name: str, run: DisturbedRun, planned_kwh: float) -> tuple[str, ...]:
+    energy = run.actual.energy_kwh
+    more = comparisons.extra(energy, planned_kwh, run.delay_s, run.stop_error_m).cell
+    return name, words.energy(energy), more, words.delay(run.delay_s)

@@ -1,0 +1,122 @@
+"""The page What if: the plan under another load, a position error, events on the way, and random draws."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import panel_material_ui as pmui
+import param
+from panel.viewable import Viewable
+
+from railjoule.core import Scenario
+from railjoule.dashboard import day
+from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.look import words
+from railjoule.dashboard.page import shows
+from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
+from railjoule.dashboard.pages.what_if.events import EventsTab
+from railjoule.dashboard.pages.what_if.live import Live
+from railjoule.dashboard.pages.what_if.live_view import PLAYED
+from railjoule.dashboard.pages.what_if.load import BRAKING, DRIVEN, HEAT_MAP, LOAD, PLACE, LoadTab
+from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.program import PageRun
+from railjoule.dashboard.state.programs import FOLLOWING, actual_run, followed
+
+TABS: Mapping[str, str] = {LOAD: "Load and position", RIDES: "Events", DRAWS: "Chance"}
+"""The tabs by their names in the address."""
+TABS_PX = 42
+TABS_STYLE = {
+    "& .MuiTabs-root": {"minHeight": TABS_PX},
+    "& .MuiTab-root": {"textTransform": "none", "fontSize": "14px", "minHeight": TABS_PX, "padding": "8px 12px"},
+}
+
+
+class WhatIf(LoadTab, EventsTab, ChanceTab):
+    """The page with its three tabs."""
+
+    page = "What if"
+    kept = ("tab", "both_directions", "known", "measure", *ROBUST_FIELDS)
+    passing = ("as_driver", "dropping", "drawing", "searching")
+    figures = (
+        *(HEAT_MAP, *DRIVEN, BRAKING, PLACE),
+        *(SPEEDS, ENERGIES, LATE, PLAYED),
+        *(MORE, SCATTER, DELAYS, *ROBUST),
+    )
+    works = (Live,)
+    # as the grids of the tabs, which have one column up to 1099 px
+    halves_from_px = 1100
+    full_width = (SPEEDS.name, ENERGIES.name, PLAYED.name)
+
+    tab = param.Selector(default=LOAD, objects=list(TABS), doc="The tab in sight.")
+
+    def part(self, scenario: Scenario) -> object:
+        """Return the part of a scenario that the accepted lateness is from."""
+        return scenario.disturbance
+
+    def is_shown(self, tab: str) -> bool:
+        """Return whether the parts of a tab can be drawn."""
+        return super().is_shown(tab) and (not tab or bool(list(self.bodies[tab])))
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return whether an axis is one of times: that of the events can be."""
+        return axis == RIDES and self.desk.over_time
+
+    def page_run(self) -> PageRun:
+        """Return the run of the tab in sight as a program."""
+        desk = self.desk
+        # not `chosen_now`: the chosen strategy is computed, and the page shows its refusal
+        chosen = {"strategy": desk.chosen}
+        if self.tab == RIDES:
+            return actual_run(desk, {**chosen, **desk.day.event_changes})
+        # the command would drive the events of a file as well
+        events = day.NO_EVENTS if desk.scenario.edited.disturbance.events else {}
+        return PageRun(FOLLOWING, {**chosen, **followed(desk), **events, **desk.day.conditions})
+
+    # ---- what it shows
+
+    def layout(self) -> Viewable:
+        """Make the tabs and the parts of the one that is open, and return them laid out."""
+        places = list(TABS)
+        self.bar = pmui.Tabs(
+            *((title, parts.stack()) for title in TABS.values()),
+            active=places.index(self.tab),
+            height=TABS_PX,
+            margin=(0, 8),
+            sizing_mode="stretch_width",
+            sx=TABS_STYLE,
+        )
+        self.bar.param.watch(lambda event: self.param.update(tab=places[event.new]), "active")
+        self.bodies = {tab: parts.stack(visible=False) for tab in TABS}
+        # before the figures of the tab are drawn
+        self.param.watch(self._turn, "tab")
+        self._turn()
+        return parts.stack(self.bar, *self.bodies.values())
+
+    def _turn(self, *_: Any) -> None:
+        """Show the tab that is open; its parts are made when it is first open."""
+        made = {LOAD: self.layout_load, RIDES: self.layout_events, DRAWS: self.layout_chance}
+        body = self.bodies[self.tab]
+        self.bar.active = list(TABS).index(self.tab)
+        if not list(body):
+            with added_to(body):
+                body[:] = [made[self.tab]()]
+        for tab, one in self.bodies.items():
+            one.visible = tab == self.tab
+
+    @shows("scenario", "failure", "tab", "desk.chosen", "desk.day.events", "desk.day.on")
+    def _show_heading(self) -> None:
+        shown = {LOAD: self.reality, RIDES: self.rides, DRAWS: self.chance}[self.tab]
+        self.host.tell(self.failure, "Shown: the last run that could be computed." if shown is not None else "")
+        title = self.desk.scenario.edited.title
+        self.host.heading.object = parts.heading(self.page, title, self._subtitle(), "")
+
+    def _subtitle(self) -> str:
+        if self.tab == RIDES:
+            return self.events_words()
+        scenario = self.desk.scenario.scenario()
+        braking = ", braking along the target curve" if self.desk.day.target_braking else ""
+        differs = "actual load and position differ" if self.tab == LOAD else "the actual run is drawn at random"
+        return (
+            f"{words.distance(scenario.line.length_m)} km in {words.time(scenario.travel_time_s)} s, planned at "
+            f"{words.setting(scenario.vehicle.load_factor)} % load{braking}; {differs}"
+        )

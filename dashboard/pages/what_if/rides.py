@@ -1,0 +1,187 @@
+"""Runs with events: speed and energy of all reactions on one axis, and energy over the delay at the end."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from bokeh.events import Tap
+
+from railjoule.core import Trajectory
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.charts.chart import Axis, nice_range
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
+from railjoule.dashboard.charts.quantities import ENERGY, SPEED
+from railjoule.dashboard.charts.run_lines import (
+    DRIVEN_DASH,
+    Curve,
+    FittedRunLines,
+    Form,
+    Line,
+    RunLines,
+    add_limits,
+    add_tint,
+    draw_limits,
+    ends_of,
+    limits_of,
+)
+from railjoule.dashboard.day import EventModel
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.what_if.compute import LateArrivals, Rides
+
+LINES: Mapping[str, Line] = {
+    "undisturbed": Line("pinned", {"line_width": 1.8}),
+    "driver": Line("driven", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
+    "with advance notice": Line("phases", {"line_width": 2.0, "line_dash": [2, 2]}, "known"),
+    "replanned": Line("accent", {"line_width": 2.2}, "computer"),
+}
+"""Colour and stroke of each ride by its name at the line and under the cursor, in the order of drawing."""
+NAME_TOKENS = {"undisturbed": "ink3"}
+"""In which colour a name is written, where that of its line is too pale."""
+HEADROOM = 1.28
+"""The upper end of the axis over the highest speed: the signs of the events stand between."""
+SAVED_OVER_S = 1.5
+"""The saving of a second is that of the first delay which is so much later than the smallest one [s]."""
+SIGN_DROP_PX = 15
+"""The sign of an event hangs down so far from its place."""
+
+
+class RideSpeedChart(RunLines):
+    """Speeds, with the events where they happen; a press drops a new one."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__("ride_speed", SPEED, LINES, height, axis, palette, form=Form(ticks=5))
+        self.drop: Callable[[float], None] = lambda _: None
+        """Called with the place of a press [m]."""
+        self._over_time = False
+
+    def beneath(self) -> None:
+        """Draw the events beneath the lines, and where they become known."""
+        assert self.figure is not None
+        add_limits(self)
+        self.source("limits", "left", "right", "bottom")
+        add_tint(self, "limits")
+        self.source("events", "x", "y", "text")
+        self.hairlines("events", "limit", line_width=1.4)
+        self.hairlines("notices", "ink3", line_dash=[1, 3])
+        self.figure.on_event(Tap, self._press)
+
+    def above(self) -> None:
+        """Write what the events are, and the names of the lines."""
+        self.signs("events", "limit", x_offset=4, text_baseline="top")
+        self.add_names()
+
+    def _press(self, event: Any) -> None:
+        # over time the axis has no places
+        if event.x is not None and not self._over_time and 0 < event.x < self.axis.end:
+            self.drop(float(event.x))
+
+    def draw(self, runs: Mapping[str, Trajectory], events: list[EventModel], over_time: bool) -> None:
+        """Draw all rides, the events and where they become known."""
+        self._over_time = over_time
+        lines = self.fill(runs, over_time)
+        top = HEADROOM * ends_of(lines.values())[1]
+        self.set_range(0, top)
+        # over time each run has borders of its own
+        limits = limits_of(runs["undisturbed"].scenario)
+        line = (np.zeros(2), np.zeros(1)) if over_time else limits
+        border = draw_limits(self, *line)
+        shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
+        self.put(
+            "events",
+            x=[event.position_m for event in shown],
+            # at three heights by turns, as events may be close to each other
+            y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
+            text=[event.sign for event in shown],
+        )
+        lowered = [event for event in shown if event.kind == "limit"]
+        self.put(
+            "limits",
+            left=[event.position_m for event in lowered],
+            right=[event.to_m for event in lowered],
+            bottom=[event.limit_kmh for event in lowered],
+        )
+        self.put("notices", x=[] if over_time else [event.noticed_at_m for event in events])
+        self._draw_names(lines, {} if over_time else {"limit": border})
+
+    def _draw_names(self, lines: Mapping[str, Curve], limit: Mapping[str, Curve]) -> None:
+        """Name the lines where nothing else is, and clear of the signs of the events."""
+        events, frame = self.sources["events"].data, self.frame_now
+        limits = self.sources["limits"].data
+        borders = {
+            f"limit {k}": (np.array([left, right]), np.array([level, level]))
+            for k, (left, right, level) in enumerate(
+                zip(limits["left"], limits["right"], limits["bottom"], strict=True)
+            )
+        }
+        hairlines = [*events["x"], *self.sources["notices"].data["x"]]
+        upright = {f"hairline {k}": frame.upright(float(x)) for k, x in enumerate(hairlines)}
+        # from the top downwards
+        taken = [
+            frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
+            for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
+        ]
+        names = [
+            Name(name, name, self.palette.tokens[NAME_TOKENS.get(name, LINES[name].token)])
+            for name in reversed(list(lines))
+        ]
+        self.place_names({**lines, **limit, **borders, **upright}, names, taken)
+
+
+def _energy_chart(height: int, axis: Axis, palette: Palette) -> FittedRunLines:
+    return FittedRunLines("ride_energy", ENERGY, LINES, height, axis, palette, form=Form(digits=1, last=True))
+
+
+RIDES = "events"
+SPEEDS = AxisPlot("ride_speed", RideSpeedChart, (300, 380, 240), RIDES)
+ENERGIES = AxisPlot("ride_energy", _energy_chart, (170, 200, 150), RIDES)
+LATE = Plot(
+    "late_arrival",
+    "Energy, kWh, over the delay at the end, s",
+    {
+        **{line.of or name: Stroke(line.token, line.stroke) for name, line in LINES.items() if name != "undisturbed"},
+        "present": Stroke("accent", marks=True, line=False),
+    },
+    (240, 280, 210),
+    x_title="Delay at the end, s",
+    digits=1,
+)
+
+
+def late_curves(late: LateArrivals, rides: Rides) -> dict[str, Curve]:
+    """Return energy over delay by reaction, and the present runs, by the names in `LATE`."""
+    curves: dict[str, Curve] = {}
+    points = {reaction: (ride.delay_s, ride.actual.energy_kwh) for reaction, ride in rides.rides.items()}
+    for reaction, energy in late.energy_kwh.items():
+        delay, known = late.delay_s[reaction], np.isfinite(energy)
+        if not np.any(known):
+            continue
+        # the present run is one more point of its curve, so that the curve leads through it
+        x, y = (np.append(values[known], own) for values, own in zip((delay, energy), points[reaction], strict=True))
+        # the delay at the end need not rise with the accepted one
+        delays, chosen = np.unique(x, return_index=True)
+        curves[reaction] = delays, y[chosen]
+    present = np.array([*points.values()]).T
+    return {**curves, "present": (present[0], present[1])}
+
+
+def late_ends(curves: Mapping[str, Curve]) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """Return the ends of both axes; None as long as no curve has a point."""
+    if curves.keys() == {"present"}:
+        return None
+    delays, energies = (np.concatenate([curve[k] for curve in curves.values()]) for k in (0, 1))
+    # where nothing is late, the axis must still have a length
+    return (min(0.0, float(delays.min())), float(delays.max()) + 1e-6), nice_range(energies.min(), energies.max())
+
+
+def saved_by(late: LateArrivals, reaction: str) -> str:
+    """Return the saving by the first seconds of delay, in words."""
+    delay, energy = late.delay_s[reaction], late.energy_kwh[reaction]  # type: ignore[index]
+    known = np.flatnonzero(np.isfinite(energy))
+    # a train that cannot make up all of its delay arrives no later for the first delays that are accepted
+    later = known[delay[known] >= delay[known[0]] + SAVED_OVER_S] if len(known) else known
+    if not len(later):
+        return "\u2013"
+    first, then = known[0], later[0]
+    return words.price((energy[first] - energy[then]) / (delay[then] - delay[first]) * J_PER_KWH)
