@@ -106,7 +106,8 @@ def read_link(query: str) -> ReadLink:
     snapshot: Snapshot = {}
     refusals: list[str] = []
     left = LONGEST_TEXT
-    for key, value in pairs.items():
+    # where a link names both keys of a field, the present one counts: it comes last
+    for key, value in sorted(pairs.items(), key=lambda pair: pair[0] in known):
         field = present_key(key, known)
         if field not in known:
             refusals.append(f"{short(key)} is not known")
