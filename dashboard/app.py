@@ -32,7 +32,7 @@ from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.host import view_of
+from railjoule.dashboard.pages.host import find_view
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
@@ -84,7 +84,7 @@ EXTRA_PATTERNS = [
     (r"/file/([\w-]+)", OfferedFileHandler),
     *documentation_patterns(),
 ]
-VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
+VIEWS: dict[str, type[PageView]] = {name: find_view(name) for name in PAGES}
 """What draws each page."""
 
 

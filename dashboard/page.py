@@ -54,7 +54,7 @@ keyed = numbers.keyed
 
 @dataclass(frozen=True)
 class Work:
-    """What a page computes: see `work` and `study`."""
+    """A piece of work of a page: see `work` and `study`."""
 
     prepare: str
     names: tuple[str, ...]
@@ -104,8 +104,8 @@ def work(
 ) -> Callable[[Method], Method]:
     """Compute a result in a thread whenever a source changes while the page is in sight.
 
-    The method returns a `Request`. What was asked for already is not asked for again; of what is asked meanwhile only
-    the last is done; results of another scenario than the present one are dropped.
+    The method returns a `Request`. The same request is not made twice in a row; of those that wait only the last is
+    computed; results of another scenario than the present one are dropped.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def work(
     is_slow : callable
         Whether a request takes seconds; called with the arguments of the request.
     only_last : bool
-        Whether a result is dropped when another one has been asked for meanwhile; else it is shown until that comes.
+        Whether a result is dropped when another one has been asked for since; else it is shown until that comes.
     clears : bool
         Whether an error takes the last result away; else that stays, with the error above it.
     tab : str
@@ -146,7 +146,7 @@ def study(
 ) -> Callable[[Method], Method]:
     """Compute a result step by step: the function of the method's request yields one more complete at each step.
 
-    It begins anew when a source changes, as `work` does. Where an event starts it by hand, a source that changes ends
+    It begins again when a source changes, as `work` does. If an event starts it by hand, a source that changes ends
     it and takes its result away.
 
     Parameters
@@ -156,7 +156,7 @@ def study(
     into, marked
         As for `work`.
     busy : str
-        The parameter that tells whether it is under way; setting it to False stops the study.
+        The parameter that is True while it is under way; setting it to False stops the study.
     start : str
         The event that starts it.
     threads : executor
@@ -199,7 +199,7 @@ def shows(*names: str, tab: str = "") -> Callable[[Method], Method]:
 class Page(TypedParameters, PageModel):
     """A page of the dashboard.
 
-    A subclass names its fields in `kept`, says in `fields` which of them stand in the sidebar, describes its figures in
+    A subclass names its fields in `kept`, lists in `fields` those in the sidebar, describes its figures in
     `figures` and lays them out in `layout`.
 
     Parameters
@@ -211,7 +211,7 @@ class Page(TypedParameters, PageModel):
     page: ClassVar[str] = ""
     """Its name, one of PAGES."""
     fields: ClassVar[tuple[str | Section | Hint | Own, ...]] = ()
-    """What stands in the sidebar while it is in sight: headings, parameters, hints and parts of its own."""
+    """Its part of the sidebar while it is in sight: headings, parameters, hints and parts of its own."""
     choices: ClassVar[Mapping[str, Mapping[str, Any]]] = {}
     """The choices of its selectors, by the words for them."""
     figures: ClassVar[tuple[AnyPlot, ...]] = ()
@@ -225,16 +225,16 @@ class Page(TypedParameters, PageModel):
     """Names of figures that have the width of the page where others have halves of it."""
 
     host: "PageHost"
-    """What draws it, once it is drawn."""
+    """Its view, once it is drawn."""
 
     def __init__(self, desk: "Workbench", **params: Any) -> None:
         super().__init__(**params)
         self.desk = desk
 
-    # ---- what a page says of itself
+    # ---- the description of a page
 
     def part(self, scenario: Scenario) -> object:
-        """Return the part of a scenario that its fields begin with: an edit of it gives them its values anew."""
+        """Return the part of a scenario that its fields begin with: an edit of it resets them."""
         return None
 
     def take(self, scenario: Scenario) -> None:
@@ -245,7 +245,7 @@ class Page(TypedParameters, PageModel):
         return ""
 
     def page_run(self) -> PageRun:
-        """Return what it computes as a program: for the report, the copied command and the link."""
+        """Return the program of what it computes: for the report, the copied command and the link."""
         return PageRun(SOLVE, {"strategy": self.desk.chosen_now})
 
     def layout(self) -> Viewable:
@@ -302,50 +302,50 @@ class PageWorks(PageWork[Page]):
     def __init__(self, page: Page) -> None:
         self.page = page.page  # type: ignore[misc]
         super().__init__(page.desk, page)
-        self.of, self.told = page, tuple(told for _, told in page.methods("work"))
+        self.of, self.specs = page, tuple(spec for _, spec in page.methods("work"))
         self.jobs: dict[str, Any] = {}
         self._failures: dict[str, RailjouleError] = {}
         self._part: object = None
-        for told in self.told:
-            self.jobs[told.into] = self._study(told) if told.threads is not None else self._worker(told)
+        for spec in self.specs:
+            self.jobs[spec.into] = self._study(spec) if spec.threads is not None else self._worker(spec)
         # before what is asked for: another scenario, or an edit of what the fields begin with, changes the fields first
         page.desk.scenario.param.watch(self._follow_edits, "edits")
         page.desk.param.watch(self._ask_all, "page")
         if "tab" in page.param:
             page.param.watch(self._ask_all, "tab")
-        for told in self.told:
-            self._listen(told)
+        for spec in self.specs:
+            self._listen(spec)
         self.forget()
 
-    def _listen(self, told: Work) -> None:
-        ask = partial(self._end_study, told) if told.start else partial(self._ask, told)
+    def _listen(self, spec: Work) -> None:
+        ask = partial(self._end_study, spec) if spec.start else partial(self._ask, spec)
         sources: dict[int, tuple[param.Parameterized, list[str]]] = {}
-        for source, names in map(self.of.source, told.names):
+        for source, names in map(self.of.source, spec.names):
             sources.setdefault(id(source), (source, []))[1].extend(names)
         for source, names in sources.values():
             source.param.watch(ask, names)
-        if told.start:
-            self.of.param.watch(partial(self._start, told), told.start)
-        if told.busy:
-            self.of.param.watch(partial(self._stop_by_hand, told), told.busy)
+        if spec.start:
+            self.of.param.watch(partial(self._start, spec), spec.start)
+        if spec.busy:
+            self.of.param.watch(partial(self._stop_by_hand, spec), spec.busy)
 
-    def _worker(self, told: Work) -> Any:
+    def _worker(self, spec: Work) -> Any:
         return self.worker(
-            named(compute_request, told.into),
-            partial(self._take, told),
-            partial(self._fail, told),
-            marked=told.marked,
-            is_slow=lambda request: told.is_slow(*request[1:]),
+            named(compute_request, spec.into),
+            partial(self._take, spec),
+            partial(self._fail, spec),
+            marked=spec.marked,
+            is_slow=lambda request: spec.is_slow(*request[1:]),
         )
 
-    def _study(self, told: Work) -> Any:
-        assert told.threads is not None
+    def _study(self, spec: Work) -> Any:
+        assert spec.threads is not None
         return self.study(
-            named(steps_of_request, told.into),
-            partial(self._take_step, told),
-            partial(self._fail_study, told),
-            marked=told.marked,
-            threads=told.threads,
+            named(steps_of_request, spec.into),
+            partial(self._take_step, spec),
+            partial(self._fail_study, spec),
+            marked=spec.marked,
+            threads=spec.threads,
         )
 
     # ---- asking
@@ -353,13 +353,13 @@ class PageWorks(PageWork[Page]):
     def _ask_all(self, *_: Any) -> None:
         self.rest()
         self.of.param.update(**self._change_of_failure())
-        for told in self.told:
-            if not told.start:
-                self._ask(told)
+        for spec in self.specs:
+            if not spec.start:
+                self._ask(spec)
 
     def rest(self) -> None:
         """Stop the studies out of sight, except for those started by hand; they begin again once they are in sight."""
-        for one in self.told:
+        for one in self.specs:
             by_hand = one.start or self.of.goes_on(one.into)
             if self._is_seen(one) or one.threads is None or by_hand or not self.jobs[one.into].busy:
                 continue
@@ -370,68 +370,68 @@ class PageWorks(PageWork[Page]):
     def _is_seen(self, one: Work) -> bool:
         return self.in_sight and self.of.is_open(one.tab)
 
-    def _ask(self, told: Work, *_: Any) -> None:
-        if not self._is_seen(told) or self._quiet:
+    def _ask(self, spec: Work, *_: Any) -> None:
+        if not self._is_seen(spec) or self._quiet:
             return
-        request = getattr(self.of, told.prepare)()
-        if not self.is_new(request, told.into):
+        request = getattr(self.of, spec.prepare)()
+        if not self.is_new(request, spec.into):
             return
         if request is None:
-            self.of.param.update(**{told.into: None})
-            if told.threads is not None:
-                self.jobs[told.into].stop()
-            self._set_busy(told, False)
+            self.of.param.update(**{spec.into: None})
+            if spec.threads is not None:
+                self.jobs[spec.into].stop()
+            self._set_busy(spec, False)
             return
-        self._set_busy(told, True)
-        if told.rest_ms:
-            self.jobs[told.into].stop()
-            self.after(told.rest_ms, partial(self._ask_rested, told, request))
+        self._set_busy(spec, True)
+        if spec.rest_ms:
+            self.jobs[spec.into].stop()
+            self.after(spec.rest_ms, partial(self._ask_rested, spec, request))
         else:
-            self.jobs[told.into].ask(request)
+            self.jobs[spec.into].ask(request)
 
-    def _ask_rested(self, told: Work, request: Request) -> None:
+    def _ask_rested(self, spec: Work, request: Request) -> None:
         """Ask for what was asked for last; a page that has left sight asks again when it returns."""
-        if self._asked.get(told.into) != request:
+        if self._asked.get(spec.into) != request:
             return
         if self.in_sight:
-            self.jobs[told.into].ask(request)
+            self.jobs[spec.into].ask(request)
         else:
-            del self._asked[told.into]
+            del self._asked[spec.into]
 
-    def _start(self, told: Work, *_: Any) -> None:
-        request = getattr(self.of, told.prepare)()
+    def _start(self, spec: Work, *_: Any) -> None:
+        request = getattr(self.of, spec.prepare)()
         if request is not None:
-            self._asked[told.into] = request
-            self._set_busy(told, True)
-            self.jobs[told.into].ask(request)
+            self._asked[spec.into] = request
+            self._set_busy(spec, True)
+            self.jobs[spec.into].ask(request)
 
-    def _end_study(self, told: Work, *_: Any) -> None:
+    def _end_study(self, spec: Work, *_: Any) -> None:
         """End a study that was started by hand: what it is about has changed."""
-        self.jobs[told.into].stop()
-        self.of.param.update(**{told.into: None, **({told.busy: False} if told.busy else {})})
+        self.jobs[spec.into].stop()
+        self.of.param.update(**{spec.into: None, **({spec.busy: False} if spec.busy else {})})
 
-    def _stop_by_hand(self, told: Work, event: Any) -> None:
-        if not event.new and self.jobs[told.into].busy:
-            self.jobs[told.into].stop()
+    def _stop_by_hand(self, spec: Work, event: Any) -> None:
+        if not event.new and self.jobs[spec.into].busy:
+            self.jobs[spec.into].stop()
 
-    def _set_busy(self, told: Work, busy: bool) -> None:
-        if told.busy:
-            setattr(self.of, told.busy, busy)
+    def _set_busy(self, spec: Work, busy: bool) -> None:
+        if spec.busy:
+            setattr(self.of, spec.busy, busy)
 
     # ---- taking
 
-    def _take(self, told: Work, answer: tuple[Request, Any]) -> None:
+    def _take(self, spec: Work, answer: tuple[Request, Any]) -> None:
         request, found = answer
-        asked = self._asked.get(told.into)
-        if asked is None or (told.only_last and request != asked):
+        asked = self._asked.get(spec.into)
+        if asked is None or (spec.only_last and request != asked):
             return
-        self._failures.pop(told.into, None)
-        self.of.param.update(**{told.into: found, **self._change_of_failure()})
+        self._failures.pop(spec.into, None)
+        self.of.param.update(**{spec.into: found, **self._change_of_failure()})
 
-    def _take_step(self, told: Work, answer: tuple[Request, Any], last: bool) -> None:
-        self._take(told, answer)
+    def _take_step(self, spec: Work, answer: tuple[Request, Any], last: bool) -> None:
+        self._take(spec, answer)
         if last:
-            self._set_busy(told, False)
+            self._set_busy(spec, False)
 
     def _fail(self, one: Work, failure: RailjouleError) -> None:
         # again as the last one, which is the one that is shown
@@ -447,11 +447,11 @@ class PageWorks(PageWork[Page]):
 
     @property
     def _idle(self) -> dict[str, bool]:
-        return {told.busy: False for told in self.told if told.busy}
+        return {spec.busy: False for spec in self.specs if spec.busy}
 
     def _change_of_failure(self) -> dict[str, RailjouleError | None]:
         """Return the last failure of what is in sight, where the page shows another one."""
-        seen = {one.into for one in self.told if self.of.is_open(one.tab)}
+        seen = {one.into for one in self.specs if self.of.is_open(one.tab)}
         last = next((failure for into, failure in reversed(self._failures.items()) if into in seen), None)
         return {} if last is self.of.failure else {"failure": last}
 

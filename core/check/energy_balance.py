@@ -65,7 +65,7 @@ def power_findings(case: Case) -> Iterator[Finding]:
         # A table of nodes has one effort for both brakes. Any way to share them is then allowed, and only a power
         # that none of them has is an error.
         allowed, misses = SEARCH_TOLERANCE, _outside_sharing(case)
-        yield Unchecked("line power of each brake", "the table tells one effort for both, so only what is possible")
+        yield Unchecked("line power of each brake", "the table gives one effort for both, so only what is possible")
     # where motors cannot give an effort there is no power to compare with: the limits of efforts judge it
     misses = np.nan_to_num(np.maximum(misses - case.loss_uncertainty_w, 0.0)) / scale
     standing = np.abs(record.supply_power_w[~case.moves] - case.auxiliary_power_w) / large
@@ -109,7 +109,7 @@ def _current(case: Case) -> Iterator[Finding]:
         yield Unchecked("motor current", "the drive's model has none")
         return
     if record.current_a is None or record.electric_braking_n is None:
-        reason = "has no column current_a" if record.current_a is None else "tells one effort for both brakes"
+        reason = "has no column current_a" if record.current_a is None else "gives one effort for both brakes"
         yield Unchecked("motor current", f"the table {reason}")
         return
     # a drive that is off has no current, though its formula would tell that of its flux

@@ -136,7 +136,7 @@ def require_short_keys(text: str, source: str) -> None:
 
 MAP_COLUMNS = ("torque_nm", "speed_rads", "efficiency")
 Folder = Path | Callable[[str], str]
-"""Where the files are that a scenario names: a folder, or what reads the text of one by its name."""
+"""The files that a scenario names: their folder, or a function that reads the text of one by its name."""
 
 
 def read_rows(key: str, name: str, folder: Folder | None, columns: Iterable[str]) -> list[dict[str, float]]:
@@ -149,7 +149,7 @@ def read_rows(key: str, name: str, folder: Folder | None, columns: Iterable[str]
     name : str
         The file, relative to `folder`.
     folder : Path, callable or None
-        Where scenario files may name other files; None where they may not.
+        The files that a scenario may name; None where it may name none.
     columns : iterable of str
         Columns that it may have.
 

@@ -1,7 +1,7 @@
-"""Figures as data: what a page says of a figure, and the two kinds of charts that draw it.
+"""Figures as data: the descriptions of figures by a page, and the charts that draw them.
 
 `Plot` is a figure with axes of its own; `RunPlot` one over the axis that the figures of a page share, with a line for
-each of some runs, beneath one cursor. What is drawn comes as curves, or as runs whose quantities are drawn.
+each of some runs, with one cursor. The charts take curves, or runs whose quantities they draw.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -110,9 +110,9 @@ class RunPlot:
     ----------
     name : str
     quantity : Quantity
-        That of its lines, where they have none of their own; its words are the caption.
+        Quantity of its lines, where they have none of their own; its words are the caption.
     lines : mapping of str to Line
-        From back to front, by their names in the figure; one without a name is alone.
+        From back to front, by their names in the figure; one without a name is the only one.
     heights : tuple of int
     ticks, digits : int
         As in `Plot`.
@@ -170,7 +170,7 @@ class CurveChart(LoneChart):
         curves : mapping of str to pair of array
             By their names in the plot; those that are missing are taken off.
         uprights : mapping of str to float, optional
-            Where the upright lines stand.
+            Places of the upright lines.
         x_ends, y_ends : tuple of float, optional
             Ends of the axes, where they do not follow from the curves.
         """
@@ -202,7 +202,7 @@ class RunPlotChart(RunLines):
         super().__init__(plot.name, plot.quantity, plot.lines, plot.heights[0], axis, palette, form=form)
 
     def beneath(self) -> None:
-        """Draw the bands beneath the lines."""
+        """Draw the bands under the lines."""
         self.glyphs(
             "vstrip", "bands", "from", "to", paint={"fill_color": "limit"}, fill_alpha=BAND_ALPHA, line_color=None
         )

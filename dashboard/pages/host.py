@@ -98,23 +98,23 @@ class PageHost(PageView):
 
 def sidebar_fields(page: Page) -> Viewable:
     """Return the fields of a page for the sidebar."""
-    return stack(*(_field(page, told) for told in page.fields), html_pane('<hr class="rule">'))
+    return stack(*(_field(page, spec) for spec in page.fields), html_pane('<hr class="rule">'))
 
 
-def _field(page: Page, told: str | Section | Hint | Own) -> Viewable:
-    if isinstance(told, Own):
-        return told.make(page)
-    if isinstance(told, Section):
-        aside = markup(" <span>\u00b7 {}</span>", told.aside) if told.aside else ""
-        return html_pane(markup('<div class="section">{}{}</div>', told.title, aside))
-    if isinstance(told, Hint):
-        return html_pane(markup('<div class="row small"><span>{}{}</span></div>', told.sentence, info(told.term)))
-    declared = page.param[told]
+def _field(page: Page, spec: str | Section | Hint | Own) -> Viewable:
+    if isinstance(spec, Own):
+        return spec.make(page)
+    if isinstance(spec, Section):
+        aside = markup(" <span>\u00b7 {}</span>", spec.aside) if spec.aside else ""
+        return html_pane(markup('<div class="section">{}{}</div>', spec.title, aside))
+    if isinstance(spec, Hint):
+        return html_pane(markup('<div class="row small"><span>{}{}</span></div>', spec.sentence, info(spec.term)))
+    declared = page.param[spec]
     if isinstance(declared, TypedNumber):
-        return NumberField(page, told)
+        return NumberField(page, spec)
     if isinstance(declared, param.Selector):
-        return menu(page, told, declared.label, page.choices.get(told) or {str(one): one for one in declared.objects})
-    return box(page, told, declared.label, margin=(0, 16, 0, 14))
+        return menu(page, spec, declared.label, page.choices.get(spec) or {str(one): one for one in declared.objects})
+    return box(page, spec, declared.label, margin=(0, 16, 0, 14))
 
 
 class PageFields:
@@ -130,8 +130,8 @@ class PageFields:
         self.view.visible = not self.page.refusal()
 
 
-def works_of(name: str) -> Callable[[Workbench], PageWorks]:
-    """Return what makes the work of a page that is one class, as all works are made."""
+def make_works(name: str) -> Callable[[Workbench], PageWorks]:
+    """Return a maker of the work of a page that is one class."""
 
     def works(state: Workbench) -> PageWorks:
         return PageWorks(state.pages[name])
@@ -141,7 +141,7 @@ def works_of(name: str) -> Callable[[Workbench], PageWorks]:
 
 
 def hosted(kind: type[Page]) -> type[PageView]:
-    """Return what draws pages of a class, made as all views are."""
+    """Return the view of pages of a class, made as all views are."""
 
     class Hosted(PageHost):
         """The view of a page of this class."""
@@ -151,13 +151,13 @@ def hosted(kind: type[Page]) -> type[PageView]:
         def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
             super().__init__(state.pages[kind.page], browser, palette)
 
-    Hosted.works = (works_of(kind.page), *kind.works)
+    Hosted.works = (make_works(kind.page), *kind.works)
     Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
     return Hosted
 
 
-def view_of(name: str) -> type[PageView]:
-    """Return what draws a page: the view in its room, or that of a page which is one class."""
+def find_view(name: str) -> type[PageView]:
+    """Return the view of a page: the one in its room, or that of a page which is one class."""
     kind = page_classes().get(name)
     if kind is not None:
         return hosted(kind)

@@ -1,4 +1,4 @@
-"""What a page computes, as a program: what it lays over the scenario, and the Python that gives its number."""
+"""The program of a page: its changes of the scenario, and the Python that gives its number."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,12 +7,12 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Program:
-    """What turns a scenario into the number of a page.
+    """The Python that turns a scenario into the number of a page.
 
     Parameters
     ----------
     imports : mapping of str to str
-        What it needs, by the name of what is imported; the module is the value.
+        Its modules, by the name that is imported from each.
     body : str
         Python, which finds the scenario as `scenario` and prints an energy [kWh].
     command : str
@@ -29,15 +29,15 @@ class Program:
 
 @dataclass(frozen=True)
 class PageRun:
-    """What a page computes.
+    """The run of a page.
 
     Parameters
     ----------
     program : Program
     changes : mapping
-        What it lays over the scenario, by the keys of the file.
+        Changes of the scenario, by the keys of the file.
     untold : str
-        A sentence on what of it no scenario file can say; empty where one says all.
+        A sentence on the part that no scenario file can hold; empty if one holds all.
     """
 
     program: Program

@@ -22,7 +22,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.host import view_of
+from railjoule.dashboard.pages.host import find_view
 from railjoule.dashboard.pages.start.compute import make_card
 from railjoule.dashboard.pages.start.view import card_html
 from railjoule.dashboard.report.document import report_html
@@ -84,7 +84,7 @@ class Teller:
         self.state = Workbench()
         self.drive = DriveView(self.state, Browser(), PALETTE)
         self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
-        view_of("Compare")(self.state, Browser(), PALETTE)
+        find_view("Compare")(self.state, Browser(), PALETTE)
         self.compare = self.state.pages["Compare"]
         self.state.scenario.choose(name)
         self.first: str = self.state.chosen

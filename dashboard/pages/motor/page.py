@@ -291,7 +291,7 @@ class Motor(Page):
         return None if self.loop is None else self.loop.run
 
     def part(self, scenario: Scenario) -> object:
-        """Return what its fields begin with."""
+        """Return the drive and its control."""
         return scenario.vehicle.drive, scenario.simulation
 
     def take(self, scenario: Scenario) -> None:
@@ -326,7 +326,7 @@ class Motor(Page):
         if own is None or tried is None:
             return super().page_run()
         changes = {"strategy": self.desk.chosen, **self.changes}
-        # of these drives alone the plan depends on what the inverter gives
+        # of these drives only the plan depends on what the inverter gives
         if tried == own or "drive.max_phase_voltage_v" not in changes:
             return PageRun(IN_CLOSED_LOOP, changes)
         body = (

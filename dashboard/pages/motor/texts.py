@@ -66,7 +66,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
 
 
 def held_words(run: FieldOrientedRun) -> Markup:
-    """Return where a limit held the drive and by how much it fell behind; nothing where none did."""
+    """Return sentences on limits that held the drive and on its lag; nothing if none did."""
     rows = joined(
         markup(
             '<p class="note"><span class="open">{}</span> limited the motors from {} to {} s: {} behind the plan at '
@@ -133,7 +133,7 @@ def detuning_cost(table: StudyTable) -> tuple[FloatArray, FloatArray]:
 
 
 def detuning_table(table: StudyTable) -> str:
-    """Return what each factor that is computed makes of the run."""
+    """Return a table of the run with each factor that is computed."""
     rows = []
     for factor, more in zip(*detuning_cost(table), strict=True):
         k = table.rotor_resistance_factor.index(factor)

@@ -9,7 +9,7 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -19,7 +19,7 @@ class Pages:
 
     def __init__(self, preset="metro-with-limit"):
         self.state = Workbench()
-        works_of("What if")(self.state)
+        make_works("What if")(self.state)
         self.actual = Actual(self.state)
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)

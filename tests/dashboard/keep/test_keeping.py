@@ -12,7 +12,7 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
-from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
@@ -22,7 +22,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (works_of("What if"), works_of("Speed limits"), works_of("Motor"), works_of("Line")):
+    for work in (make_works("What if"), make_works("Speed limits"), make_works("Motor"), make_works("Line")):
         work(state)
     return state
 

@@ -16,7 +16,7 @@ from railjoule.core.studies.sweep import make_study, sweep
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.drive.actual_work import Actual
-from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
@@ -182,7 +182,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (works_of("What if"), Actual, works_of("Speed limits"), works_of("Motor"), works_of("Line")):
+    for work in (make_works("What if"), Actual, make_works("Speed limits"), make_works("Motor"), make_works("Line")):
         work(state)
     if case.edits:
         state.scenario.edit(case.edits)

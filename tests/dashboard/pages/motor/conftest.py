@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.state.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
@@ -11,7 +11,7 @@ SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s"
 def opened():
     """A workbench whose page Motor is in sight; all work is done in the test's own turn."""
     state = Workbench()
-    works_of("Motor")(state)
+    make_works("Motor")(state)
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
     state.scenario.edit(SHORT)

@@ -7,7 +7,7 @@ from railjoule.dashboard.state.workbench import Workbench
 SUBURBAN = load_scenario("ftorek-300s")
 
 
-def motor_of(preset: str) -> Motor:
+def open_motor(preset: str) -> Motor:
     desk = Workbench()
     desk.scenario.choose(preset)
     page: Motor = desk.pages["Motor"]
@@ -17,10 +17,10 @@ def motor_of(preset: str) -> Motor:
 
 @pytest.fixture
 def model() -> Motor:
-    return motor_of("ftorek-300s")
+    return open_motor("ftorek-300s")
 
 
-def test_what_a_file_says_comes_back_as_it_was(model: Motor) -> None:
+def test_the_values_of_a_file_come_back_as_they_were(model: Motor) -> None:
     # both limits of the vehicle's file
     assert (model.max_phase_voltage_v, model.max_current_a) == (1732.0, 810.0)
     again = SUBURBAN.replace(**model.changes)
@@ -33,7 +33,7 @@ def test_what_a_file_says_comes_back_as_it_was(model: Motor) -> None:
 
 
 def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
-    model, tram = motor_of("tram-950m"), load_scenario("tram-950m")
+    model, tram = open_motor("tram-950m"), load_scenario("tram-950m")
     assert model.max_phase_voltage_v == tram.vehicle.drive.max_phase_voltage_v
     assert tram.replace(**model.changes).vehicle == tram.vehicle
     model.max_phase_voltage_v = 250.0
@@ -45,7 +45,7 @@ def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
 
 
 def test_a_drive_without_machine_has_no_limits() -> None:
-    model, metro = motor_of("liashenko-ii"), load_scenario("liashenko-ii")
+    model, metro = open_motor("liashenko-ii"), load_scenario("liashenko-ii")
     assert model.max_phase_voltage_v is None
     assert metro.replace(**model.changes).vehicle == metro.vehicle
 

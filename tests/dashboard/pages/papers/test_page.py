@@ -13,7 +13,7 @@ from railjoule.core.validation.table import FigureData, Line, Panel, PaperFigure
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.pages.host import view_of, works_of
+from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.pages.papers.compute import PaperTables, ShippedTables
 from railjoule.dashboard.pages.papers.page import COMPUTED, COMPUTED_BEFORE, Papers
 from railjoule.dashboard.pages.papers.panels import draw_panel
@@ -51,10 +51,10 @@ def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
     )
     ship(monkeypatch, is_current=True)
     state = Workbench()
-    works = works_of("Papers")(state)
+    works = make_works("Papers")(state)
     state.page = "Papers"
     page = state.pages["Papers"]
-    view_of("Papers")(state, Browser(started=True, charts_in_sight=["differences"]), Palette(dark=False))
+    find_view("Papers")(state, Browser(started=True, charts_in_sight=["differences"]), Palette(dark=False))
     yield page
     works.end()
 

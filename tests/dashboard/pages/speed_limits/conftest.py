@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.pages.host import works_of
+from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.pages.speed_limits import page
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -21,7 +21,7 @@ def state(monkeypatch):
 
     monkeypatch.setattr(page, "compute_limit_run", computed_once)
     state = Workbench()
-    works_of("Speed limits")(state)
+    make_works("Speed limits")(state)
     state.scenario.choose("kharkiv-like-40kmh")
     state.page = "Speed limits"
     return state

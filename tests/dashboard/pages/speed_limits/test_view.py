@@ -9,7 +9,7 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import energy
-from railjoule.dashboard.pages.host import view_of
+from railjoule.dashboard.pages.host import find_view
 from railjoule.dashboard.pages.speed_limits.compute import run_figures
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
@@ -21,7 +21,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def view(state: Workbench) -> SpeedLimits:
     """The page with all its figures in sight."""
     names = [plot.name for plot in SpeedLimits.figures]
-    view_of("Speed limits")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    find_view("Speed limits")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
     page: SpeedLimits = state.pages["Speed limits"]
     return page
 

@@ -5,19 +5,19 @@ import pytest
 from railjoule.core.simulation.disturbances import simulate_disturbances
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import view_of, works_of
+from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
     state = Workbench()
-    works_of("What if")(state)
+    make_works("What if")(state)
     work, model = Live(state), state.pages["What if"].live
     state.scenario.choose("liashenko-ii")
     state.pages["What if"].tab = "events"
     state.page = "What if"
-    view = view_of("What if")(state, Browser(), Palette(dark=False))
+    view = find_view("What if")(state, Browser(), Palette(dark=False))
     assert model.run is None
     model.on = model.playing = True
     model.param.update(pace=20.0, signal_m=900.0, signal_s=15.0)
