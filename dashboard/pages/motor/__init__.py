@@ -2,4 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry("What happens inside the motors during this run?", group="Equipment")
+PAGE = PageEntry("The motors in closed-loop control", group="Equipment")

@@ -3,11 +3,12 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory, load_scenario
 from railjoule.core.arrays import frozen_array
 from railjoule.core.scenario.drive import CopperLoss, Induction
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
@@ -50,14 +51,14 @@ class Limits:
     max_current_a: float
 
 
-def machine_refusal(scenario: Scenario) -> str:
-    """Return why a scenario has no motor that could be simulated; empty where it has one."""
-    if limits_of(scenario) is not None:
-        return ""
-    return (
-        f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor has "
-        "them under Powertrain."
-    )
+@cache
+def _example() -> Scenario:
+    return load_scenario(MACHINE_SCENARIO)
+
+
+def scenario_with_motor(scenario: Scenario) -> Scenario:
+    """Return a scenario, or the example where its drive has no induction motor."""
+    return _example() if limits_of(scenario) is None else scenario
 
 
 def limits_of(scenario: Scenario) -> Limits | None:

@@ -39,7 +39,7 @@ from railjoule.dashboard.pages.motor.compute import (
     compute_rivals,
     limit_changes,
     limits_of,
-    machine_refusal,
+    scenario_with_motor,
 )
 from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
 from railjoule.dashboard.parts import html as parts
@@ -62,6 +62,9 @@ CONTROL = (
 )
 """The fields of the controller, by the keys of the file."""
 LIMITS = ("max_phase_voltage_v", "max_current_a")
+EXAMPLE_NOTE = (
+    "The data of {} describe no induction motor; the editor has them under Powertrain. The page shows an example."
+)
 MM_PER_M = 1e3
 
 
@@ -296,6 +299,7 @@ class Motor(Page):
 
     def take(self, scenario: Scenario) -> None:
         """Give the fields the values of a scenario's controller and machine."""
+        scenario = scenario_with_motor(scenario)
         limits = limits_of(scenario)
         self.param.update(
             **{name: getattr(scenario.simulation, name) for name in CONTROL},
@@ -303,16 +307,17 @@ class Motor(Page):
             cruise_speed_kmh=min(CRUISE_KMH, scenario.vehicle.traction.max_speed_kmh),
         )
 
-    def refusal(self) -> str:
-        """Return why the scenario has no motor to simulate."""
-        return machine_refusal(self.desk.scenario.edited)
+    @property
+    def is_example(self) -> bool:
+        """Whether the page shows an example, as the scenario has no motor to simulate."""
+        return limits_of(self.desk.scenario.edited) is None
 
     @property
     def changes(self) -> Mapping[str, Any]:
         """Controller and limits, by the keys of the file."""
         control = {f"simulation.{name}": getattr(self, name) for name in CONTROL}
         limits = self._limits()
-        machine = {} if limits is None else limit_changes(self.desk.scenario.edited, limits)
+        machine = {} if limits is None else limit_changes(scenario_with_motor(self.desk.scenario.edited), limits)
         return {"simulation.kind": "field_oriented", **control, **machine}
 
     def _limits(self) -> Limits | None:
@@ -343,7 +348,8 @@ class Motor(Page):
     # ---- what it computes
 
     def _request(self) -> LoopRequest:
-        return LoopRequest(self.desk.scenario.scenario(), self.desk.chosen, self.changes)
+        shown = scenario_with_motor(self.desk.scenario.scenario())
+        return LoopRequest(shown, shown.strategy if self.is_example else self.desk.chosen, self.changes)
 
     @work(
         *("scenario", "desk.chosen", *CONTROL, *LIMITS),
@@ -353,7 +359,7 @@ class Motor(Page):
         only_last=False,
     )
     def _loop(self) -> Request:
-        return None if self.refusal() else (compute_loop_run, self._request())
+        return compute_loop_run, self._request()
 
     @work("loop", into="rivals")
     def _rivals(self) -> Request:
@@ -373,13 +379,13 @@ class Motor(Page):
 
     @study("scenario", "desk.chosen", *CONTROL, *LIMITS, start="start", into="detuning", busy="studying")
     def _detuning(self) -> Request:
-        return None if self.refusal() else (compute_detuning, self._request())
+        return compute_detuning, self._request()
 
     # ---- what it shows
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.numbers, self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs, self.fluxes = (
+        self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.costs, self.fluxes = (
             parts.html_pane() for _ in range(8)
         )
         self.at = NumberField(self, "ripple_at_s")
@@ -391,8 +397,9 @@ class Motor(Page):
             margin=(10, 20),
             on_click=lambda _: self.desk.scenario.choose(MACHINE_SCENARIO),
         )
-        self.missing = parts.stack(self.no_machine, open_one, visible=False)
-        self.body = parts.stack(
+        self.of_example = parts.stack(self.example, open_one, visible=False)
+        return parts.stack(
+            self.of_example,
             self.numbers,
             self.held,
             parts.stack(LoopDiagram(), css=DIAGRAM_CSS),
@@ -400,7 +407,6 @@ class Motor(Page):
             parts.stack(self._study_part(), self.costs, css=LAYOUT_CSS),
             parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
         )
-        return parts.stack(self.missing, self.body)
 
     def _hosts(self, *plots: Plot | RunPlot) -> list[Viewable]:
         return [self.host.plots[plot.name].host for plot in plots]
@@ -445,15 +451,12 @@ class Motor(Page):
 
     @shows("loop", "failure", "scenario")
     def _show_run(self) -> None:
-        run, why = self.run, self.refusal()
-        self.missing.visible, self.body.visible = bool(why), not why
+        run, own = self.run, self.desk.scenario.edited
+        self.of_example.visible = self.is_example
+        self.example.object = parts.note_paragraphs([EXAMPLE_NOTE.format(own.vehicle.name)], "margin:0 20px")
         aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
         what = "plan run through the field-oriented control of the motors"
-        self.host.heading.object = parts.heading(self.page, self.desk.scenario.edited.title, what, aside)
-        if why:
-            self.host.tell(None, "")
-            self.no_machine.object = parts.note_paragraphs([why], "margin:0 20px")
-            return
+        self.host.heading.object = parts.heading(self.page, scenario_with_motor(own).title, what, aside)
         self.host.tell(self.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is not None:
             self._draw_run(run)
@@ -535,7 +538,7 @@ class Motor(Page):
 
     def _within_top_speed(self, speed_kmh: float) -> float:
         """Return a speed that was typed; raises ValueError beyond the maximum speed of the vehicle."""
-        top = self.desk.scenario.scenario().vehicle.traction.max_speed_kmh
+        top = scenario_with_motor(self.desk.scenario.scenario()).vehicle.traction.max_speed_kmh
         if speed_kmh > top:
             raise ValueError(f"At most {top:g}, the maximum speed of the vehicle.")
         return speed_kmh

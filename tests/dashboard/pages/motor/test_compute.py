@@ -12,7 +12,7 @@ from railjoule.dashboard.pages.motor.compute import (
     compute_loop_run,
     compute_ripple,
     compute_rivals,
-    machine_refusal,
+    scenario_with_motor,
 )
 
 # with the ramps of the paper
@@ -79,8 +79,9 @@ def test_detuning_comes_step_by_step() -> None:
 
 
 def test_scenarios_without_a_machine_say_so() -> None:
-    assert machine_refusal(SUBURBAN) == ""
-    assert machine_refusal(load_scenario("tram-950m")) == ""
-    assert "simulates induction motors" in machine_refusal(load_scenario("liashenko-ii"))
+    tram = load_scenario("tram-950m")
+    assert scenario_with_motor(SUBURBAN) is SUBURBAN
+    assert scenario_with_motor(tram) is tram
+    assert scenario_with_motor(load_scenario("liashenko-ii")).title == "Suburban, flat 5 km"
     with pytest.raises(ScenarioError, match="max_phase_voltage_v"):
         compute_loop_run(LoopRequest(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))

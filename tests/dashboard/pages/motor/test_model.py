@@ -44,10 +44,14 @@ def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
     assert (drive.starting_current_a, drive.braking_current_a) == (140.0, 140.0)
 
 
-def test_a_drive_without_machine_has_no_limits() -> None:
-    model, metro = open_motor("liashenko-ii"), load_scenario("liashenko-ii")
-    assert model.max_phase_voltage_v is None
-    assert metro.replace(**model.changes).vehicle == metro.vehicle
+def test_a_drive_without_machine_shows_the_example() -> None:
+    page = open_motor("liashenko-ii")
+    assert page.is_example
+    # both limits of the example's file
+    assert (page.max_phase_voltage_v, page.max_current_a) == (1732.0, 810.0)
+    assert SUBURBAN.replace(**page.changes).vehicle == SUBURBAN.vehicle
+    # the program that leaves the page is that of its own scenario
+    assert page.page_run().changes == {"strategy": "optimal"}
 
 
 def test_a_limit_that_the_train_cannot_start_with_is_refused_by_the_scenario(model: Motor) -> None:
