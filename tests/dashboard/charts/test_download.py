@@ -37,16 +37,20 @@ def test_pages_without_a_figure_in_sight_have_no_button() -> None:
     session = Session()
     session.state.scenario.choose("liashenko-ii")
     shown = {page for page in VIEWS if open_view(session, page).numbers.button.visible}
-    assert shown == VIEWS.keys() - {"Start", "Motor", "Line", "Study", "Measured runs", "Import", "Help"}
+    assert shown == VIEWS.keys() - {"Start", "Study", "Measured runs", "Import", "Help"}
 
 
 def test_hidden_numbers_of_a_former_scenario_are_not_saved() -> None:
     session = Session()
-    session.state.scenario.choose("metro-10-stations")
-    line = open_view(session, "Line")
-    with zipfile.ZipFile(asyncio.run(line.numbers._file())) as packed:
-        assert len(packed.namelist()) > 5
-    session.state.scenario.choose("liashenko-ii")
-    assert not line.full.visible
-    with zipfile.ZipFile(asyncio.run(line.numbers._file())) as packed:
-        assert packed.namelist() == []
+    session.state.scenario.choose("ftorek-300s")
+    motor = open_view(session, "Motor")
+    figures = saved_names(motor)
+    assert "eoc-and-enoc-speed-km-h.csv" in figures
+    # neither strategy takes the tram
+    session.state.scenario.choose("tram-950m")
+    assert "eoc-and-enoc-speed-km-h.csv" not in saved_names(motor)
+
+
+def saved_names(view):
+    with zipfile.ZipFile(asyncio.run(view.numbers._file())) as packed:
+        return set(packed.namelist())

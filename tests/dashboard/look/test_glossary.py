@@ -11,6 +11,7 @@ import pytest
 import railjoule.dashboard
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import MOST_WORDS, TERMS, Term, info, term_of, texts
+from railjoule.dashboard.state.workbench import Workbench
 
 DASHBOARD = Path(railjoule.dashboard.__file__).parent
 EXPLAINING = ("glossary.py", "help.py")
@@ -83,6 +84,11 @@ def test_names_and_labels_are_distinct_numbers() -> None:
 def shown_strings() -> frozenset[str]:
     """Return all texts of the dashboard's sources but what documents the code."""
     found = {label.lower() for label in words.STRATEGY_WORDS.values()}
+    # labels with their unit are put together where a field is declared
+    models = Workbench().models.values()
+    found |= {
+        parameter.label.lower() for model in models for parameter in model.param.objects().values() if parameter.label
+    }
     for module in sources():
         told = {id(node.value) for node in ast.walk(module) if isinstance(node, ast.Expr)}
         found |= {

@@ -49,7 +49,7 @@ def test_a_loose_bound_of_a_smooth_drive_is_tightened_too():
     assert 0 < best.gap < 0.4 * runs.best.gap
     assert best.bound.every_run_j == runs.best.bound.energy_j
     # chains prove a bound over this mesh, which the sentence names
-    assert best.bound.statement.startswith("No run within 71.5 s over this mesh of 294 cells of at most 5 m, ")
+    assert best.bound.statement.startswith("No run within 71.5 s over this mesh of 296 cells of at most 5 m, ")
 
 
 def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
