@@ -68,6 +68,7 @@ class Work:
     threads: "ThreadPoolExecutor | None" = None
     rest_ms: int = 0
     tab: str = ""
+    only_whole: bool = False
 
 
 @dataclass(frozen=True)
@@ -143,6 +144,7 @@ def study(
     threads: "ThreadPoolExecutor" = LONG_THREADS,
     rest_ms: int = 0,
     tab: str = "",
+    only_whole: bool = False,
 ) -> Callable[[Method], Method]:
     """Compute a result step by step: the function of the method's request yields one more complete at each step.
 
@@ -164,6 +166,8 @@ def study(
         It begins again only when no source has changed for this time [ms].
     tab
         As for `work`; a study that was started by hand goes on behind another tab.
+    only_whole : bool
+        Whether the page takes only the result of the last step.
     """
 
     def decorate(prepare: Method) -> Method:
@@ -177,6 +181,7 @@ def study(
             threads=threads,
             rest_ms=rest_ms,
             tab=tab,
+            only_whole=only_whole,
         )
         return prepare
 
@@ -420,18 +425,18 @@ class PageWorks(PageWork[Page]):
 
     # ---- taking
 
-    def _take(self, spec: Work, answer: tuple[Request, Any]) -> None:
+    def _take(self, spec: Work, answer: tuple[Request, Any], **more: Any) -> None:
         request, found = answer
         asked = self._asked.get(spec.into)
         if asked is None or (spec.only_last and request != asked):
             return
         self._failures.pop(spec.into, None)
-        self.of.param.update(**{spec.into: found, **self._change_of_failure()})
+        self.of.param.update(**{spec.into: found, **self._change_of_failure(), **more})
 
     def _take_step(self, spec: Work, answer: tuple[Request, Any], last: bool) -> None:
-        self._take(spec, answer)
-        if last:
-            self._set_busy(spec, False)
+        # as one change, so that parts that show both are drawn once
+        if last or not spec.only_whole:
+            self._take(spec, answer, **({spec.busy: False} if last and spec.busy else {}))
 
     def _fail(self, one: Work, failure: RailjouleError) -> None:
         # again as the last one, which is the one that is shown

@@ -95,11 +95,11 @@ class Compare(Page):
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     comparing = param.Boolean(default=False, doc="Whether runs of further strategies are under way.")
-    compared = result(Runs, "The runs of all strategies so far.")
+    compared = result(Runs, "The runs of all strategies.")
 
     # ---- what it computes
 
-    @study("scenario", "compare_all", into="compared", busy="comparing", rest_ms=REST_MS)
+    @study("scenario", "compare_all", into="compared", busy="comparing", rest_ms=REST_MS, only_whole=True)
     def _compared(self) -> Request:
         if not self.compare_all:
             return None
@@ -172,9 +172,11 @@ class Compare(Page):
 
     def _offer(self, among: tuple[Contender, ...], reference: Contender) -> None:
         """Offer every run as the reference."""
-        self._quiet = True
-        self.menu.param.update(options={one.name: one.key for one in among}, value=reference.key)
-        self._quiet = False
+        options = {one.name: one.key for one in among}
+        if (self.menu.options, self.menu.value) != (options, reference.key):
+            self._quiet = True
+            self.menu.param.update(options=options, value=reference.key)
+            self._quiet = False
 
     # a greater bound changes only numbers, and no line is drawn again for it
     @shows("desk.tightened", "comparing")
