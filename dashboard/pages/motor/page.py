@@ -47,6 +47,7 @@ from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.numbers import TypedNumber
 from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
+from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
 IN_CLOSED_LOOP = simulation("simulate_field_oriented", "field_oriented")
@@ -287,6 +288,11 @@ class Motor(Page):
     detuning = result(StudyTable, "The study so far.")
     start = param.Event(doc="Start the study of a wrong resistance.")
     studying = param.Boolean(default=False, doc="Whether it is under way.")
+
+    def __init__(self, desk: Workbench, **params: Any) -> None:
+        super().__init__(desk, **params)
+        # without them, the limits of the scenario would differ from those of a new page
+        self.take(desk.scenario.base)
 
     @property
     def run(self) -> FieldOrientedRun | None:
