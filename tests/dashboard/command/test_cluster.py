@@ -3,8 +3,10 @@
 import os
 import signal
 import sys
+from contextlib import suppress
 
 import pytest
+from distributed.utils import LoopRunner
 
 from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, make_study, run_study
 from railjoule.dashboard.command import cluster as module
@@ -15,6 +17,17 @@ from tests.local_cluster import started_cluster
 
 ROWS = 4_000
 OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 200.0)}
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _event_loop_of_distributed():
+    """Begin one loop before the tests: distributed raises AssertionError if that takes 10 s, as in a busy process."""
+    for _ in range(3):
+        runner = LoopRunner()
+        with suppress(AssertionError):
+            runner.start()
+            runner.stop()
+            break
 
 
 def study(rows=ROWS):
