@@ -31,7 +31,6 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.dashboard.charts.plot import AnyPlot
-from railjoule.dashboard.state import numbers
 from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
@@ -48,8 +47,6 @@ if TYPE_CHECKING:
 Request = tuple[Any, ...] | None
 """A function and its arguments, which must tell by `==` whether they ask for the same; None where nothing is asked."""
 Method = TypeVar("Method", bound=Callable[..., Any])
-keyed = numbers.keyed
-"""A field for a key of the scenario's file."""
 
 
 @dataclass(frozen=True)
@@ -244,10 +241,6 @@ class Page(TypedParameters, PageModel):
 
     def take(self, scenario: Scenario) -> None:
         """Give the fields the values of a scenario."""
-
-    def refusal(self) -> str:
-        """Return why the page has nothing to show of the scenario as it stands; empty where it has."""
-        return ""
 
     def page_run(self) -> PageRun:
         """Return the program of what it computes: for the report, the copied command and the link."""

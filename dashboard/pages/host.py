@@ -5,7 +5,6 @@ from functools import partial
 from importlib import import_module
 from typing import Any
 
-import panel as pn
 import param
 from panel.viewable import Viewable
 
@@ -96,11 +95,6 @@ class PageHost(PageView):
         self.halves_from_px = halves
 
 
-def sidebar_fields(page: Page) -> Viewable:
-    """Return the fields of a page for the sidebar."""
-    return stack(*(_field(page, spec) for spec in page.fields), html_pane('<hr class="rule">'))
-
-
 def _field(page: Page, spec: str | Section | Hint | Own) -> Viewable:
     if isinstance(spec, Own):
         return spec.make(page)
@@ -118,16 +112,10 @@ def _field(page: Page, spec: str | Section | Hint | Own) -> Viewable:
 
 
 class PageFields:
-    """The fields of a page in the sidebar; out of sight where the page has nothing to show."""
+    """The fields of a page for the sidebar, below one another."""
 
     def __init__(self, page: Page) -> None:
-        self.page = page
-        self.view = pn.Column(sidebar_fields(page), margin=0, sizing_mode="stretch_width")
-        page.desk.scenario.param.watch(self._show, ["preset", "opened", "edits"])
-        self._show()
-
-    def _show(self, *_: Any) -> None:
-        self.view.visible = not self.page.refusal()
+        self.view = stack(*(_field(page, spec) for spec in page.fields), html_pane('<hr class="rule">'))
 
 
 def make_works(name: str) -> Callable[[Workbench], PageWorks]:

@@ -22,7 +22,7 @@ from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
 from railjoule.dashboard.charts.run_lines import Line
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
-from railjoule.dashboard.page import Hint, Page, Request, Section, keyed, shows, study, work
+from railjoule.dashboard.page import Hint, Page, Request, Section, shows, study, work
 from railjoule.dashboard.pages.motor import texts
 from railjoule.dashboard.pages.motor.compute import (
     MACHINE_SCENARIO,
@@ -44,7 +44,7 @@ from railjoule.dashboard.pages.motor.compute import (
 from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import NumberField
-from railjoule.dashboard.state.numbers import TypedNumber
+from railjoule.dashboard.state.numbers import TypedNumber, keyed
 from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.workbench import Workbench

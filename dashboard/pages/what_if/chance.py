@@ -20,14 +20,14 @@ from railjoule.dashboard.charts.run_lines import Form, Line, RunLines, ends_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.page import Page, Request, keyed, shows, study
+from railjoule.dashboard.page import Page, Request, shows, study
 from railjoule.dashboard.pages.what_if.chance_charts import HistogramChart, LoadScatter, chance_table, finite
 from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, compute_chance, compute_robust
 from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
 from railjoule.dashboard.pages.what_if.explorer import HEIGHTS, Explorer
 from railjoule.dashboard.pages.what_if.heat_map import percent_difference
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, keyed
 from railjoule.dashboard.state.page_model import result
 
 # ---- the robust plan
