@@ -73,7 +73,7 @@ def test_shares_of_a_metro_s_energy_agree_with_scipy_s():
         "vehicle.load_factor": (0.0, 1.0),
         "drive.recuperation_factor": (0.2, 0.6),
     }
-    results = MemoryResults(make_study(base, over, 2048))
+    results = MemoryResults(make_study(base, over, 2048, columns=("energy_kwh",)))
     run_study(results)
     told = sensitivities(results)
 
