@@ -57,7 +57,7 @@ def test_every_command_of_the_core_works(run_file: str) -> None:
         ["simulate", "tram-950m-stop"],
         ["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented"],
         ["study", "tradeoff", "liashenko-0", "-o", run_file.replace("run.csv", "table.csv")],
-        ["validate", "ftorek"],
+        ["validate", "rawicki"],
         ["--version"],
     ]
     for command, (status, out, err) in zip(commands, answers(*commands), strict=True):

@@ -1,4 +1,4 @@
-"""Every strategy's runs over 120 scenarios of every drive keep every rule."""
+"""The runs of every strategy over scenarios of every drive keep every rule."""
 
 import importlib.util
 import warnings
@@ -14,13 +14,18 @@ from tests.any_scenarios import MODELS
 from tests.core.check.any_runs import SEEDS, any_runs, clear_faults
 
 BATCH = 15
+GATE_SEEDS = 60
+"""The gate looks at the first ones: ten scenarios of every drive, and the night at all."""
 REFERENCE = Path(__file__).parents[4] / "shared" / "check" / "check.py"
 REFERENCE_SEEDS = range(1, SEEDS, 7)
 """About 25 of them, over all drives."""
 seen: Counter[tuple[str, str]] = Counter()
 
 
-@pytest.mark.parametrize("first", range(0, SEEDS, BATCH))
+@pytest.mark.parametrize(
+    "first",
+    [pytest.param(first, marks=[pytest.mark.nightly][: first >= GATE_SEEDS]) for first in range(0, SEEDS, BATCH)],
+)
 def test_runs_keep_every_rule(first):
     faults = []
     for seed in range(first, first + BATCH):
