@@ -3,7 +3,6 @@
 import argparse
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from pathlib import Path
 
 from railjoule.core.errors import RecordingError
@@ -11,64 +10,55 @@ from railjoule.core.identification import Fit, GaugeErrors, HeldOut, fit_runs, h
 from railjoule.core.identification.fit import resistance_deviation
 from railjoule.core.measured import MeasuredRun, RecorderFormat, Saving, load_run, possible_saving
 from railjoule.core.scenario import Scenario, save_scenario
-from railjoule.dashboard.command import commands, terminal
-from railjoule.dashboard.command.commands import CommandError, Output
-from railjoule.dashboard.command.summary import Summary
+from railjoule.dashboard.command import files, terminal
+from railjoule.dashboard.command.summary import Summary, picked
 from railjoule.dashboard.look import comparisons, words
 
-SCENARIO_SUFFIXES = (".toml",)
+RECORDED = "a recording does not contain its line and its vehicle"
 
 
 def measured(options: argparse.Namespace) -> None:
-    """Show a measured run beside the model and the optimum, and write what is asked for.
-
-    Raises
-    ------
-    RailjouleError
-        If anything is wrong with the recording, the scenario or a file to write.
-    """
-    table = None if options.trajectory is None else commands.table_file(options.trajectory)
-    target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
-    scenario = _scenario(options)
-    run = load_run(Path(options.run), scenario, _format(options), _start(options.start_m), options.sheet)
+    """Show a measured run beside the model and the optimum, and write what is asked for."""
+    run = load_run(Path(options.run), files.scenario(options, RECORDED), form(options), options.start_m, options.sheet)
     saving, refusal = None, ""
     try:
         saving = possible_saving(run)
     except RecordingError as error:
         # the run itself is told all the same: what it lacks is a train that can drive it
         refusal = str(error)
-    if table is not None:
-        commands.write_table(run.trajectory.to_dataframe(), table, index=False)
-    if target is not None:
-        _write_scenario(run.scenario, target)
-    Output(options.json).show(summarise_measured(run, saving, refusal), measured_text)
+    if options.trajectory is not None:
+        files.write_table(run.trajectory.to_dataframe(), options.trajectory)
+    _write_scenario(options.output, run.scenario)
+    files.show(options, summarise_measured(run, saving, refusal), measured_text)
 
 
 def fit(options: argparse.Namespace) -> None:
-    """Show what runs tell of a train, and write the scenario with the fitted vehicle if it is asked for.
-
-    Raises
-    ------
-    RailjouleError
-        If anything is wrong with the recordings, the scenario or the file to write.
-    """
-    target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
-    gauges = commands.quantities("--gauge", options.gauge)
-    stated = GaugeErrors.from_percent({name: _number(f"--gauge {name}", text) for name, text in gauges.items()})
-    scenario = _scenario(options)
-    form, start = _format(options), _start(options.start_m)
-    runs = [load_run(Path(name), scenario, form, start, options.sheet) for name in options.runs]
+    """Show what runs tell of a train, and write the scenario with the fitted vehicle if it is asked for."""
+    stated = GaugeErrors.from_percent(dict(options.gauge))
+    scenario, recorder = files.scenario(options, RECORDED), form(options)
+    runs = [load_run(Path(name), scenario, recorder, options.start_m, options.sheet) for name in options.runs]
     found = fit_runs(runs, scenario, options.free, options.coasting, stated)
     held = hold_out(runs, scenario, options.free, options.coasting, stated)
-    if target is not None:
-        _write_scenario(monte_carlo_scenario(found, scenario), target)
-    Output(options.json).show(summarise_fit(found, held, runs), fit_text)
+    _write_scenario(options.output, monte_carlo_scenario(found, scenario))
+    files.show(options, summarise_fit(found, held, runs), fit_text)
+
+
+def form(options: argparse.Namespace) -> RecorderFormat:
+    """Return how a recorder writes its files, as the options say."""
+    return RecorderFormat(
+        options.preset, dict(options.column), dict(options.unit), options.longest_gap, encoding=options.encoding
+    )
+
+
+def _write_scenario(path: Path | None, scenario: Scenario) -> None:
+    if path is not None:
+        with files.failures_named(path):
+            save_scenario(scenario, path)
 
 
 def summarise_measured(run: MeasuredRun, saving: Saving | None, refusal: str) -> Summary:
     """Return a measured run as plain values; what is not known is None."""
     optimum = None if saving is None else saving.optimum
-    notes = [*run.notes, *([refusal] if refusal else [])]
     interval = None if saving is None or not math.isfinite(saving.interval_kwh[0]) else list(saving.interval_kwh)
     return {
         "run": run.recording.name,
@@ -84,60 +74,37 @@ def summarise_measured(run: MeasuredRun, saving: Saving | None, refusal: str) ->
         "saving_doubt": "" if saving is None else saving.doubt,
         "model_error_kwh": run.model_error_kwh,
         "saving_at_most_kwh": None if saving is None else saving.at_most_kwh,
-        "travel_time_s": run.modelled.travel_time_s,
-        "distance_m": run.modelled.distance_m,
-        "max_speed_kmh": run.modelled.max_speed_kmh,
-        "start_m": run.placement.start_m,
-        "end_m": run.placement.end_m,
-        "line_m": run.placement.line_m,
-        "is_whole_line": run.placement.is_whole_line,
-        "scale": run.placement.scale,
-        "stops": [
-            {"name": stop.name, "position_m": stop.position_m, "dwell_s": stop.dwell_s}
-            for stop in run.scenario.line.stations
-        ],
-        "notes": notes,
+        **picked(run.modelled, "travel_time_s", "distance_m", "max_speed_kmh"),
+        **picked(run.placement, "start_m", "end_m", "line_m", "is_whole_line", "scale"),
+        "stops": [picked(stop, "name", "position_m", "dwell_s") for stop in run.scenario.line.stations],
+        "notes": [*run.notes, *filter(None, [refusal])],
     }
 
 
 def summarise_fit(found: Fit, held: Sequence[HeldOut], runs: Sequence[MeasuredRun]) -> Summary:
     """Return a fit as plain values."""
     names = [parameter.name for parameter in found.parameters]
+    correlation = zip(names, found.correlation.tolist(), strict=True)
     return {
         "runs": [run.recording.name for run in runs],
         "parameters": {
             parameter.name: {
-                "value": parameter.value,
-                "low": parameter.low,
-                "high": parameter.high,
-                "unit": parameter.unit,
+                **picked(parameter, "value", "low", "high", "unit"),
                 "before": found.model.first[parameter.name],
             }
             for parameter in found.parameters
         },
-        "gauge_errors": {
-            gauge.name: {"deviation": gauge.deviation, "error": gauge.error, "unit": gauge.unit}
-            for gauge in found.gauge_errors
-        },
+        "gauge_errors": {gauge.name: picked(gauge, "deviation", "error", "unit") for gauge in found.gauge_errors},
         "contradiction": found.contradiction,
         "undetermined": list(found.undetermined),
         "sentences": list(found.sentences),
         "assumed": found.assumed,
         "residual_ms": found.residual_ms,
         "samples": found.step_count,
-        "correlation": {
-            name: dict(zip(names, row, strict=True))
-            for name, row in zip(names, found.correlation.tolist(), strict=True)
-        },
+        "correlation": {name: dict(zip(names, row, strict=True)) for name, row in correlation},
         "resistance_deviation": resistance_deviation(found),
         "held_out": [
-            {
-                "run": one.name,
-                "residual_ms": one.residual_ms,
-                "modelled_kwh": one.modelled_kwh,
-                "measured_kwh": one.measured_kwh,
-                "energy_error": one.energy_error,
-            }
+            {"run": one.name, **picked(one, "residual_ms", "modelled_kwh", "measured_kwh", "energy_error")}
             for one in held
         ],
         "notes": [f"{run.recording.name}: {note}" for run in runs for note in run.notes],
@@ -226,31 +193,3 @@ def _held_row(one: Summary) -> tuple[str, ...]:
 
 def _digits(value: float) -> str:
     return f"{value:.4g}" if abs(value) < 1e4 else f"{value:.0f}"
-
-
-def _scenario(options: argparse.Namespace) -> Scenario:
-    if options.scenario is None:
-        raise CommandError("--scenario is missing: a recording does not contain its line and its vehicle.")
-    return commands.load(options.scenario, commands.parsed_changes(options.set))
-
-
-def _format(options: argparse.Namespace) -> RecorderFormat:
-    gap = RecorderFormat.longest_gap_s if options.longest_gap is None else _number("--longest-gap", options.longest_gap)
-    columns = commands.quantities("--column", options.column)
-    units = commands.quantities("--unit", options.unit)
-    return RecorderFormat(options.preset, columns, units, gap, encoding=options.encoding)
-
-
-def _start(text: str | None) -> float | None:
-    return None if text is None else _number("--from", text)
-
-
-def _number(option: str, text: str) -> float:
-    with suppress(ValueError):
-        return float(text)
-    raise CommandError(f"{option} {commands.shortened(text)}: must be a number.")
-
-
-def _write_scenario(scenario: Scenario, path: Path) -> None:
-    with commands.failures_named(path):
-        save_scenario(scenario, path)

@@ -1,21 +1,28 @@
-"""`railjoule study robust`: the plan with the least expected energy that is on time with a chosen probability."""
+"""`railjoule study`: many variants of a scenario as a labelled table, and the plan that is robust against chance.
 
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
-from typing import TYPE_CHECKING, Any
+The sweep, which may take hours and a cluster, has a module of its own.
+"""
 
+import argparse
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import contextmanager
+from pathlib import Path
+
+from railjoule.core import Scenario
+from railjoule.core.strategies import prepare_task
+from railjoule.core.studies import (
+    StudyTable,
+    energy_time_frontier,
+    frontier_times,
+    monte_carlo,
+    study_braking_sensors,
+)
+from railjoule.core.studies import sensitivity as sensitivity_of
 from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan, find_robust_plan
 from railjoule.core.studies.rows import worker_count
-from railjoule.dashboard.command.commands import (
-    LABELLED_SUFFIXES,
-    Output,
-    load,
-    refusals_named,
-    shortened,
-    table_file,
-    write_labelled_table,
-    write_table,
-)
+from railjoule.dashboard.command import files
+from railjoule.dashboard.command.files import refusals_named, show
 from railjoule.dashboard.command.summary import Summary
 from railjoule.dashboard.command.terminal import (
     delay,
@@ -27,28 +34,60 @@ from railjoule.dashboard.command.terminal import (
     title_words,
     wrapped,
 )
-
-if TYPE_CHECKING:
-    import argparse
+from railjoule.dashboard.command.values import shortened
 
 
-def study_robust(options: "argparse.Namespace", changes: Mapping[str, Any]) -> None:
-    """Find the robust plan of a scenario, write the table of its candidates, and show it beside the scenario's plan.
-
-    Raises
-    ------
-    RailjouleError
-        If anything is wrong with the scenario or a file, or no plan is on time as often as it should be.
-    """
-    path = table_file(options.output, "-o", LABELLED_SUFFIXES)
-    trajectory = None if options.trajectory is None else table_file(options.trajectory)
-    scenario = load(options.file, changes)
+@contextmanager
+def _workers(scenario: Scenario) -> Iterator[Executor]:
+    """Yield what computes runs; a refusal of the scenario's strategy names it."""
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
+        yield executor
+
+
+def _study(options: argparse.Namespace, compute: Callable[[Scenario, Executor], StudyTable]) -> None:
+    """Write the table of a study, and print its shape."""
+    scenario = files.scenario(options)
+    with _workers(scenario) as executor:
+        table = compute(scenario, executor).to_xarray()
+    files.write_labelled_table(table, options.output)
+    shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
+    print(f"{shortened(options.output)}: {shape}")
+
+
+def tradeoff(options: argparse.Namespace) -> None:
+    """Solve a scenario for many travel times."""
+
+    def frontier(scenario: Scenario, executor: Executor) -> StudyTable:
+        task = prepare_task(scenario)
+        return energy_time_frontier(task, frontier_times(task), executor=executor)
+
+    _study(options, frontier)
+
+
+def sensitivity(options: argparse.Namespace) -> None:
+    """Drive a plan with other loads and errors of place than planned."""
+    _study(options, lambda scenario, executor: sensitivity_of(scenario, executor=executor))
+
+
+def montecarlo(options: argparse.Namespace) -> None:
+    """Drive a plan under what chance brings."""
+    _study(options, monte_carlo)
+
+
+def braking(options: argparse.Namespace) -> None:
+    """Stop with errors of the braking sensors, with precision braking and without."""
+    _study(options, lambda scenario, executor: study_braking_sensors(scenario, executor).table)
+
+
+def robust(options: argparse.Namespace) -> None:
+    """Find the robust plan of a scenario, write the table of its candidates, and show it beside the scenario's plan."""
+    scenario = files.scenario(options)
+    with _workers(scenario) as executor:
         found = find_robust_plan(scenario, options.probability, options.candidates, executor)
-    write_labelled_table(found.to_table().to_xarray(), path)
-    if trajectory is not None and found.chosen is not None:
-        write_table(found.chosen.plan.to_dataframe(), trajectory, index=False)
-    Output(options.json).show(summarise_robust(found), lambda values: _text(values, str(path)))
+    files.write_labelled_table(found.to_table().to_xarray(), options.output)
+    if options.trajectory is not None and found.chosen is not None:
+        files.write_table(found.chosen.plan.to_dataframe(), options.trajectory)
+    show(options, summarise_robust(found), lambda values: _text(values, options.output))
 
 
 def summarise_robust(found: RobustPlan) -> Summary:
@@ -93,21 +132,12 @@ def _runs(drawn: DrawnRuns) -> Summary:
     }
 
 
-def _text(values: Summary, file: str) -> str:
+def _text(values: Summary, file: Path) -> str:
     """Return the robust plan and the scenario's plan as a table, and whether the check holds."""
     accepted = values["accepted_delay_s"]
     late = f", at most {number(accepted)} s late" if accepted else ""
-    header = (
-        "plan",
-        "load, %",
-        "resistance",
-        "reserve, s",
-        "search, kWh",
-        "on time, %",
-        "check, kWh",
-        "on time, %",
-        "interval",
-    )
+    costs = ("search, kWh", "on time, %", "check, kWh", "on time, %")
+    header = ("plan", "load, %", "resistance", "reserve, s", *costs, "interval")
     rows = [_row(name, values[name]) for name in ("nominal", "robust")]
     search, check = values["robust"]["search"], values["robust"]["check"]
     held = "is" if values["is_held"] else "is not"

@@ -1,0 +1,501 @@
+"""The commands of `railjoule` with their arguments, as a table; what each does is imported when it is called."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from railjoule.dashboard.command import values
+from railjoule.dashboard.report.section_names import SECTION_TITLES
+from railjoule.dashboard.server.options import DEFAULT_ADDRESS, DEFAULT_PORT, EXPOSED, HIGHEST_PORT, NO_LOGIN
+
+CHECK_STATUS = "Exit status: 0 if the run keeps every rule, 1 if it breaks one, 2 for bad input."
+TABLE_SUFFIXES, LABELLED_SUFFIXES = (".csv", ".parquet"), (".nc", ".csv", ".parquet")
+REPORT_SUFFIXES = (".html", ".htm")
+MOST_SESSIONS = 10_000
+
+
+@dataclass(frozen=True)
+class Argument:
+    """One argument of a command: its names, and its settings for `argparse`."""
+
+    names: tuple[str, ...]
+    settings: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Command:
+    """What a command is for, the function that does it as 'module.function' of this package, and its arguments."""
+
+    words: str
+    calls: str
+    arguments: tuple[Argument, ...] = ()
+    epilog: str | None = None
+
+
+@dataclass(frozen=True)
+class Group:
+    """Commands below a common word, and what stands for their names in the usage."""
+
+    words: str
+    metavar: str
+    commands: Mapping[str, Command]
+    epilog: str | None = None
+
+
+def argument(*names: str, type: Callable[[str], Any] | None = None, **settings: Any) -> Argument:  # noqa: A002
+    """Return an argument; words that its type refuses are told in one sentence with the name of the argument."""
+    if type is None:
+        return Argument(names, settings)
+    name = names[0] if names[0].startswith("-") else str(settings.get("metavar", names[0]))
+
+    def read(text: str) -> Any:
+        try:
+            return type(text)
+        except ValueError as error:
+            # not an error of argparse's, which would put a name with all its other forms before the sentence
+            raise values.UsageError(f"{name} {values.shortened(text)}: {error}.") from None
+
+    return Argument(names, {**settings, "type": read})
+
+
+def several(*names: str, **settings: Any) -> Argument:
+    """Return an argument that takes several words, and may come more than once."""
+    return argument(*names, nargs="+", action="extend", default=[], **settings)
+
+
+def output(told: str, *suffixes: str, required: bool = True) -> Argument:
+    """Return the option that names the file to write."""
+    return argument("-o", "--output", metavar="OUT", type=values.file(*suffixes), required=required, help=told)
+
+
+def changes(told: str = "as in solve") -> Argument:
+    """Return the option that changes keys of a scenario."""
+    return several("--set", metavar="KEY=VALUE", help=told)
+
+
+def travel_time(told: str) -> Argument:
+    """Return the option that names the time of a whole run."""
+    return argument("--travel-time-s", metavar="T", type=values.seconds, help=told)
+
+
+def trajectory(what: str) -> Argument:
+    """Return the option that names the file for a run."""
+    told = f"write the {what} to OUT.csv or OUT.parquet"
+    return argument("--trajectory", metavar="OUT", type=values.file(*TABLE_SUFFIXES), help=told)
+
+
+def file_argument(metavar: str, told: str, name: str = "file") -> Argument:
+    """Return the argument that names the file to read."""
+    return argument(name, metavar=metavar, help=told)
+
+
+FILE = file_argument("FILE", "a scenario file, or the name of a scenario")
+JSON = argument("--json", action="store_true", help="print JSON")
+CHANGES = changes()
+SCENARIO = (
+    argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a scenario"),
+    changes("change a key of the file, such as vehicle.load_factor=0.3; the value is TOML"),
+    JSON,
+)
+STRATEGY = argument("--strategy", metavar="S", help="the driving strategy; default: the scenario's own")
+PROOF = argument(
+    "--prove-seconds",
+    metavar="S",
+    type=values.seconds,
+    help="how long to tighten a bound that is loose, as that of a powertrain often is which takes power without "
+    "effort, such as 10; 0: the first bound only; default: a fixed number of steps, about 0.5 s, as on the page",
+)
+ENCODING = argument(
+    "--encoding",
+    metavar="NAME",
+    default="",
+    help="code page of files that are not UTF-8, such as cp1250, cp1251 or gbk; default: found by their letters",
+)
+
+
+def columns(*other_names: str) -> tuple[Argument, ...]:
+    """Return the options that say how a recorder writes its files."""
+    return (
+        argument(
+            "--preset", metavar="P", default="generic", help="generic, osrd or ztbus; default: found by the columns"
+        ),
+        several(
+            "--column",
+            *other_names,
+            metavar="QUANTITY=NAME",
+            type=values.pair("speed=v [m/s]"),
+            help="which column holds what, where its name does not tell, as 'speed=v [m/s]': time, position, speed, "
+            "effort (braking negative), tractive_effort, braking_effort, brake, power, energy, line_current "
+            "(regenerated negative) or line_voltage",
+        ),
+        several(
+            "--unit",
+            metavar="QUANTITY=UNIT",
+            type=values.pair("speed=km/h"),
+            help="such as speed=km/h effort=kN",
+        ),
+        argument("--sheet", metavar="NAME", help="the sheet of a workbook; needed where it has several"),
+        ENCODING,
+    )
+
+
+RECORDING = (
+    argument("--scenario", metavar="S", help="vehicle and line: a scenario file, or a shipped scenario"),
+    argument(
+        "--from",
+        dest="start_m",
+        metavar="M",
+        type=values.number,
+        help="where on the line the run begins; default: found",
+    ),
+    *columns(),
+    argument(
+        "--longest-gap",
+        metavar="S",
+        type=values.seconds,
+        default=10.0,
+        help="for how long samples may be missing; default: 10 s",
+    ),
+    CHANGES,
+)
+TOML_OUTPUT = output("OUT.toml", ".toml")
+LABELLED_OUTPUT = output("OUT.nc (netCDF), OUT.csv or OUT.parquet", *LABELLED_SUFFIXES)
+STUDY = (FILE, LABELLED_OUTPUT, CHANGES)
+ROBUST = (
+    *STUDY,
+    # as core/studies/robust_plan.py has them, which is too slow to import for a line of help
+    argument(
+        "--probability",
+        metavar="P",
+        type=values.share,
+        default=0.9,
+        help="of an arrival on time, above 0 to 1; default: 0.9",
+    ),
+    argument(
+        "--candidates", metavar="N", type=values.whole(0), default=24, help="plans to try, 1 to 1000; default: 24"
+    ),
+    trajectory("robust plan"),
+    JSON,
+)
+SWEEP = (
+    *STUDY,
+    several(
+        "--over",
+        metavar="FIELD=LOW:HIGH",
+        type=values.field_range,
+        required=True,
+        help="a number of the scenario and between which values it varies, such as vehicle.load_factor=0:1",
+    ),
+    argument("--sample", metavar="N", type=values.whole(0), required=True, help="how many rows"),
+    argument(
+        "--method",
+        choices=("grid", "random", "sobol", "halton"),
+        default="sobol",
+        help="how the rows are drawn; default: sobol; a grid has N^(1/fields) values of each field",
+    ),
+    argument("--seed", metavar="K", type=values.whole(0), default=0, help="the same seed draws the same; default: 0"),
+    STRATEGY,
+    several(
+        "--columns",
+        metavar="NAME",
+        help="further columns, such as max_speed_kmh, traction_energy_kwh, recuperated_kwh or losses_kwh",
+    ),
+    argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a Dask scheduler whose workers solve the rows, such as tcp://node1:8786; default: this machine's "
+        "processors; needs the extra cluster",
+    ),
+    argument(
+        "--resume",
+        action="store_true",
+        help="go on with a sweep that was stopped or killed, whose rows are kept beside the table",
+    ),
+    JSON,
+)
+STUDIES = {
+    "tradeoff": Command("solve a scenario for many travel times", "studies.tradeoff", STUDY),
+    "sensitivity": Command(
+        "drive a plan with other loads and errors of place than planned", "studies.sensitivity", STUDY
+    ),
+    "montecarlo": Command("drive a plan under what chance brings", "studies.montecarlo", STUDY),
+    "braking": Command(
+        "stop with errors of the braking sensors and the measured speed, with precision braking and without",
+        "studies.braking",
+        STUDY,
+    ),
+    "robust": Command(
+        "find the plan with the least expected energy that is on time with a chosen probability",
+        "studies.robust",
+        ROBUST,
+        "Each plan is followed under a fifth of montecarlo.runs, and the robust one checked by all of montecarlo.runs "
+        "under another seed. disturbance.accepted_delay_s is the lateness that still counts as on time.",
+    ),
+    "sweep": Command(
+        "solve a scenario very many times with other numbers",
+        "sweeps.sweep",
+        SWEEP,
+        "A row that cannot be driven stands in the table with its reason; it is no error.",
+    ),
+}
+INTERVALS = (
+    *(
+        argument(f"--{kind}", metavar="FILE", help=f"a table of {what}, with columns from, to and value")
+        for kind, what in (
+            ("gradients", "gradients"),
+            ("limits", "speed limits"),
+            ("curves", "radii or curvatures"),
+            ("tunnels", "tunnels"),
+            ("neutral", "neutral sections"),
+        )
+    ),
+    several(
+        "--preset",
+        metavar="NAME",
+        help="columns of a published table: sncf-gradients, sncf-limits, sncf-curves or rinf-gradients",
+    ),
+    several(
+        "--columns",
+        metavar="TABLE.KEY=VALUE",
+        type=values.of_table,
+        help="which column holds what, as gradients.from=PKD; KEY is from, to, value, direction, position_unit (m, km, "
+        "mi, ch, yd, ft, pk, mi.ch, mi.yd), value_unit (of gradients permille, percent, fraction, ratio for 1 in n, "
+        "deg, rad, per10000, ft/mi; of limits km/h, m/s, mph; of curves m, km, ft, yd, ch, 1/m, 1/km, or deg for the "
+        "degree of curve; of tunnels factor, m2), decimal or sheet",
+    ),
+    several(
+        "--rows",
+        metavar="TABLE.COLUMN=VALUE",
+        type=values.of_table,
+        help="use the rows of one line or track alone, as gradients.NOM_VOIE=V1",
+    ),
+    argument(
+        "--begin",
+        metavar="PLACE",
+        type=values.chainage,
+        help="chainage at which the line begins, as 12+345 or 12.345km",
+    ),
+    argument("--end", metavar="PLACE", type=values.chainage, help="chainage at which it ends"),
+    argument("--reverse", action="store_true", help="run it in falling chainage"),
+    argument("--name", metavar="NAME", help="the line's name"),
+    ENCODING,
+    argument(
+        "--vehicle",
+        metavar="V",
+        help="a shipped vehicle, or the FILE.toml of one: OUT.toml is then a whole scenario with it",
+    ),
+    travel_time("with --vehicle: time for the whole run; default: 10 %% above the shortest possible"),
+    output("OUT.toml, or OUT.csv for line.file of a scenario", ".toml", ".csv"),
+)
+TTOBENCH = (
+    file_argument("TRACK", "TRACK.json"),
+    argument("--train", metavar="TRAIN", required=True, help="TRAIN.json"),
+    argument("--journey", metavar="J", help="JOURNEY.json, for travel time and stops"),
+    argument(
+        "--stops", choices=("all", "ends"), default="all", help="stop at all stops, the default, or at the ends alone"
+    ),
+    ENCODING,
+    travel_time("time for the whole run; default: the journey's, or 10 %% above the shortest possible"),
+    TOML_OUTPUT,
+)
+OSRD_STOCK = (
+    file_argument("FILE", "FILE.json"),
+    argument("--train", metavar="NAME", help="the rolling stock of that name; needed where there are several"),
+    argument("--mode", metavar="M", help="the supply whose efforts are taken; default: the file's"),
+    ENCODING,
+    TOML_OUTPUT,
+)
+RAILTOOLKIT = (
+    file_argument("FILE", "FILE.yaml"),
+    argument(
+        "--train",
+        "--path",
+        "--id",
+        dest="train",
+        metavar="ID",
+        help="the train, vehicle or path of that id; needed where there are several",
+    ),
+    ENCODING,
+    TOML_OUTPUT,
+)
+RECORDED = (
+    file_argument("FILE", "FILE.csv or FILE.xlsx"),
+    *columns("--columns"),
+    output("OUT.csv or OUT.parquet", *TABLE_SUFFIXES),
+)
+FORMATS = {
+    "ttobench": Command(
+        "make a scenario of a track and a train of TTOBench, JSON 1.1 to 1.5", "imports.ttobench", TTOBENCH
+    ),
+    "intervals": Command("put a line together from tables of intervals, CSV or XLSX", "imports.intervals", INTERVALS),
+    "osrd-stock": Command(
+        "make a vehicle of a rolling stock of OSRD, JSON 3.0 to 3.4", "imports.osrd_stock", OSRD_STOCK
+    ),
+    "railtoolkit": Command(
+        "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07", "imports.railtoolkit", RAILTOOLKIT
+    ),
+    "run": Command(
+        "make the table of a run of what a recorder measured, CSV or XLSX", "imports.measured_run", RECORDED
+    ),
+}
+SERVE = (
+    argument("--port", type=values.whole(1, HIGHEST_PORT), default=DEFAULT_PORT, help=f"default: {DEFAULT_PORT}"),
+    argument("--address", default=DEFAULT_ADDRESS, help=f"default: {DEFAULT_ADDRESS}, this machine only"),
+    several(
+        "--origin",
+        type=values.origin,
+        metavar="NAME[:PORT]",
+        help="further names under which browsers reach the server, as behind a proxy; it answers to no others",
+    ),
+    argument("--prefix", type=values.prefix, default="", metavar="PATH", help="serve below this path, not at /"),
+    argument(
+        "--sessions",
+        type=values.whole(1, MOST_SESSIONS),
+        metavar="N",
+        help="pages open at a time at most; default: any number",
+    ),
+    argument(
+        "--folder",
+        metavar="DIR",
+        help="the folder of scenario files that Start lists, in which every visitor can save; default: one in your "
+        "data directory, but none where --address or --origin lets others in",
+    ),
+)
+REPORT = (
+    FILE,
+    output("OUT.html", *REPORT_SUFFIXES),
+    argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own"),
+    several(
+        "--sections",
+        metavar="NAME",
+        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
+    ),
+    argument("--author", metavar="NAME", default="", help="who has written it"),
+    argument(
+        "--note",
+        metavar="TEXT_FILE",
+        help="a file with a note by the author: plain text, in which an empty line begins a new paragraph",
+    ),
+    PROOF,
+    CHANGES,
+)
+CHECK = (
+    argument(
+        "run",
+        metavar="RUN",
+        type=values.file(*TABLE_SUFFIXES),
+        help="RUN.csv or RUN.parquet, as solve --trajectory writes it, or a name",
+    ),
+    argument("--scenario", metavar="S", help="its scenario file, report, or the name of a scenario"),
+    argument("--strategy", metavar="S", help="the strategy that made the run; default: the scenario's own"),
+    CHANGES,
+    JSON,
+)
+FIT = (
+    argument("runs", metavar="RUN", nargs="+", help="tables of a recorder: RUN.csv or RUN.xlsx"),
+    *RECORDING,
+    argument(
+        "--free",
+        metavar="NAME",
+        nargs="+",
+        help="the parameters to find: resistance.constant_n, resistance.linear_n_per_kmh, "
+        "resistance.quadratic_n_per_kmh2, rotating_mass_factor, drive.traction_efficiency, auxiliary_power_kw, all of "
+        "them by default, and total_mass_kg",
+    ),
+    several(
+        "--gauge",
+        metavar="ERROR=PERCENT",
+        type=values.pair("effort_gain=1", values.number),
+        help="standard deviations of calibration errors: effort_gain (default 2), effort_offset (0.7), power_gain (1), "
+        "power_offset (0.2), offsets over the largest reading, and speed_gain (1) of runs that are not between two "
+        "stations; 0 for an exact gauge",
+    ),
+    argument("--coasting", action="store_true", help="use nothing but samples without effort"),
+    output("write the scenario with the fitted vehicle as OUT.toml", ".toml", required=False),
+    JSON,
+)
+COMMANDS: Mapping[str, Command | Group] = {
+    "serve": Command(
+        "serve the dashboard in the browser",
+        "commands.serve",
+        SERVE,
+        f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}",
+    ),
+    "solve": Command(
+        "solve one scenario",
+        "commands.solve",
+        (
+            *SCENARIO,
+            STRATEGY,
+            trajectory("run"),
+            argument("--check", action="store_true", help="check the run against its scenario: see `railjoule check`"),
+            PROOF,
+        ),
+        f"With --check: {CHECK_STATUS.lower()} A run that misses a window of arrival ends with status 2, too.",
+    ),
+    "compare": Command("run every strategy that fits a scenario", "commands.compare", (*SCENARIO, PROOF)),
+    "advise": Command(
+        "find the best run whose driver changes the regime seldom",
+        "commands.advise",
+        (
+            *SCENARIO,
+            # as core/studies/simple_advice.py bounds them, which is too slow to import for a line of help
+            argument(
+                "--changes",
+                type=values.whole(2, 9),
+                metavar="K",
+                help="changes of regime between two stops at most, 2 to 9; default: as few as cost no more than 1 %% "
+                "of energy",
+            ),
+        ),
+    ),
+    "simulate": Command("follow the plan of a scenario under its disturbance", "commands.simulate", SCENARIO),
+    "study": Group("solve many scenarios and write a labelled table", "STUDY", STUDIES),
+    "report": Command("write all results of a scenario to one HTML file that works offline", "commands.report", REPORT),
+    "benchmark": Command(
+        "time every strategy on the shipped scenarios, and CasADi with IPOPT", "commands.benchmark", (JSON,)
+    ),
+    "limits": Command("show what is asked for at most, in a terminal and on a page", "commands.limits"),
+    "compile": Command(
+        "compile the solver ahead of its first use, as for an image or a cluster", "commands.compile_kernels"
+    ),
+    "validate": Command(
+        "compare the papers' published numbers with ours",
+        "commands.validate",
+        (
+            argument(
+                "paper",
+                metavar="PAPER",
+                nargs="?",
+                help="ftorek, liashenko, rawicki or shtompel; default: all papers",
+            ),
+            JSON,
+        ),
+    ),
+    "check": Command(
+        "check a run against its scenario, by formulas that share no code with the solvers",
+        "commands.check",
+        CHECK,
+        CHECK_STATUS,
+    ),
+    "import": Group(
+        "read lines, vehicles and runs from files of other programs",
+        "FORMAT",
+        FORMATS,
+        "What the files hold that was not used is told on standard error.",
+    ),
+    "measured": Command(
+        "put a measured run beside the model and the optimum in its time",
+        "measurements.measured",
+        (
+            file_argument("RUN", "the table of a recorder: RUN.csv or RUN.xlsx", "run"),
+            *RECORDING,
+            trajectory("run"),
+            output("write its line, stops and time as OUT.toml", ".toml", required=False),
+            JSON,
+        ),
+    ),
+    "fit": Command(
+        "find resistance, inertia, efficiency and auxiliaries of a train from measured runs", "measurements.fit", FIT
+    ),
+}
