@@ -1,14 +1,19 @@
-"""What happens on the pages of this process: a line of the log for each event, and which pages wait for a result."""
+"""What happens on the pages of this process: a line of the log for each event, and which pages wait for a result.
+
+A page that is closed while something is under way to it is no error, though the libraries tell of it as one.
+"""
 
 import hashlib
 import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TextIO
 from weakref import WeakKeyDictionary
 
 from bokeh.document import Document
+from tornado.iostream import StreamClosedError
+from tornado.websocket import WebSocketClosedError
 
 from railjoule.dashboard.insides import session_document
 
@@ -89,3 +94,46 @@ def write(event: str, visit: Visit, duration_s: float, cells: int | None = None,
     told = "" if cells is None else f" cells={cells}"
     page = visit.page().replace(" ", "-")
     LOG.info("%s session=%s page=%s duration_s=%.3f%s %s", event, visit.session, page, duration_s, told, outcome)
+
+
+# ---- the log itself
+
+GONE = (WebSocketClosedError, StreamClosedError)
+"""What writing to a page raises that has just been closed."""
+WITH_TIME = logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S")
+TOO_LATE = "Failed sending message as connection was closed"
+# asyncio tells of errors in writing for which nobody waits
+LOGGERS = ("asyncio", "bokeh.server.views.ws", "panel.io.document")
+
+
+def is_worth_a_line(record: logging.LogRecord) -> bool:
+    """Return whether a record does not come from a page that has just been closed."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not isinstance(error, GONE) and TOO_LATE not in record.getMessage()
+
+
+def keep_quiet() -> None:
+    """Let no line come of pages that have just been closed; once more changes nothing."""
+    for name in LOGGERS:
+        logging.getLogger(name).addFilter(is_worth_a_line)
+
+
+def write_down() -> None:
+    """Write what this program and its libraries tell to standard error, each line once and with its time."""
+    root = logging.getLogger()
+    if any(isinstance(handler, Dated) for handler in root.handlers):
+        return
+    # libraries add one of their own, without a time, where there is none yet
+    root.addHandler(Dated())
+    # Bokeh brings its own
+    for handler in logging.getLogger("bokeh").handlers:
+        handler.setFormatter(WITH_TIME)
+    logging.getLogger("railjoule").setLevel(logging.INFO)
+
+
+class Dated(logging.StreamHandler[TextIO]):
+    """Writes lines with their time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFormatter(WITH_TIME)

@@ -1,12 +1,69 @@
 import gzip
+import json
 import tempfile
 from pathlib import Path
 
+import pytest
 from tornado.httpclient import HTTPResponse
 from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application
 
-from railjoule.dashboard.server.kept_files import A_DAY, NAMED_BY_CONTENT, KeptFileHandler, packed
+from railjoule.core import load_scenario, solve
+from railjoule.core.compiled import MODE
+from railjoule.dashboard.app import EXTRA_PATTERNS
+from railjoule.dashboard.server.answers import A_DAY, NAMED_BY_CONTENT, KeptFileHandler, NotFoundHandler, packed
+
+
+class TestNotFound(AsyncHTTPTestCase):
+    def get_app(self) -> Application:
+        return Application([], default_handler_class=NotFoundHandler)
+
+    def test_an_unknown_address_leads_to_the_front_page(self) -> None:
+        for path, front in (("/nope", "./"), ("/a/b/c", "../../")):
+            answer = self.fetch(path)
+            text = answer.body.decode()
+            assert answer.code == 404
+            assert f"There is no page {path}" in text
+            assert f'href="{front}"' in text
+
+    def test_markup_in_an_address_stays_text(self) -> None:
+        text = self.fetch("/%3Cscript%3Ealert(1)%3C/script%3E").body.decode()
+        assert "<script" not in text
+
+    def test_long_addresses_are_cut(self) -> None:
+        assert len(self.fetch("/" + "a" * 5000).body) < 10_000
+
+    def test_other_methods_are_answered_alike(self) -> None:
+        assert self.fetch("/nope", method="POST", body="").code == 404
+
+
+class TestHealth(AsyncHTTPTestCase):
+    def get_app(self) -> Application:
+        return Application(EXTRA_PATTERNS)
+
+    def test_it_solves(self) -> None:
+        answer = json.loads(self.fetch("/health").body)
+        assert (self.fetch("/health", method="HEAD").code, self.fetch("/health", method="HEAD").body) == (200, b"")
+        assert answer["status"] == "ok"
+        assert answer["energy_kwh"] == pytest.approx(solve(load_scenario("liashenko-i")).energy_kwh)
+
+    def test_that_pages_can_compute_is_told_without_solving(self) -> None:
+        assert json.loads(self.fetch("/ready").body) == {"status": "ready"}
+        assert self.fetch("/ready", method="HEAD").code == 200
+
+
+class TestStarting(AsyncHTTPTestCase):
+    def get_app(self) -> Application:
+        return Application(EXTRA_PATTERNS)
+
+    def test_both_say_so_while_kernels_compile(self) -> None:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(MODE, "is_compiled", False)
+            for path in ("/health", "/ready"):
+                answer = self.fetch(path)
+                assert (answer.code, json.loads(answer.body)) == (503, {"status": "starting"})
+                assert self.fetch(path, method="HEAD").code == 503
+
 
 SCRIPT = "const railway = 1; " * 200
 
