@@ -38,7 +38,7 @@ from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.scenario_folder import ScenarioFolder
-from railjoule.dashboard.server.answers import KeptFileHandler, NotFoundHandler, answered
+from railjoule.dashboard.server.answers import KeptFileHandler, NotFoundHandler, extra_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
@@ -75,7 +75,7 @@ COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
 LOOK_MS = 3000
 """How often Start lists the folder, which others may change too."""
-EXTRA_PATTERNS = answered()
+EXTRA_PATTERNS = extra_patterns()
 VIEWS: dict[str, type[PageView]] = {name: find_view(name) for name in PAGES}
 """What draws each page."""
 

@@ -1,4 +1,4 @@
-"""The commands of `railjoule` with their arguments, as a table; what each does is imported when it is called."""
+"""The commands of `railjoule` with their arguments, as a table; each function is imported when it is called."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Argument:
 
 @dataclass(frozen=True)
 class Command:
-    """What a command is for, the function that does it as 'module.function' of this package, and its arguments."""
+    """A command: its purpose, its function as 'module.function' of this package, and its arguments."""
 
     words: str
     calls: str
@@ -34,7 +34,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Group:
-    """Commands below a common word, and what stands for their names in the usage."""
+    """Commands below a common word, and the placeholder of their names in the usage."""
 
     words: str
     metavar: str
@@ -43,7 +43,7 @@ class Group:
 
 
 def argument(*names: str, type: Callable[[str], Any] | None = None, **settings: Any) -> Argument:  # noqa: A002
-    """Return an argument; words that its type refuses are told in one sentence with the name of the argument."""
+    """Return an argument; a word that its type refuses raises UsageError with the name of the argument."""
     if type is None:
         return Argument(names, settings)
     name = names[0] if names[0].startswith("-") else str(settings.get("metavar", names[0]))
@@ -63,30 +63,30 @@ def several(*names: str, **settings: Any) -> Argument:
     return argument(*names, nargs="+", action="extend", default=[], **settings)
 
 
-def output(told: str, *suffixes: str, required: bool = True) -> Argument:
+def output(description: str, *suffixes: str, required: bool = True) -> Argument:
     """Return the option that names the file to write."""
-    return argument("-o", "--output", metavar="OUT", type=values.file(*suffixes), required=required, help=told)
+    return argument("-o", "--output", metavar="OUT", type=values.file(*suffixes), required=required, help=description)
 
 
-def changes(told: str = "as in solve") -> Argument:
+def changes(description: str = "as in solve") -> Argument:
     """Return the option that changes keys of a scenario."""
-    return several("--set", metavar="KEY=VALUE", help=told)
+    return several("--set", metavar="KEY=VALUE", help=description)
 
 
-def travel_time(told: str) -> Argument:
+def travel_time(description: str) -> Argument:
     """Return the option that names the time of a whole run."""
-    return argument("--travel-time-s", metavar="T", type=values.seconds, help=told)
+    return argument("--travel-time-s", metavar="T", type=values.seconds, help=description)
 
 
 def trajectory(what: str) -> Argument:
     """Return the option that names the file for a run."""
-    told = f"write the {what} to OUT.csv or OUT.parquet"
-    return argument("--trajectory", metavar="OUT", type=values.file(*TABLE_SUFFIXES), help=told)
+    description = f"write the {what} to OUT.csv or OUT.parquet"
+    return argument("--trajectory", metavar="OUT", type=values.file(*TABLE_SUFFIXES), help=description)
 
 
-def file_argument(metavar: str, told: str, name: str = "file") -> Argument:
+def file_argument(metavar: str, description: str, name: str = "file") -> Argument:
     """Return the argument that names the file to read."""
-    return argument(name, metavar=metavar, help=told)
+    return argument(name, metavar=metavar, help=description)
 
 
 FILE = file_argument("FILE", "a scenario file, or the name of a scenario")
@@ -267,7 +267,7 @@ INTERVALS = (
         "--rows",
         metavar="TABLE.COLUMN=VALUE",
         type=values.of_table,
-        help="use the rows of one line or track alone, as gradients.NOM_VOIE=V1",
+        help="use only the rows of one line or track, as gradients.NOM_VOIE=V1",
     ),
     argument(
         "--begin",
@@ -292,7 +292,7 @@ TTOBENCH = (
     argument("--train", metavar="TRAIN", required=True, help="TRAIN.json"),
     argument("--journey", metavar="J", help="JOURNEY.json, for travel time and stops"),
     argument(
-        "--stops", choices=("all", "ends"), default="all", help="stop at all stops, the default, or at the ends alone"
+        "--stops", choices=("all", "ends"), default="all", help="stop at all stops, the default, or only at the ends"
     ),
     ENCODING,
     travel_time("time for the whole run; default: the journey's, or 10 %% above the shortest possible"),
@@ -419,7 +419,7 @@ COMMANDS: Mapping[str, Command | Group] = {
         "serve the dashboard in the browser",
         "commands.serve",
         SERVE,
-        f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}",
+        f"{NO_LOGIN} With the default address, only users of this machine reach it. {EXPOSED}",
     ),
     "solve": Command(
         "solve one scenario",
@@ -435,7 +435,7 @@ COMMANDS: Mapping[str, Command | Group] = {
     ),
     "compare": Command("run every strategy that fits a scenario", "commands.compare", (*SCENARIO, PROOF)),
     "advise": Command(
-        "find the best run whose driver changes the regime seldom",
+        "find the best run with few changes of the regime",
         "commands.advise",
         (
             *SCENARIO,
@@ -460,7 +460,7 @@ COMMANDS: Mapping[str, Command | Group] = {
         "compile the solver ahead of its first use, as for an image or a cluster", "commands.compile_kernels"
     ),
     "validate": Command(
-        "compare the papers' published numbers with ours",
+        "compare the papers' published numbers with those of railjoule",
         "commands.validate",
         (
             argument(
@@ -482,7 +482,7 @@ COMMANDS: Mapping[str, Command | Group] = {
         "read lines, vehicles and runs from files of other programs",
         "FORMAT",
         FORMATS,
-        "What the files hold that was not used is told on standard error.",
+        "Contents of the files that were not used are listed on standard error.",
     ),
     "measured": Command(
         "put a measured run beside the model and the optimum in its time",

@@ -1,4 +1,4 @@
-"""Files that commands read and write: scenarios, tables and reports; what fails is told in one sentence."""
+"""Scenarios, tables and reports that commands read and write; every failure raises one sentence."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping
@@ -40,7 +40,7 @@ def show(options: "argparse.Namespace", values: Any, to_text: Callable[[Any], st
 
 
 def scenario(options: "argparse.Namespace", needed_for: str = "") -> Scenario:
-    """Return the scenario that the options name and change: by FILE, or by --scenario where `needed_for` says why.
+    """Return the scenario that the options name and change: by FILE, or by --scenario if `needed_for` is the reason.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def require_tables(path: Path, changes: Mapping[str, Any]) -> None:
     missing = [table for table in SCENARIO_TABLES if table not in given]
     if there and missing:
         raise CommandError(
-            f"{path.name}: holds {' and '.join(there)} alone, and a scenario also needs "
+            f"{path.name}: holds only {' and '.join(there)}, and a scenario also needs "
             f"{' and '.join(f'[{table}]' for table in missing)}. Add it to the file, or name it here, such as --set "
             f"{' '.join(SCENARIO_TABLES[table] for table in missing)}."
         )
@@ -103,7 +103,7 @@ def read_table(path: Path) -> "pandas.DataFrame":
     CommandError
         If there is none, or it cannot be read.
     """
-    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+    import pandas  # noqa: PLC0415  (slow to import, and rarely needed)
 
     name, is_parquet = shortened(path), path.suffix.lower() == ".parquet"
     try:

@@ -1,7 +1,7 @@
-"""What the words after an option mean: one type for each kind of number, time, pair and file, for all commands.
+"""Types of the values of options: one for each kind of number, time, pair and file, for all commands.
 
-A type returns the value of a word, or raises ValueError with what the word must be: the parser puts option and word
-before that. Nothing here loads the core before it is needed, as `--help` is read at once.
+A type returns the value of a word, or raises ValueError with a text such as "must be a number", which the parser puts
+behind option and word. The core is imported only when it is needed, so that `--help` is fast.
 """
 
 import datetime
@@ -27,27 +27,27 @@ class UsageError(Exception):
 
 def shortened(text: object) -> str:
     """Return a text of at most 80 characters."""
-    told = str(text)
-    return told if len(told) <= 80 else told[:77] + "..."
+    full = str(text)
+    return full if len(full) <= 80 else full[:77] + "..."
 
 
-def must_be(told: str, read: Callable[[str], Value]) -> Callable[[str], Value]:
-    """Return a type of words that `read` takes; of any other it says in the same words what it must be."""
+def must_be(requirement: str, read: Callable[[str], Value]) -> Callable[[str], Value]:
+    """Return a type that reads words by `read`, and raises the same requirement for every other word."""
 
     def value(text: str) -> Value:
         try:
             return read(text)
         except ValueError:
-            raise ValueError(f"must {told}") from None
+            raise ValueError(f"must be {requirement}") from None
 
     return value
 
 
 def _parts(text: str) -> tuple[str, str]:
-    key, _, told = (part.strip() for part in text.partition("="))
-    if not (key and told):
+    key, _, value = (part.strip() for part in text.partition("="))
+    if not (key and value):
         raise ValueError
-    return key, told
+    return key, value
 
 
 def _share(text: str) -> float:
@@ -56,34 +56,34 @@ def _share(text: str) -> float:
 
 
 def _range(text: str) -> tuple[str, tuple[float, float]]:
-    field, told = _parts(text)
-    low, _, high = told.partition(":")
+    field, ends = _parts(text)
+    low, _, high = ends.partition(":")
     return field, (number(low), number(high))
 
 
-number = must_be("be a number", lambda text: parse_number(text, ANY))
+number = must_be("a number", lambda text: parse_number(text, ANY))
 """A number, with a decimal point or a decimal comma."""
-share = must_be("be a share, as 0.9 or 90 %", _share)
+share = must_be("a share, as 0.9 or 90 %", _share)
 seconds = must_be(
-    f"be a time from 0 to {LONGEST_TIME_S:g} s, as 150 or 2:30", lambda text: parse_time(text, (0.0, LONGEST_TIME_S))
+    f"a time from 0 to {LONGEST_TIME_S:g} s, as 150 or 2:30", lambda text: parse_time(text, (0.0, LONGEST_TIME_S))
 )
 
-field_range = must_be("be FIELD=LOW:HIGH, such as vehicle.load_factor=0:1", _range)
+field_range = must_be("FIELD=LOW:HIGH, such as vehicle.load_factor=0:1", _range)
 
 
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     """Return the type of whole numbers within bounds."""
-    told = f"of at least {least}" if most is None else f"from {least} to {most}"
-    return must_be(f"be a whole number {told}", lambda text: int(parse_number(str(int(text)), (least, most))))
+    bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
+    return must_be(f"a whole number {bounds}", lambda text: int(parse_number(str(int(text)), (least, most))))
 
 
 def pair(example: str, value: Callable[[str], Any] = str) -> Callable[[str], tuple[str, Any]]:
     """Return the type of words such as 'speed=km/h'."""
-    split = must_be(f"be QUANTITY=VALUE, such as {example}", _parts)
+    split = must_be(f"QUANTITY=VALUE, such as {example}", _parts)
 
     def read(text: str) -> tuple[str, Any]:
-        key, told = split(text)
-        return OTHER_NAMES.get(key, key), value(told)
+        key, word = split(text)
+        return OTHER_NAMES.get(key, key), value(word)
 
     return read
 

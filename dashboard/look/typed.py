@@ -7,7 +7,7 @@ import re
 CLOCK = re.compile(r"(?:(?P<h>\d+):(?=\d\d:))?(?P<min>\d+):(?P<s>\d\d(?:\.\d+)?)")
 # a digit is asked for ahead, as each part may be missing: without it, an empty text would be a time
 WORDED = re.compile(
-    r"(?=.*\d)(?:(?P<h>\d+(?:\.\d+)?)\s*h(?:ours?)?\s*)?(?:(?P<min>\d+(?:\.\d+)?)\s*(?:min(?:utes?)?|m)\s*)?"
+    r"(?=.*\d)(?:(?P<h>\d+(?:\.\d+)?)\s*(?:h|hours?)\s*)?(?:(?P<min>\d+(?:\.\d+)?)\s*(?:min(?:utes?)?|m)\s*)?"
     r"(?:(?P<s>\d+(?:\.\d+)?)\s*(?:s|sec|seconds?)?)?"
 )
 """Times as on a clock, and with the names of their units; what ends a worded one without a name is seconds."""
@@ -44,11 +44,11 @@ def parse_time(text: str, bounds: tuple[float | None, float | None], name: str =
     Parameters
     ----------
     text : str
-        What was typed.
+        The typed text.
     bounds : tuple of float or None
         The least and the greatest time [s].
     name : str
-        What the time is, where nothing else in sight tells.
+        Name of the time for the message, if nothing else shows it.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def _plain(text: str) -> str:
 
 def clock(seconds: float) -> str:
     """Return a time [s] as on a clock: 2:30, or 1:02:03 from an hour on."""
-    # rounded before it is taken apart, so that 119.96 s read 2:00
+    # rounded before it is split, so that 119.96 s read 2:00
     whole, rest = divmod(round(seconds, 1), 1)
     minutes, second = divmod(int(whole), SIXTY)
     hours, minute = divmod(minutes, SIXTY)

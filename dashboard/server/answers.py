@@ -1,4 +1,4 @@
-"""What the server answers beside its pages: files, its health, the documentation, and words where it has nothing."""
+"""Answers of the server beside its pages: files, its health, the documentation, and messages in words."""
 
 import asyncio
 import gzip
@@ -33,7 +33,7 @@ NAMED_BY_CONTENT = "public, max-age=31536000, immutable"
 """Of files that are asked for with a version: another content has another address."""
 A_DAY = "public, max-age=86400"
 PACKED = frozenset({".css", ".html", ".js", ".json", ".mjs", ".svg"})
-"""What becomes smaller."""
+"""Suffixes of the files that compress well."""
 SMALLEST_BYTES, MAX_FILES = 1024, 200
 """Below that, packing saves nothing that anyone notices; and as many packed files are kept."""
 PIECE_BYTES = 2**18
@@ -42,8 +42,8 @@ PIECE_BYTES = 2**18
 # ---- in words
 
 
-def told(title: str, text: Markup) -> Markup:
-    """Return a page with a title and what stands below it."""
+def message_page(title: str, text: Markup) -> Markup:
+    """Return a page with a title and a text below it."""
     return markup(PAGE, css=Markup(bare_css()), title=title, text=text)
 
 
@@ -56,12 +56,12 @@ class RefusalHandler(RequestHandler):
         self._again_after_s = again_after_s
 
     def prepare(self) -> None:
-        """Answer at once."""
+        """Send the message."""
         self.set_status(self._status)
         if self._again_after_s:
             self.set_header("Retry-After", str(self._again_after_s))
             self.set_header("Refresh", str(self._again_after_s))
-        self.finish(told(self._title, markup("<p>{}</p>", self._advice)))
+        self.finish(message_page(self._title, markup("<p>{}</p>", self._advice)))
 
 
 class NotFoundHandler(RequestHandler):
@@ -73,21 +73,21 @@ class NotFoundHandler(RequestHandler):
         path = self.request.path
         shown = path if len(path) <= LONGEST_SHOWN else path[: LONGEST_SHOWN - 3] + "..."
         front = "../" * (path.count("/") - 1) or "./"
-        self.finish(told(f"There is no page {shown}", markup(NO_PAGE, front)))
+        self.finish(message_page(f"There is no page {shown}", markup(NO_PAGE, front)))
 
 
 class DocumentationHandler(StaticFileHandler):
     """Answers with a file of the documentation that `./run docs` has built, or in words where it is not there."""
 
     def prepare(self) -> None:
-        """Say how to build what is not there."""
+        """Send the way to build the documentation if it is not built."""
         if not is_built(self.root):
             self.set_status(NOT_FOUND)
-            build = "Run ./run docs in the checkout of railjoule, and load this page anew."
-            self.finish(told("The documentation is not built", markup("<p>{}</p>", build)))
+            build = "Run ./run docs in the checkout of railjoule, and load this page again."
+            self.finish(message_page("The documentation is not built", markup("<p>{}</p>", build)))
 
     def compute_etag(self) -> str | None:
-        """Return what changes with the file: the library's own is kept for as long as the server runs."""
+        """Return a tag that changes with the file; the one of the library never changes while the server runs."""
         if not self.absolute_path:
             return None
         status = Path(self.absolute_path).stat()
@@ -97,18 +97,18 @@ class DocumentationHandler(StaticFileHandler):
         """Answer in words, with the way to the front page."""
         front = "../" * self.path_args[0].count("/") or "./"
         title = "There is no such page in the documentation" if status_code == NOT_FOUND else f"Error {status_code}"
-        self.finish(told(title, markup('<p><a href="{}">Go to its front page</a></p>', front)))
+        self.finish(message_page(title, markup('<p><a href="{}">Go to its front page</a></p>', front)))
 
 
 # ---- for programs that watch the server
 
 
-# Panel's own check of liveness only makes a document: it says yes where every page fails
+# Panel's own check of liveness only makes a document: it answers 200 even if every page fails
 class HealthHandler(RequestHandler):
     """Answers 503 while kernels compile, then 200: with the energy of a small run, or only that pages can compute."""
 
     def initialize(self, solves: bool) -> None:
-        """Take whether the answer is that of a run; where a proxy may send visitors is told without."""
+        """Set whether a run is solved; a proxy needs only to learn that pages can compute."""
         self._solves = solves
 
     def _log(self) -> None:
@@ -135,7 +135,7 @@ class HealthHandler(RequestHandler):
 
 @lru_cache(maxsize=MAX_FILES)
 def packed(path: str, changed_ns: int) -> bytes:
-    """Return a file packed by gzip; it is packed anew when it has changed."""
+    """Return a file packed by gzip; it is packed again when it has changed."""
     return gzip.compress(Path(path).read_bytes(), compresslevel=9, mtime=0)
 
 
@@ -143,7 +143,7 @@ class KeptFileHandler(StaticFileHandler):
     """Answers with scripts, style sheets and fonts of the libraries: packed once, and kept by browsers."""
 
     def set_extra_headers(self, path: str) -> None:
-        """Say for how long a browser need not ask again."""
+        """Set for how long a browser may use its copy."""
         super().set_extra_headers(path)
         self.set_header("Cache-Control", NAMED_BY_CONTENT if self.request.query else A_DAY)
 
@@ -198,8 +198,8 @@ class OfferedFileHandler(RequestHandler):
             file.drop()
 
 
-def answered(documentation: Path = FOLDER) -> list[tuple[Any, ...]]:
-    """Return all addresses beside the pages, with what answers them."""
+def extra_patterns(documentation: Path = FOLDER) -> list[tuple[Any, ...]]:
+    """Return all addresses beside the pages, with their handlers."""
     return [
         ("/health", HealthHandler, {"solves": True}),
         ("/ready", HealthHandler, {"solves": False}),

@@ -1,6 +1,6 @@
-"""What happens on the pages of this process: a line of the log for each event, and which pages wait for a result.
+"""Events of the pages of this process: a line of the log for each, and the pages that wait for a result.
 
-A page that is closed while something is under way to it is no error, though the libraries tell of it as one.
+A message to a page that was closed in the meantime is no error, although the libraries log it as one.
 """
 
 import hashlib
@@ -91,18 +91,18 @@ def worked(document: Any, work: str, duration_s: float, result: object) -> None:
 
 def write(event: str, visit: Visit, duration_s: float, cells: int | None = None, outcome: str = "ok") -> None:
     """Write the line of one event."""
-    told = "" if cells is None else f" cells={cells}"
+    counted = "" if cells is None else f" cells={cells}"
     page = visit.page().replace(" ", "-")
-    LOG.info("%s session=%s page=%s duration_s=%.3f%s %s", event, visit.session, page, duration_s, told, outcome)
+    LOG.info("%s session=%s page=%s duration_s=%.3f%s %s", event, visit.session, page, duration_s, counted, outcome)
 
 
 # ---- the log itself
 
 GONE = (WebSocketClosedError, StreamClosedError)
-"""What writing to a page raises that has just been closed."""
+"""Errors of writing to a page that has just been closed."""
 WITH_TIME = logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S")
 TOO_LATE = "Failed sending message as connection was closed"
-# asyncio tells of errors in writing for which nobody waits
+# asyncio logs errors of writes that nobody awaits
 LOGGERS = ("asyncio", "bokeh.server.views.ws", "panel.io.document")
 
 
@@ -113,7 +113,7 @@ def is_worth_a_line(record: logging.LogRecord) -> bool:
 
 
 def keep_quiet() -> None:
-    """Let no line come of pages that have just been closed; once more changes nothing."""
+    """Log nothing of pages that have just been closed; a second call changes nothing."""
     for name in LOGGERS:
         logging.getLogger(name).addFilter(is_worth_a_line)
 

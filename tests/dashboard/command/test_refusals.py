@@ -25,7 +25,7 @@ LONG = {
     "long": "x" * 5000,
     "digits": "9" * 5000,
 }
-"""What stands in braces in the table."""
+"""Values of the names in braces in the table."""
 GIVEN = {
     "empty.csv": "",
     "torn.csv": 'a,b\n1,2\n"3',
@@ -62,11 +62,11 @@ def test_one_sentence_and_no_file(capsys, folder, monkeypatch, command, sentence
     capsys.readouterr()
     before = sorted(folder.iterdir())
     words = [word.format(**LONG) if word.startswith("{") else word for word in shlex.split(command.removeprefix("$"))]
-    told = complaint(capsys, *words)
+    message = complaint(capsys, *words)
     if sentence.endswith("..."):
-        assert told.startswith(sentence.removesuffix("..."))
+        assert message.startswith(sentence.removesuffix("..."))
     else:
-        assert told == sentence
+        assert message == sentence
     assert sorted(folder.iterdir()) == before
 
 

@@ -47,7 +47,7 @@ class TestHealth(AsyncHTTPTestCase):
         assert answer["status"] == "ok"
         assert answer["energy_kwh"] == pytest.approx(solve(load_scenario("liashenko-i")).energy_kwh)
 
-    def test_that_pages_can_compute_is_told_without_solving(self) -> None:
+    def test_readiness_needs_no_run(self) -> None:
         assert json.loads(self.fetch("/ready").body) == {"status": "ready"}
         assert self.fetch("/ready", method="HEAD").code == 200
 
@@ -82,7 +82,7 @@ class TestKeptFiles(AsyncHTTPTestCase):
     def answer(self, path: str, **headers: str) -> HTTPResponse:
         return self.fetch(f"/static/{path}", headers=headers, decompress_response=False)
 
-    def test_a_large_script_comes_packed_to_whoever_takes_it(self) -> None:
+    def test_a_large_script_is_sent_packed_if_the_browser_accepts_it(self) -> None:
         plain = self.answer("railway.js")
         small = self.answer("railway.js", **{"Accept-Encoding": "gzip, br"})
         assert (plain.body.decode(), plain.headers.get("Content-Encoding")) == (SCRIPT, None)
@@ -113,7 +113,7 @@ class TestKeptFiles(AsyncHTTPTestCase):
         for path in ("../secret.js", "%2e%2e/secret.js", "missing.js"):
             assert self.answer(path, **{"Accept-Encoding": "gzip"}).code in {403, 404}
 
-    def test_a_changed_file_is_packed_anew(self) -> None:
+    def test_a_changed_file_is_packed_again(self) -> None:
         file = self.folder / "railway.js"
         file.write_text("const other = 2; " * 200)
         assert gzip.decompress(packed(str(file), 2)) == file.read_bytes()

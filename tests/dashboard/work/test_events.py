@@ -79,7 +79,7 @@ def test_each_line_is_written_once_with_its_time(capsys: pytest.CaptureFixture[s
         if isinstance(handler, Dated):
             handler.setStream(sys.stderr)
     logging.getLogger("railjoule.dashboard.work.events").info("closed page=Drive")
-    # a library that no other test has told to be quiet
+    # a library whose logger no other test has changed
     logging.getLogger("a_library").warning("404 GET /nope")
     lines = capsys.readouterr().err.splitlines()
     date = r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d"
