@@ -12,14 +12,8 @@ CHECK_STATUS = "Exit status: 0 if the run keeps every rule, 1 if it breaks one, 
 TABLE_SUFFIXES, LABELLED_SUFFIXES = (".csv", ".parquet"), (".nc", ".csv", ".parquet")
 REPORT_SUFFIXES = (".html", ".htm")
 MOST_SESSIONS = 10_000
-
-
-@dataclass(frozen=True)
-class Argument:
-    """One argument of a command: its names, and its settings for `argparse`."""
-
-    names: tuple[str, ...]
-    settings: Mapping[str, Any]
+Argument = tuple[tuple[str, ...], Mapping[str, Any]]
+"""The names of an argument of a command, and its settings for `argparse`."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +39,7 @@ class Group:
 def argument(*names: str, type: Callable[[str], Any] | None = None, **settings: Any) -> Argument:  # noqa: A002
     """Return an argument; a word that its type refuses raises UsageError with the name of the argument."""
     if type is None:
-        return Argument(names, settings)
+        return names, settings
     name = names[0] if names[0].startswith("-") else str(settings.get("metavar", names[0]))
 
     def read(text: str) -> Any:
@@ -55,7 +49,7 @@ def argument(*names: str, type: Callable[[str], Any] | None = None, **settings: 
             # not an error of argparse's, which would put a name with all its other forms before the sentence
             raise values.UsageError(f"{name} {values.shortened(text)}: {error}.") from None
 
-    return Argument(names, {**settings, "type": read})
+    return names, {**settings, "type": read}
 
 
 def several(*names: str, **settings: Any) -> Argument:

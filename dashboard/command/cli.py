@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from railjoule.dashboard.command.arguments import COMMANDS, Command, Group
-from railjoule.dashboard.command.values import UsageError, changes
+from railjoule.dashboard.command.values import UsageError, changes, printable
 
 OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
@@ -106,8 +106,8 @@ def _add_commands(
             _add_commands(child, command.commands, command.metavar.lower(), command.metavar)
             continue
         child.set_defaults(call=command.calls)
-        for argument in command.arguments:
-            child.add_argument(*argument.names, **argument.settings)
+        for names, settings in command.arguments:
+            child.add_argument(*names, **settings)
 
 
 def _settle_changes(options: argparse.Namespace) -> None:
@@ -123,10 +123,8 @@ def _settle_changes(options: argparse.Namespace) -> None:
 
 def _complain(sentence: str) -> int:
     """Print one sentence on standard error."""
-    # a file's name or text may hold control characters, which a terminal would obey
-    line = "".join(character if character.isprintable() else " " for character in sentence)
     with contextlib.suppress(OSError):
-        print(f"railjoule: {line}", file=sys.stderr, flush=True)
+        print(f"railjoule: {printable(sentence)}", file=sys.stderr, flush=True)
     return BAD_INPUT
 
 

@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import asdict
 from datetime import datetime
 from pathlib import Path
 from typing import Any, cast
@@ -43,10 +44,9 @@ def solve(options: argparse.Namespace) -> bool:
     task = prepare_task(scenario)
     values = summary.summarise(run, task.shortest_travel_time_s)
     result = check_run(scenario, run) if options.check else None
-    if result is None:
-        show(options, values, terminal.solution_text)
-    else:
-        show(options, {**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
+    if result is not None:
+        values["check"] = summary.summarise_check(result)
+    show(options, values, terminal.solution_text)
     if missed := missed_windows(task, run):
         raise CommandError(" ".join(missed))
     return result is None or result.ok
@@ -127,8 +127,8 @@ def benchmark(options: argparse.Namespace) -> None:
     from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
     from railjoule.core.validation.ipopt import is_installed  # noqa: PLC0415
 
-    values = summary.summarise_benchmark(list(time_all()))
-    show(options, {**values, "ipopt": is_installed()}, terminal.benchmark_text)
+    results = [asdict(timing) for timing in time_all()]
+    show(options, {"results": results, "ipopt": is_installed()}, terminal.benchmark_text)
 
 
 def validate(options: argparse.Namespace) -> None:
@@ -138,8 +138,9 @@ def validate(options: argparse.Namespace) -> None:
     paper = options.paper
     if paper is not None and paper not in PAPERS:
         raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
-    chosen = PAPERS.values() if paper is None else [PAPERS[paper]]
-    show(options, summary.summarise_validations([compute() for compute in chosen]), terminal.validations_text)
+    validations = [compute() for name, compute in PAPERS.items() if paper in (None, name)]
+    papers = {validation.paper: summary.summarise_validation(validation) for validation in validations}
+    show(options, {"papers": papers}, terminal.validations_text)
 
 
 def limits(_: argparse.Namespace) -> None:

@@ -25,7 +25,7 @@ from railjoule.core.scenario._sentences import counted
 from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.dashboard.command import files, terminal
 from railjoule.dashboard.command.files import CommandError
-from railjoule.dashboard.command.values import LONGEST_TIME_S, shortened
+from railjoule.dashboard.command.values import LONGEST_TIME_S, printable, shortened
 
 if TYPE_CHECKING:
     from railjoule.core.imports.ttobench import ImportedScenario
@@ -169,7 +169,7 @@ def measured_run(options: argparse.Namespace) -> None:
 
 def _vehicle_words(vehicle: Vehicle) -> str:
     mass, speed = terminal.number(vehicle.total_mass_kg / 1000), terminal.number(vehicle.traction.max_speed_kmh)
-    return f"{terminal.printable(vehicle.name)}, {mass} t, {speed} km/h"
+    return f"{printable(vehicle.name)}, {mass} t, {speed} km/h"
 
 
 def _line_words(line: Line) -> str:
@@ -200,5 +200,4 @@ def _tell(imported: Imported, target: Path, what: str) -> None:
 
 def _print_on_stderr(lines: Iterable[str]) -> None:
     for line in lines:
-        # a file's text may hold control characters, which a terminal would obey
-        print(terminal.printable(line), file=sys.stderr)
+        print(printable(line), file=sys.stderr)

@@ -9,9 +9,10 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.identification import Fit, GaugeErrors, HeldOut, fit_runs, hold_out, monte_carlo_scenario
 from railjoule.core.identification.fit import resistance_deviation
 from railjoule.core.measured import MeasuredRun, RecorderFormat, Saving, load_run, possible_saving
-from railjoule.core.scenario import Scenario, save_scenario
+from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.command import files, terminal
 from railjoule.dashboard.command.summary import Summary, picked
+from railjoule.dashboard.command.values import printable
 from railjoule.dashboard.look import comparisons, words
 
 RECORDED = "a recording does not contain its line and its vehicle"
@@ -28,7 +29,8 @@ def measured(options: argparse.Namespace) -> None:
         refusal = str(error)
     if options.trajectory is not None:
         files.write_table(run.trajectory.to_dataframe(), options.trajectory)
-    _write_scenario(options.output, run.scenario)
+    if options.output is not None:
+        files.write(options.output, format_scenario(run.scenario))
     files.show(options, summarise_measured(run, saving, refusal), measured_text)
 
 
@@ -39,7 +41,8 @@ def fit(options: argparse.Namespace) -> None:
     runs = [load_run(Path(name), scenario, recorder, options.start_m, options.sheet) for name in options.runs]
     found = fit_runs(runs, scenario, options.free, options.coasting, stated)
     held = hold_out(runs, scenario, options.free, options.coasting, stated)
-    _write_scenario(options.output, monte_carlo_scenario(found, scenario))
+    if options.output is not None:
+        files.write(options.output, format_scenario(monte_carlo_scenario(found, scenario)))
     files.show(options, summarise_fit(found, held, runs), fit_text)
 
 
@@ -48,12 +51,6 @@ def form(options: argparse.Namespace) -> RecorderFormat:
     return RecorderFormat(
         options.preset, dict(options.column), dict(options.unit), options.longest_gap, encoding=options.encoding
     )
-
-
-def _write_scenario(path: Path | None, scenario: Scenario) -> None:
-    if path is not None:
-        with files.failures_named(path):
-            save_scenario(scenario, path)
 
 
 def summarise_measured(run: MeasuredRun, saving: Saving | None, refusal: str) -> Summary:
@@ -115,7 +112,7 @@ def measured_text(run: Summary) -> str:
     """Return a measured run for people."""
     labelled = terminal.labelled
     lines = [
-        f"{terminal.printable(run['run'])}: {terminal.title_words(run['title'])}",
+        f"{printable(run['run'])}: {terminal.title_words(run['title'])}",
         f"{terminal.distance(run['distance_m'])} km in {terminal.time(run['travel_time_s'])} s, "
         f"at most {terminal.number(run['max_speed_kmh'])} km/h",
         "",
@@ -128,7 +125,9 @@ def measured_text(run: Summary) -> str:
         lines += labelled("Measured", f"{terminal.energy(run['measured_kwh'])} kWh from the supply")
     lines += labelled("Modelled", f"{terminal.energy(run['modelled_kwh'])} kWh by the scenario at the measured speeds")
     if run["optimal_kwh"] is not None:
-        proof = "proven optimal" if run["proven"] else _bound_words(run)
+        bound = run["lower_bound_kwh"]
+        bounded = "no bound known" if bound is None else f"bound {terminal.energy(bound)} kWh"
+        proof = "proven optimal" if run["proven"] else bounded
         told = f"{terminal.energy(run['optimal_kwh'])} kWh in the same time with the same stops, {proof}"
         lines += labelled("Optimal", told)
         lines += labelled("Saving", _saving_words(run))
@@ -143,11 +142,6 @@ def _saving_words(run: Summary) -> str:
     saved = f"{terminal.energy(run['possible_saving_kwh'])} kWh, {low} to {high} kWh by the errors of the speed"
     by_model = " and the model" if run["model_error_kwh"] is not None else "; that of the model is unknown"
     return f"{saved}{by_model}: the optimum saves {words.plain_text(str(amount))}"
-
-
-def _bound_words(run: Summary) -> str:
-    bound = run["lower_bound_kwh"]
-    return "no bound known" if bound is None else f"bound {terminal.energy(bound)} kWh"
 
 
 def fit_text(found: Summary) -> str:
@@ -183,7 +177,7 @@ def fit_text(found: Summary) -> str:
 def _held_row(one: Summary) -> tuple[str, ...]:
     error, energy = one["energy_error"], one["measured_kwh"]
     return (
-        terminal.printable(str(one["run"])),
+        printable(str(one["run"])),
         terminal.number(one["residual_ms"], 3),
         terminal.energy(one["modelled_kwh"]),
         "" if energy is None else terminal.energy(energy),

@@ -23,7 +23,7 @@ from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan,
 from railjoule.core.studies.rows import worker_count
 from railjoule.dashboard.command import files
 from railjoule.dashboard.command.files import refusals_named, show
-from railjoule.dashboard.command.summary import Summary
+from railjoule.dashboard.command.summary import Summary, picked
 from railjoule.dashboard.command.terminal import (
     delay,
     energy,
@@ -111,24 +111,15 @@ def summarise_robust(found: RobustPlan) -> Summary:
 
 
 def _plan(candidate: Candidate, checked: DrawnRuns) -> Summary:
+    drawn = {"search": candidate.drawn, "check": checked}
     return {
-        "load_factor": candidate.load_factor,
-        "resistance_factor": candidate.resistance_factor,
-        "reserve_s": candidate.reserve_s,
+        **picked(candidate, "load_factor", "resistance_factor", "reserve_s"),
         "planned_kwh": candidate.plan.energy_kwh,
         "planned_time_s": candidate.plan.travel_time_s,
-        "search": _runs(candidate.drawn),
-        "check": _runs(checked),
-    }
-
-
-def _runs(drawn: DrawnRuns) -> Summary:
-    low, high = drawn.share_interval
-    return {
-        "runs": drawn.runs,
-        "expected_kwh": drawn.expected_kwh,
-        "share_on_time": drawn.share_on_time,
-        "share_interval": [low, high],
+        **{
+            name: {**picked(runs, "runs", "expected_kwh", "share_on_time"), "share_interval": list(runs.share_interval)}
+            for name, runs in drawn.items()
+        },
     }
 
 

@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     from railjoule.core.simulation.field_oriented import FieldOrientedRun
     from railjoule.core.simulation.following import Following
     from railjoule.core.studies.simple_advice import SimpleAdvice
-    from railjoule.core.validation import Claim, Row, Table, Validation
-    from railjoule.core.validation.benchmark import Timing
+    from railjoule.core.validation import Row, Table, Validation
 
 Summary = dict[str, Any]
 
@@ -160,28 +159,25 @@ def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
     }
 
 
-def summarise_validations(validations: "Sequence[Validation]") -> Summary:
-    """Return the papers' printed numbers and claims with those of railjoule, by the name of the paper.
+def summarise_validation(validation: "Validation") -> Summary:
+    """Return a paper's printed numbers and claims with the values of railjoule.
 
     The rows have one entry for each printed number: the first comparison, with the others as alternatives. A reference
     that no paper prints, such as the energy of another solver, is no printed number and stands separately.
     """
-    return {"papers": {validation.paper: _validation(validation) for validation in validations}}
-
-
-def _validation(validation: "Validation") -> Summary:
     return {
         "citation": validation.citation,
         "rows": _rows(validation.tables),
-        "claims": [_claim(claim) for claim in validation.claims],
-        "tables": [_table(table) for table in validation.tables],
+        "claims": [
+            {**picked(claim, "place", "claim"), "ours": claim.found, **picked(claim, "verdict", "reason")}
+            for claim in validation.claims
+        ],
+        "tables": [
+            {**picked(table, "title", "place", "reference"), "rows": [_row(row) for row in table.rows]}
+            for table in validation.tables
+        ],
         "errata": [asdict(erratum) for erratum in validation.errata],
     }
-
-
-def _claim(claim: "Claim") -> Summary:
-    values = asdict(claim)
-    return {"place": values.pop("place"), "claim": values.pop("claim"), "ours": values.pop("found"), **values}
 
 
 def _rows(tables: "Sequence[Table]") -> list[Summary]:
@@ -201,11 +197,6 @@ def _rows(tables: "Sequence[Table]") -> list[Summary]:
             entry |= {"printed": None, "independent": row.printed}
         rows.append(entry)
     return rows
-
-
-def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:
-    """Return the times of a benchmark as plain values."""
-    return {"results": [asdict(timing) for timing in timings]}
 
 
 def _bound(bound: Bound | None) -> Summary:
@@ -230,10 +221,6 @@ def _phase(phase: Phase) -> Summary:
         "end_kmh": phase.end_ms / MS_PER_KMH,
         "energy_kwh": phase.energy_j / J_PER_KWH,
     }
-
-
-def _table(table: "Table") -> Summary:
-    return {**picked(table, "title", "place", "reference"), "rows": [_row(row) for row in table.rows]}
 
 
 def _row(row: "Row") -> Summary:

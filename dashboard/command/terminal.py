@@ -11,6 +11,7 @@ from railjoule.core.advice import Instruction
 from railjoule.core.lower_bound import Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.command.summary import Summary
+from railjoule.dashboard.command.values import printable
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.words import CAUSE_WORDS, STRATEGY_WORDS, advice_in_words, decimals
 
@@ -31,18 +32,13 @@ price = words.plain(words.price)
 notice = words.plain(words.notice)
 
 
-def printable(text: str) -> str:
-    """Return a text of one line without control characters."""
-    return "".join(character if character.isprintable() else " " for character in text)
-
-
 def title_words(title: str) -> str:
     """Return what a scenario is called."""
     return words.title(printable(title))
 
 
 def solution_text(summary: Summary) -> str:
-    """Return one run for people: energy, proof, time, account, driver's advice."""
+    """Return one run for people: energy, proof, time, account, driver's advice, and the rules that its check broke."""
     bound, saved = summary["lower_bound_kwh"], summary["price_of_time_wh_per_s"]
     iterations = f", {summary['iterations']} iterations" if summary["iterations"] else ""
     lines = [
@@ -63,15 +59,11 @@ def solution_text(summary: Summary) -> str:
         f"Solved in {number(1e3 * summary['solve_time_s'])} ms{iterations}.",
         *wrapped(" ".join(summary["notes"])),
     ]
+    if check := summary.get("check"):
+        broken = [each for each in check["checks"] if _is_broken(each)]
+        lines += ["", *_check_lines(broken)] if broken else []
+        lines += labelled("Check", check["verdict"])
     return "\n".join(lines)
-
-
-def checked_solution_text(summary: Summary) -> str:
-    """Return one run for people, with the rules that it breaks, if any, and the verdict of its check."""
-    check = summary["check"]
-    broken = [each for each in check["checks"] if _is_broken(each)]
-    table = ["", *_check_lines(broken)] if broken else []
-    return "\n".join([solution_text(summary), *table, *labelled("Check", check["verdict"])])
 
 
 def check_text(check: Summary) -> str:

@@ -25,6 +25,11 @@ class UsageError(Exception):
     """Arguments that make no command, in one sentence."""
 
 
+def printable(text: str) -> str:
+    """Return a text of one line without control characters, which a terminal would obey."""
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
 def shortened(text: object) -> str:
     """Return a text of at most 80 characters."""
     full = str(text)

@@ -77,5 +77,5 @@ def test_a_complaint_cannot_steer_the_terminal(capsys):
 def test_bounds_that_the_parser_repeats_are_those_of_the_core():
     """It repeats them, as it is there before the core is imported."""
     assert LONGEST_TIME_S == LONGEST_PROOF_S
-    (gap,) = (one.settings["default"] for one in RECORDING if "--longest-gap" in one.names)
+    (gap,) = (settings["default"] for names, settings in RECORDING if "--longest-gap" in names)
     assert gap == RecorderFormat.longest_gap_s
