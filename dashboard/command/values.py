@@ -72,14 +72,20 @@ share = must_be("a share, as 0.9 or 90 %", _share)
 seconds = must_be(
     f"a time from 0 to {LONGEST_TIME_S:g} s, as 150 or 2:30", lambda text: parse_time(text, (0.0, LONGEST_TIME_S))
 )
-
 field_range = must_be("FIELD=LOW:HIGH, such as vehicle.load_factor=0:1", _range)
 
 
 def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     """Return the type of whole numbers within bounds."""
     bounds = f"of at least {least}" if most is None else f"from {least} to {most}"
-    return must_be(f"a whole number {bounds}", lambda text: int(parse_number(str(int(text)), (least, most))))
+
+    def read(text: str) -> int:
+        value = int(text)
+        if value < least or (most is not None and value > most):
+            raise ValueError
+        return value
+
+    return must_be(f"a whole number {bounds}", read)
 
 
 def pair(example: str, value: Callable[[str], Any] = str) -> Callable[[str], tuple[str, Any]]:

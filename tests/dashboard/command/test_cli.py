@@ -161,6 +161,8 @@ def test_times_may_be_typed_as_on_a_clock(text, time_s):
         (values.seconds, "2:30", 150),
         (values.seconds, "0,5", 0.5),
         (values.whole(1, 9), "9", 9),
+        # not by way of a float, which rounds it
+        (values.whole(0), "9007199254740993", 9_007_199_254_740_993),
         (values.pair("a"), " speed = v [m/s]", ("speed", "v [m/s]")),
         (values.pair("a", values.number), "effort_gain=0,5", ("effort_gain", 0.5)),
         (values.field_range, "vehicle.load_factor=0,5:1", ("vehicle.load_factor", (0.5, 1.0))),
