@@ -13,8 +13,8 @@ from commands import complaint
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.measured import RecorderFormat
-from railjoule.dashboard.command.arguments import RECORDING
 from railjoule.dashboard.command.cli import OK, main
+from railjoule.dashboard.command.shared_options import RECORDING
 from railjoule.dashboard.command.values import LONGEST_TIME_S
 
 ROOT = Path(__file__).parents[3]
