@@ -180,14 +180,14 @@ def run_strategy(task: Task, strategy: "str | OwnStrategy") -> Trajectory:
 
 
 def compare(
-    scenario: Scenario | str | Path | Task, strategies: Sequence[str] = (), *, prove_seconds: float | None = None
+    scenario: Scenario | str | Path, strategies: Sequence[str] = (), *, prove_seconds: float | None = None
 ) -> Comparison:
     """Return the runs of several strategies over a scenario, and why others refuse it or fail.
 
     Parameters
     ----------
-    scenario : Scenario, str, Path or Task
-        As in `solve`, or its task where that is prepared already.
+    scenario : Scenario, str or Path
+        As in `solve`.
     strategies : sequence of str
         Which ones; by default all.
     prove_seconds : float, optional
@@ -202,7 +202,7 @@ def compare(
     for name in strategies:
         if name not in STRATEGIES:
             raise StrategyRefusedError(f"{name!r} is not a strategy; choose one of {', '.join(STRATEGIES)}.")
-    task = scenario if isinstance(scenario, Task) else prepare_task(as_scenario(scenario))
+    task = prepare_task(as_scenario(scenario))
     # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
     runs: list[Trajectory] = []

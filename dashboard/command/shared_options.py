@@ -62,7 +62,7 @@ JSON = argument("--json", action="store_true", help="print JSON")
 CHANGES = changes()
 SCENARIO = (
     argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a scenario"),
-    changes("change a key of the file, such as vehicle.load_factor=0.3; the value is TOML"),
+    changes("change a key of the file, such as vehicle.load_factor=0.3; the value is TOML, or typed as 0,3 or 2:30"),
     JSON,
 )
 STRATEGY = argument("--strategy", metavar="S", help="the driving strategy; default: the scenario's own")

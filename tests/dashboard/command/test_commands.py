@@ -186,11 +186,6 @@ def test_compare_prints_json(capsys):
     assert all(result["gap"] >= 0 for result in values["results"])
 
 
-def test_compare_prepares_its_task_once(capsys, monkeypatch):
-    monkeypatch.setattr("railjoule.core.strategies.prepare_task", None)
-    assert answer(capsys, "compare", "liashenko-0")
-
-
 def test_compare_tells_who_refuses(capsys):
     values = json.loads(answer(capsys, "compare", "metro-with-limit", "--json"))
     assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc"]
