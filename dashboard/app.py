@@ -1,6 +1,7 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
 import gc
+import logging
 import time
 from collections.abc import Callable
 from typing import Any
@@ -37,15 +38,10 @@ from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.scenario_folder import ScenarioFolder
-from railjoule.dashboard.server.documentation import documentation_patterns
+from railjoule.dashboard.server.answers import KeptFileHandler, NotFoundHandler, extra_patterns
 from railjoule.dashboard.server.guard import guard
-from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
-from railjoule.dashboard.server.kept_files import KeptFileHandler
-from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
-from railjoule.dashboard.server.not_found import NotFoundHandler
-from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
-from railjoule.dashboard.server.options import ServerOptions
+from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
 from railjoule.dashboard.shortcuts import (
@@ -60,7 +56,7 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
-keep_quiet()
+events.keep_quiet()
 count_no_events()
 tell_no_insides()
 write_all_messages()
@@ -73,17 +69,13 @@ settings.perform_error_diagnostics = False
 # and looks through the whole page for mistakes of programmers, which the log would name
 settings.perform_document_validation = False
 
+LOG = logging.getLogger(__name__)
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
 LOOK_MS = 3000
 """How often Start lists the folder, which others may change too."""
-EXTRA_PATTERNS = [
-    ("/health", HealthHandler),
-    ("/ready", ReadyHandler),
-    (r"/file/([\w-]+)", OfferedFileHandler),
-    *documentation_patterns(),
-]
+EXTRA_PATTERNS = extra_patterns()
 VIEWS: dict[str, type[PageView]] = {name: find_view(name) for name in PAGES}
 """What draws each page."""
 
@@ -209,8 +201,9 @@ def serve(options: ServerOptions, folder: ScenarioFolder | None = None) -> None:
         The folder that Start lists, and in which every visitor may save.
     """
     serve_folder(folder)
-    write_down()
-    warn_without_login(options)
+    events.write_down()
+    if not options.is_for_this_machine:
+        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
     compilation().begin()
     server = make_server(options)
     if folder is not None:

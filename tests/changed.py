@@ -9,6 +9,7 @@ Changes are the commits since the merge base with `main`, the working tree and n
 - Any changed module, script or style sheet: tests/browser/test_pages.py, which opens all pages; pages are loaded by
   name, without an import statement. A script: also tests/browser/test_scripts.py.
 - A changed page, in dashboard/pages/NAME: also tests/browser/test_NAME.py.
+- A changed module of commands: all test files that import the command line, which imports those modules by name.
 - A changed file of any other kind: the test files that name it or its folder.
 """
 
@@ -26,6 +27,7 @@ from railjoule.core.kernel_cache import executed_nodes
 ROOT = Path(__file__).parents[1]
 PRODUCT, TESTS, BROWSER = ("core/", "dashboard/"), "tests/", "tests/browser/"
 SMOKE, PAGES = f"{BROWSER}test_pages.py", "dashboard/pages/"
+COMMANDS, COMMAND_LINE = "dashboard/command/", "dashboard/command/cli.py"
 
 
 def changed_files(base: str = "main") -> list[str]:
@@ -68,6 +70,8 @@ def importers() -> dict[str, set[str]]:
     }
     found: defaultdict[str, set[str]] = defaultdict(set)
     for path, imported in names.items():
+        if path.startswith(COMMANDS):
+            found[path].add(COMMAND_LINE)
         for source, name, _ in imported:
             module = f"{source}.{name}" if name else source
             while module and module not in paths:

@@ -11,6 +11,7 @@ CASES = {
     # by an import of the product, of a helper of the tests, or by the name of a page, a script or a folder
     "core/simulation/following.py": {SMOKE, "tests/core/simulation/test_following.py"},
     "dashboard/pages/motor/page.py": {SMOKE, "tests/browser/test_motor.py", "tests/dashboard/pages/motor/test_view.py"},
+    "dashboard/command/sweeps.py": {SMOKE, "tests/dashboard/test_one_value.py"},
     "tests/browser/user.py": {SMOKE, "tests/browser/test_motor.py"},
     "tests/browser/conftest.py": {SMOKE, "tests/browser/test_motor.py"},
     "assets/scripts/guess.js": {SMOKE, "tests/browser/test_lessons.py", "tests/browser/test_scripts.py"},

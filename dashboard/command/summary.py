@@ -9,18 +9,16 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
-from railjoule.core.lower_bound import Bound, Reference
+from railjoule.core.lower_bound import Bound
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.work.simple_advice import first_told
 
 if TYPE_CHECKING:
     from railjoule.core.simulation.actual_run import ActualRun
-    from railjoule.core.simulation.disturbances import DisturbedRun
     from railjoule.core.simulation.field_oriented import FieldOrientedRun
     from railjoule.core.simulation.following import Following
     from railjoule.core.studies.simple_advice import SimpleAdvice
-    from railjoule.core.validation import Claim, Row, Table, Validation
-    from railjoule.core.validation.benchmark import Timing
+    from railjoule.core.validation import Row, Table, Validation
 
 Summary = dict[str, Any]
 
@@ -28,6 +26,15 @@ EVERY_RUN, MESH_RUNS = "every run", "runs over this mesh"
 """The runs that a bound covers: every driving of the train, or runs over one mesh with one effort in each cell."""
 ALTERNATIVE_KEYS = ("quantity", "ours", "difference_percent", "difference_points", "note")
 """Keys of a further comparison of a printed number."""
+
+
+def picked(result: object, *names: str) -> Summary:
+    """Return attributes of a result by their names, which are the keys."""
+    return {name: getattr(result, name) for name in names}
+
+
+def _in_kwh(joules: Mapping[str, float]) -> dict[str, float]:
+    return {kind: value / J_PER_KWH for kind, value in joules.items()}
 
 
 def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = None) -> Summary:
@@ -43,7 +50,8 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     shortest_travel_time_s : float, optional
         Shortest possible time of the scenario, dwells included [s].
     """
-    energy = trajectory.energy
+    energy, known = trajectory.energy, trajectory.reference
+    price = trajectory.price_of_time_w
     losses = {
         "running_resistance": energy.running_resistance_j,
         "curve_resistance": energy.curve_resistance_j,
@@ -57,7 +65,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "traction_energy_kwh": energy.traction_j / J_PER_KWH,
         "recuperated_kwh": energy.recuperated_j / J_PER_KWH,
         "auxiliary_kwh": energy.auxiliary_j / J_PER_KWH,
-        "losses_kwh": {kind: joules / J_PER_KWH for kind, joules in losses.items()},
+        "losses_kwh": _in_kwh(losses),
         "kinetic_kwh": energy.kinetic_j / J_PER_KWH,
         "potential_kwh": energy.potential_j / J_PER_KWH,
         "magnetic_field_kwh": energy.magnetic_field_j / J_PER_KWH,
@@ -71,9 +79,9 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "proven": trajectory.is_proven,
         **_bound(trajectory.bound),
         "cells": len(trajectory.nodes_m) - 1,
-        "reference": _reference(trajectory.reference),
+        "reference": known and picked(known, "strategy", "energy_kwh", "within_s", "proven"),
         "above_reference": trajectory.above_share,
-        "price_of_time_wh_per_s": _per_wh(trajectory.price_of_time_w),
+        "price_of_time_wh_per_s": None if price is None else price / J_PER_WH,
         "solve_time_s": trajectory.solve_time_s,
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
@@ -88,16 +96,10 @@ def summarise_check(result: CheckResult) -> Summary:
         "ok": result.ok,
         "verdict": result.verdict,
         "checks": [
-            {
-                "name": check.name,
-                "largest": _finite(check.largest),
-                "allowed": check.allowed,
-                "at_m": check.at_m,
-                "share_of": check.share_of,
-            }
+            {**picked(check, "name", "largest", "allowed", "at_m", "share_of"), "largest": _finite(check.largest)}
             for check in result.checks
         ],
-        "not_checked": [{"name": rule.name, "reason": rule.reason} for rule in result.not_checked],
+        "not_checked": [picked(rule, "name", "reason") for rule in result.not_checked],
     }
 
 
@@ -111,85 +113,71 @@ def summarise_comparison(
     }
 
 
-def summarise_following(following: "Following") -> Summary:
-    """Return a plan and what became of it as plain values."""
-    return {
-        "planned": summarise(following.planned),
-        "actual": summarise(following.actual),
-        "overconsumption": _finite(following.overconsumption),
-        "stop_error_m": following.stop_error_m,
-        "stop_errors_m": list(following.stop_errors_m),
-        "delay_s": following.delay_s,
-    }
-
-
-def summarise_ride(ride: "DisturbedRun") -> Summary:
-    """Return a plan and a ride with events as plain values."""
-    return {
-        "planned": summarise(ride.planned),
-        "actual": summarise(ride.actual),
-        "overconsumption": _finite(ride.overconsumption),
-        "stop_error_m": ride.stop_error_m,
-        "delay_s": ride.delay_s,
-        "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
-        "notes": list(ride.notes),
-    }
-
-
-def summarise_actual(run: "ActualRun") -> Summary:
-    """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
-    assert run.disturbed is not None
-    causes = {cause.name: cause.energy_kwh for cause in run.causes}
-    # the ride and the account of its causes may note the same
-    notes = list(dict.fromkeys((*run.disturbed.notes, *run.notes)))
-    return {**summarise_ride(run.disturbed), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
-
-
-def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
-    """Return a plan and how the machines drove it in closed loop as plain values."""
+def _beside_plan(run: Any) -> Summary:
+    """Return a plan and what became of it."""
     return {
         "planned": summarise(run.planned),
         "actual": summarise(run.actual),
         "overconsumption": _finite(run.overconsumption),
         "stop_error_m": run.stop_error_m,
+    }
+
+
+def summarise_following(following: "Following") -> Summary:
+    """Return a plan and what became of it as plain values."""
+    return {
+        **_beside_plan(following),
+        "stop_errors_m": list(following.stop_errors_m),
+        "delay_s": following.delay_s,
+    }
+
+
+def summarise_actual(run: "ActualRun") -> Summary:
+    """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
+    ride = run.disturbed
+    assert ride is not None
+    return {
+        **_beside_plan(ride),
         "delay_s": run.delay_s,
-        "energy_by_input_power_kwh": run.energy_by_input_power_kwh,
-        "energy_by_parts_kwh": run.energy_by_parts_kwh,
-        "parts_kwh": {part: joules / J_PER_KWH for part, joules in run.parts_j.items()},
-        "magnetising_loss_kwh": run.magnetising_loss_kwh,
-        "max_tracking_error_m": run.max_tracking_error_m,
-        "max_current_a": run.max_current_a,
-        "max_torque_current_a": run.max_torque_current_a,
-        "min_torque_current_a": run.min_torque_current_a,
-        "max_phase_voltage_v": run.max_phase_voltage_v,
-        "voltage_limit_v": run.voltage_limit_v,
+        "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
+        # the ride and the account of its causes may note the same
+        "notes": list(dict.fromkeys((*ride.notes, *run.notes))),
+        "causes_kwh": {cause.name: cause.energy_kwh for cause in run.causes},
+    }
+
+
+def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
+    """Return a plan and how the machines drove it in closed loop as plain values."""
+    return {
+        **_beside_plan(run),
+        **picked(run, "delay_s", "energy_by_input_power_kwh", "energy_by_parts_kwh"),
+        "parts_kwh": _in_kwh(run.parts_j),
+        **picked(run, "magnetising_loss_kwh", "max_tracking_error_m", "max_current_a", "max_torque_current_a"),
+        **picked(run, "min_torque_current_a", "max_phase_voltage_v", "voltage_limit_v"),
         "saturated": [span._asdict() for span in run.saturated],
         "notes": list(run.notes),
     }
 
 
-def summarise_validations(validations: "Sequence[Validation]") -> Summary:
-    """Return the papers' printed numbers and claims with those of railjoule, by the name of the paper.
+def summarise_validation(validation: "Validation") -> Summary:
+    """Return a paper's printed numbers and claims with the values of railjoule.
 
     The rows have one entry for each printed number: the first comparison, with the others as alternatives. A reference
     that no paper prints, such as the energy of another solver, is no printed number and stands separately.
     """
-    return {"papers": {validation.paper: _validation(validation) for validation in validations}}
-
-
-def _validation(validation: "Validation") -> Summary:
     return {
         "citation": validation.citation,
         "rows": _rows(validation.tables),
-        "claims": [_claim(claim) for claim in validation.claims],
-        "tables": [_table(table) for table in validation.tables],
+        "claims": [
+            {**picked(claim, "place", "claim"), "ours": claim.found, **picked(claim, "verdict", "reason")}
+            for claim in validation.claims
+        ],
+        "tables": [
+            {**picked(table, "title", "place", "reference"), "rows": [_row(row) for row in table.rows]}
+            for table in validation.tables
+        ],
         "errata": [asdict(erratum) for erratum in validation.errata],
     }
-
-
-def _claim(claim: "Claim") -> Summary:
-    values = asdict(claim)
-    return {"place": values.pop("place"), "claim": values.pop("claim"), "ours": values.pop("found"), **values}
 
 
 def _rows(tables: "Sequence[Table]") -> list[Summary]:
@@ -211,11 +199,6 @@ def _rows(tables: "Sequence[Table]") -> list[Summary]:
     return rows
 
 
-def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:
-    """Return the times of a benchmark as plain values."""
-    return {"results": [asdict(timing) for timing in timings]}
-
-
 def _bound(bound: Bound | None) -> Summary:
     """Return which runs a bound covers, and where these are runs over one mesh, what every driving needs at least."""
     if bound is None:
@@ -225,18 +208,6 @@ def _bound(bound: Bound | None) -> Summary:
     if not bound.covers_every_run:
         summary["every_run_lower_bound_kwh"] = bound.every_run_j / J_PER_KWH
     return summary
-
-
-def _reference(reference: Reference | None) -> Summary | None:
-    """Return the best known run that another one is measured against, and its latest arrival."""
-    if reference is None:
-        return None
-    return {
-        "strategy": reference.strategy,
-        "energy_kwh": reference.energy_kwh,
-        "within_s": reference.within_s,
-        "proven": reference.proven,
-    }
 
 
 def _phase(phase: Phase) -> Summary:
@@ -252,31 +223,14 @@ def _phase(phase: Phase) -> Summary:
     }
 
 
-def _table(table: "Table") -> Summary:
-    return {
-        "title": table.title,
-        "place": table.place,
-        "reference": table.reference,
-        "rows": [_row(row) for row in table.rows],
-    }
-
-
 def _row(row: "Row") -> Summary:
     return {
-        "case": row.case,
-        "quantity": row.quantity,
-        "unit": row.unit,
-        "printed": row.printed,
+        **picked(row, "case", "quantity", "unit", "printed"),
         "ours": row.value,
-        "difference_percent": row.difference_percent,
-        "difference_points": row.difference_points,
+        **picked(row, "difference_percent", "difference_points"),
         "close": row.is_close,
         "note": row.note,
     }
-
-
-def _per_wh(watt: float | None) -> float | None:
-    return None if watt is None else watt / J_PER_WH
 
 
 def _finite(value: float | None) -> float | None:
@@ -294,17 +248,16 @@ def summarise_advice(advice: "SimpleAdvice", last: bool) -> Summary:
     last : bool
         Whether the orders are those of the run with the most changes, and not of the first that costs little.
     """
-    optimum = advice.optimum
     shown = advice.runs[-1] if last else first_told(advice)
     return {
         "title": shown.run.scenario.title,
-        "optimum_kwh": None if optimum is None else optimum.energy_kwh,
+        "optimum_kwh": advice.optimum and advice.optimum.energy_kwh,
         "runs": [
             {
                 "changes": run.changes,
-                "energy_kwh": run.run.energy_kwh,
+                **picked(run.run, "energy_kwh"),
                 "price_kwh": _finite(advice.price_kwh(run)),
-                "travel_time_s": run.run.travel_time_s,
+                **picked(run.run, "travel_time_s"),
             }
             for run in advice.runs
         ],

@@ -1,5 +1,6 @@
 """`railjoule study sweep`: very many runs of a scenario whose numbers vary, as one table in a file."""
 
+import argparse
 import logging
 import shutil
 import sys
@@ -7,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from tqdm import tqdm
 
@@ -16,26 +17,17 @@ from railjoule.core.studies.sweep import (
     DEFAULT_COLUMNS,
     SensitivityError,
     Study,
-    StudyFileError,
     SweepFile,
     make_study,
     run_study,
     sensitivities,
     write_rows,
 )
-from railjoule.core.studies.sweep.table_files import require_format
 from railjoule.core.written import require_writable
+from railjoule.dashboard.command import files
 from railjoule.dashboard.command.cluster import cluster
-from railjoule.dashboard.command.commands import (
-    CommandError,
-    Output,
-    failures_named,
-    load,
-    shortened,
-)
-
-if TYPE_CHECKING:
-    import argparse
+from railjoule.dashboard.command.files import CommandError, failures_named, show
+from railjoule.dashboard.command.values import shortened
 
 RUNS_SUFFIX = ".runs"
 """Of the file that keeps the rows until all are done; it stands beside the table."""
@@ -45,7 +37,7 @@ BYTES_KEPT = 8
 STOPPED = "stopped: {done:,} of {rows:,} rows are kept in {file}; --resume goes on with them."
 
 
-def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> None:
+def sweep(options: argparse.Namespace) -> None:
     """Solve the rows of a sweep, write them as a table, and tell how many there are.
 
     Raises
@@ -53,11 +45,11 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> No
     RailjouleError
         If anything is wrong with the scenario, a range, the sample, the cluster or a file; what was done is kept.
     """
-    path, over = _table_path(options.output), parsed_ranges(options.over)
+    path: Path = options.output
     kept = path.with_name(path.name + RUNS_SUFFIX)
     study = make_study(
-        load(options.file, changes),
-        over,
+        files.scenario(options),
+        _ranges(options.over),
         options.sample,
         options.method,
         seed=options.seed,
@@ -75,10 +67,12 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any]) -> No
                 write_rows(results, path)
             told = summarise_sweep(results)
         except RailjouleError:
-            _drop_if_empty(results)
+            # a file without rows would only be in the way of the next try
+            if not results.done:
+                results.remove()
             raise
         results.remove()
-    Output(options.json).show(told, lambda values: _text(str(path), values))
+    show(options, told, lambda values: _text(path, values))
 
 
 def summarise_sweep(results: SweepFile) -> dict[str, Any]:
@@ -101,65 +95,35 @@ def _summarise_sensitivities(results: SweepFile) -> dict[str, Any] | None:
         told = sensitivities(results)
     except SensitivityError:
         return None
-    shares = zip(told.fields, told.first, told.total, told.first_error, told.total_error, strict=True)
+    names = ("first", "total", "first_error", "total_error")
     return {
-        name: dict(zip(("first", "total", "first_error", "total_error"), map(float, numbers), strict=True))
-        for name, *numbers in shares
+        field: {name: float(getattr(told, name)[place]) for name in names} for place, field in enumerate(told.fields)
     }
 
 
-def parsed_ranges(words: Sequence[str]) -> dict[str, tuple[float, float]]:
-    """Return the ranges that 'field=low:high' words ask for.
-
-    Raises
-    ------
-    CommandError
-        If a word is none of that shape, or a field comes twice.
-    """
-    ranges: dict[str, tuple[float, float]] = {}
-    for word in words:
-        field, equals, ends = word.partition("=")
-        low, colon, high = ends.partition(":")
-        field = field.strip()
-        try:
-            if not (field and equals and colon):
-                raise ValueError
-            ranged = float(low), float(high)
-        except ValueError:
-            raise CommandError(
-                f"--over {shortened(word)}: must be FIELD=LOW:HIGH, such as vehicle.load_factor=0:1."
-            ) from None
-        if field in ranges:
-            raise CommandError(f"--over {shortened(word)}: {shortened(field)} is named twice.")
-        ranges[field] = ranged
+def _ranges(given: Sequence[tuple[str, tuple[float, float]]]) -> dict[str, tuple[float, float]]:
+    ranges = dict(given)
+    for field in ranges:
+        if sum(name == field for name, _ in given) > 1:
+            raise CommandError(f"--over: {shortened(field)} is named twice.")
     return ranges
-
-
-def _table_path(name: str) -> Path:
-    try:
-        require_format(Path(name))
-    except StudyFileError as error:
-        raise CommandError(f"-o {error}") from None
-    return Path(name)
 
 
 def _results(study: Study, path: Path, kept: Path, resume: bool) -> SweepFile:
     """Return where the rows go: a new file, or that of a sweep that did not come to its end."""
-    if not resume:
-        if kept.exists():
-            raise CommandError(
-                f"{shortened(str(kept))} keeps the rows of a sweep that did not come to its end: --resume goes on with "
-                "it; to begin anew, remove it."
-            )
-        return SweepFile.create(kept, study)
     if kept.exists():
-        return SweepFile.open(kept, study)
-    if path.exists():
+        if resume:
+            return SweepFile.open(kept, study)
         raise CommandError(
-            f"--resume: {shortened(str(path))} is there, and nothing is left to be done for it; without --resume it is "
-            "made anew."
+            f"{shortened(kept)} keeps the rows of a sweep that did not come to its end: --resume goes on with it; "
+            "to begin anew, remove it."
         )
     # a script that is started again and again always says --resume
+    if resume and path.exists():
+        raise CommandError(
+            f"--resume: {shortened(path)} is there, and nothing is left to be done for it; without --resume it is "
+            "made anew."
+        )
     return SweepFile.create(kept, study)
 
 
@@ -169,7 +133,7 @@ def _run(results: SweepFile, kept: Path, scheduler: str | None) -> None:
         try:
             run_study(results, executor=executor, workers=workers, progress=progress)
         except KeyboardInterrupt:
-            print(STOPPED.format(done=results.done, rows=rows, file=shortened(str(kept))), file=sys.stderr)
+            print(STOPPED.format(done=results.done, rows=rows, file=shortened(kept)), file=sys.stderr)
             raise
 
 
@@ -190,16 +154,10 @@ def _progress(results: SweepFile) -> Iterator[Callable[[int], None]]:
     hidden = not sys.stderr.isatty()
     with tqdm(total=results.study.sample, initial=results.done, unit=" runs", disable=hidden) as bar:
 
-        def show(done: int) -> None:
+        def show_done(done: int) -> None:
             bar.update(done - bar.n)
 
-        yield show
-
-
-def _drop_if_empty(results: SweepFile) -> None:
-    # a file without rows would only be in the way of the next try
-    if not results.done:
-        results.remove()
+        yield show_done
 
 
 def _require_disk(path: Path, study: Study, done: int) -> None:
@@ -210,14 +168,14 @@ def _require_disk(path: Path, study: Study, done: int) -> None:
     needed = table + (study.sample - done) * study.width * BYTES_KEPT
     if needed > free:
         raise CommandError(
-            f"{shortened(str(path))} would take about {needed / 1e9:.3g} GB, with the rows kept until it is written, "
+            f"{shortened(path)} would take about {needed / 1e9:.3g} GB, with the rows kept until it is written, "
             f"and there are {free / 1e9:.3g} GB left."
         )
 
 
-def _text(name: str, values: Mapping[str, Any]) -> str:
+def _text(path: Path, values: Mapping[str, Any]) -> str:
     rows, seconds, rate = values["rows"], values["seconds"], values["runs_per_s"]
-    lines = [f"{shortened(name)}: {rows:,} rows in {seconds:.1f} s, {rate:,.0f} a second"]
+    lines = [f"{shortened(path)}: {rows:,} rows in {seconds:.1f} s, {rate:,.0f} a second"]
     if values["without_run"]:
         lines.append(f"{values['without_run']:,} of them without a run, such as: {values['first_reason']}")
     if values["sensitivities"]:

@@ -5,12 +5,13 @@ Its numbers are those of the pages, from `railjoule.dashboard.look`, in characte
 
 import shutil
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Sequence
 
 from railjoule.core.advice import Instruction
 from railjoule.core.lower_bound import Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.command.summary import Summary
+from railjoule.dashboard.command.values import printable
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.words import CAUSE_WORDS, STRATEGY_WORDS, advice_in_words, decimals
 
@@ -31,46 +32,38 @@ price = words.plain(words.price)
 notice = words.plain(words.notice)
 
 
-def printable(text: str) -> str:
-    """Return a text of one line without control characters."""
-    return "".join(character if character.isprintable() else " " for character in text)
-
-
 def title_words(title: str) -> str:
     """Return what a scenario is called."""
     return words.title(printable(title))
 
 
 def solution_text(summary: Summary) -> str:
-    """Return one run for people: energy, proof, time, account, driver's advice."""
-    title = title_words(summary["title"])
+    """Return one run for people: energy, proof, time, account, driver's advice, and the rules that its check broke."""
+    bound, saved = summary["lower_bound_kwh"], summary["price_of_time_wh_per_s"]
+    iterations = f", {summary['iterations']} iterations" if summary["iterations"] else ""
     lines = [
-        f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
+        f"{title_words(summary['title'])}: {STRATEGY_WORDS[summary['strategy']]}",
         f"{distance(summary['distance_m'])} km in {time(summary['travel_time_s'])} s, "
         f"at most {number(summary['max_speed_kmh'])} km/h",
         *_crush_load_lines(summary),
         "",
         *labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
-        *_bound_lines(summary),
+        *(labelled("Bound", f"{energy(bound)} kWh. {summary['bound_statement']}") if bound is not None else []),
         *labelled("Time", _time_words(summary)),
-        *_price_lines(summary),
+        *(labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh") if saved is not None else []),
         *labelled("Driver", driver_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
         "",
-        f"Solved in {number(1e3 * summary['solve_time_s'])} ms{_iteration_words(summary)}.",
+        f"Solved in {number(1e3 * summary['solve_time_s'])} ms{iterations}.",
         *wrapped(" ".join(summary["notes"])),
     ]
+    if check := summary.get("check"):
+        broken = [each for each in check["checks"] if _is_broken(each)]
+        lines += ["", *_check_lines(broken)] if broken else []
+        lines += labelled("Check", check["verdict"])
     return "\n".join(lines)
-
-
-def checked_solution_text(summary: Summary) -> str:
-    """Return one run for people, with the rules that it breaks, if any, and the verdict of its check."""
-    check = summary["check"]
-    broken = [each for each in check["checks"] if _is_broken(each)]
-    table = ["", *_check_lines(broken)] if broken else []
-    return "\n".join([solution_text(summary), *table, *labelled("Check", check["verdict"])])
 
 
 def check_text(check: Summary) -> str:
@@ -129,72 +122,55 @@ def _crush_load_lines(summary: Summary) -> list[str]:
 
 def following_text(following: Summary) -> str:
     """Return a plan and the run that follows it."""
-    planned, actual = following["planned"], following["actual"]
-    return "\n".join(
-        [
-            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
-            "",
-            *_two_runs({"planned": planned, "driven": actual}),
-            *_crush_load_lines(actual),
-            "",
-            _outcome(following),
-            f"Driver: {driver_words(actual['advice'])}",
-        ]
-    )
+    return _beside_plan(following, "followed", _outcome(following), _driver_line(following))
 
 
 def ride_text(ride: Summary) -> str:
     """Return a plan, the events on the way, and the run."""
-    planned, actual = ride["planned"], ride["actual"]
     learned = [notice(told["position_m"], told["time_s"], told["event"]) for told in ride["notices"]]
-    return "\n".join(
-        [
-            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
-            "",
-            *_two_runs({"undisturbed": planned, "driven": actual}),
-            *_crush_load_lines(actual),
-            "",
-            *learned,
-            _outcome(ride),
-            *_cause_lines(ride["causes_kwh"]),
-            *ride["notes"],
-            f"Driver: {driver_words(actual['advice'])}",
-        ]
-    )
-
-
-def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
-    """Return the line that tells what each cause adds, where there are several."""
-    told = (f"{CAUSE_WORDS[name].lower()} {energy_difference(kwh)} kWh" for name, kwh in causes_kwh.items())  # type: ignore[index]
-    return [f"Added in this order: {', '.join(told)}."] if len(causes_kwh) > 1 else []
+    causes = [f"{CAUSE_WORDS[cause].lower()} {energy_difference(kwh)} kWh" for cause, kwh in ride["causes_kwh"].items()]
+    added = [f"Added in this order: {', '.join(causes)}."] if len(causes) > 1 else []
+    lines = [*learned, _outcome(ride), *added, *ride["notes"], _driver_line(ride)]
+    return _beside_plan(ride, "disturbed", *lines, planned="undisturbed")
 
 
 def field_oriented_text(run: Summary) -> str:
     """Return a plan, how the machines drove it, and the current, voltage and energy that this took."""
-    planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
-    rows = [(words.PART_WORDS[kind].lower(), energy(kwh)) for kind, kwh in parts.items()]
-    rows += [
-        ("sum of the parts", energy(run["energy_by_parts_kwh"])),
-        ("input power over time", energy(run["energy_by_input_power_kwh"])),
-    ]
-    tracking = number(run["max_tracking_error_m"], 3)
-    current, voltage = number(run["max_current_a"]), number(run["max_phase_voltage_v"], 0)
-    return "\n".join(
-        [
-            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, in closed loop",
-            "",
-            *_two_runs({"planned": planned, "driven": actual}),
-            *_crush_load_lines(actual),
-            "",
-            _outcome(run),
-            f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
-            f"{number(run['voltage_limit_v'], 0)} V per phase.",
-            "",
-            *table_lines(("energy of the machines", "kWh"), rows),
-            "",
-            *(line for note in run["notes"] for line in wrapped(note)),
-        ]
+    parts = {words.PART_WORDS[kind].lower(): kwh for kind, kwh in run["parts_kwh"].items()}
+    parts |= {
+        "sum of the parts": run["energy_by_parts_kwh"],
+        "input power over time": run["energy_by_input_power_kwh"],
+    }
+    return _beside_plan(
+        run,
+        "in closed loop",
+        _outcome(run),
+        f"At most {number(run['max_tracking_error_m'], 3)} m from the planned position, at most "
+        f"{number(run['max_current_a'])} A and {number(run['max_phase_voltage_v'], 0)} V of "
+        f"{number(run['voltage_limit_v'], 0)} V per phase.",
+        "",
+        *table_lines(("energy of the machines", "kWh"), [(name, energy(kwh)) for name, kwh in parts.items()]),
+        "",
+        *(line for note in run["notes"] for line in wrapped(note)),
     )
+
+
+def _beside_plan(run: Summary, how: str, *lines: str, planned: str = "planned") -> str:
+    """Return a plan and what was driven as a table, with lines below it."""
+    plan, actual = run["planned"], run["actual"]
+    rows = [
+        (
+            name,
+            energy(one["energy_kwh"]),
+            time(one["travel_time_s"]),
+            number(one["max_speed_kmh"]),
+            energy(one["recuperated_kwh"]),
+        )
+        for name, one in ((planned, plan), ("driven", actual))
+    ]
+    head = ("run", "kWh", "time, s", "top, km/h", "recuperated, kWh")
+    title = f"{title_words(plan['title'])}: {STRATEGY_WORDS[plan['strategy']]}, {how}"
+    return "\n".join([title, "", *table_lines(head, rows), *_crush_load_lines(actual), "", *lines])
 
 
 def _outcome(run: Summary) -> str:
@@ -203,18 +179,8 @@ def _outcome(run: Summary) -> str:
     return words.plain_text(comparisons.outcome(*energies, run["delay_s"], run["stop_error_m"]))
 
 
-def _two_runs(runs: dict[str, Summary]) -> list[str]:
-    rows = [
-        (
-            name,
-            energy(run["energy_kwh"]),
-            time(run["travel_time_s"]),
-            number(run["max_speed_kmh"]),
-            energy(run["recuperated_kwh"]),
-        )
-        for name, run in runs.items()
-    ]
-    return table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows)
+def _driver_line(run: Summary) -> str:
+    return f"Driver: {driver_words(run['actual']['advice'])}"
 
 
 def validations_text(validations: Summary) -> str:
@@ -242,23 +208,19 @@ def validation_text(validation: Summary) -> str:
 
 def benchmark_text(benchmark: Summary) -> str:
     """Return the times of all solvers, scenario by scenario."""
-    rows = []
     results = benchmark["results"]
-    before = ""
-    for result in results:
-        rows.append(
-            (
-                result["scenario"] if result["scenario"] != before else "",
-                number(result["cell_count"], 0) if result["scenario"] != before else "",
-                STRATEGY_WORDS.get(result["solver"], result["solver"]),
-                f"{result['energy_kwh']:.4f}",
-                str(result["iterations"] or ""),
-                number(1e3 * result["median_s"], 2),
-            )
+    rows = [
+        (
+            # once, before the first solver of a scenario
+            *((one["scenario"], number(one["cell_count"], 0)) if one["scenario"] != before else ("", "")),
+            STRATEGY_WORDS.get(one["solver"], one["solver"]),
+            f"{one['energy_kwh']:.4f}",
+            str(one["iterations"] or ""),
+            number(1e3 * one["median_s"], 2),
         )
-        before = result["scenario"]
-    head = ("scenario", "cells", "solver", "kWh", "iterations", "median, ms")
-    lines = table_lines(head, rows, left={0, 2})
+        for one, before in zip(results, ["", *(one["scenario"] for one in results)], strict=False)
+    ]
+    lines = table_lines(("scenario", "cells", "solver", "kWh", "iterations", "median, ms"), rows, left={0, 2})
     if not benchmark["ipopt"]:
         lines.append("CasADi is not installed, so there is no comparison with IPOPT: pip install casadi.")
     return "\n".join(lines)
@@ -279,10 +241,8 @@ def verdict(summary: Summary) -> str:
 def bound_words(summary: Summary) -> str:
     """Return in words how far a run is from its bound."""
     amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
-    if amount is None:
-        return "no bound known"
-    proven = "proven optimal, " if summary["proven"] else ""
-    return words.plain_text(f"{proven}{amount.sentence} the bound")
+    told = "no bound known" if amount is None else f"{amount.sentence} the bound"
+    return words.plain_text(f"{'proven optimal, ' if summary['proven'] and amount is not None else ''}{told}")
 
 
 def driver_words(advice: Sequence[Summary]) -> str:
@@ -291,19 +251,12 @@ def driver_words(advice: Sequence[Summary]) -> str:
 
 
 # by hand, as rich takes 50 ms more at each command and is one more dependency
-def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
+def table_lines(head: Cell, rows: Sequence[Cell], left: Collection[int] = (0,)) -> list[str]:
     """Return the lines of a table with columns as wide as they need, numbers to the right."""
-    to_left = set(left)
     widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
-
-    def line(cells: Cell) -> str:
-        words = [
-            cell.ljust(width) if column in to_left else cell.rjust(width)
-            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
-        ]
-        return "  ".join(words).rstrip()
-
-    return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
+    forms = [f"{{:{'<' if column in left else '>'}{width}}}" for column, width in enumerate(widths)]
+    lines = ("  ".join(forms).format(*cells).rstrip() for cells in (head, *rows))
+    return [next(lines), "  ".join("-" * width for width in widths), *lines]
 
 
 def _is_broken(check: Summary) -> bool:
@@ -328,12 +281,12 @@ def _check_lines(checks: Sequence[Summary]) -> list[str]:
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:
     first = results[0]
+    known, bound = first["reference"], first["lower_bound_kwh"]
     rows = [
         (
             STRATEGY_WORDS[result["strategy"]],
             energy(result["energy_kwh"]),
-            _above_reference(result),
-            _above_bound(result),
+            *_above(result),
             time(result["travel_time_s"]),
             number(result["max_speed_kmh"]),
             energy(result["recuperated_kwh"]),
@@ -341,50 +294,35 @@ def _comparison_table(results: Sequence[Summary]) -> list[str]:
         )
         for result in results
     ]
-    of = comparisons.reference_name(first["reference"] is not None and first["reference"]["proven"])
-    above = (f"above {of}, %", "above bound, %")
-    head = ("strategy", "kWh", *above, "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
-    others = [(STRATEGY_WORDS[result["strategy"]], _other_time(result)) for result in results]
-    return [
+    above = f"above {comparisons.reference_name(known is not None and known['proven'])}, %"
+    head = ("strategy", "kWh", above, "above bound, %", "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
+    lines = [
         title_words(first["title"]),
         f"{distance(first['distance_m'])} km, {_time_words({**first, 'travel_time_s': first['allowed_time_s']})}",
         "",
         *table_lines(head, rows),
-        *_proof_lines(first),
-        *(f"{word}: {sentence}." for word, sentence in others if sentence),
     ]
+    if known is not None:
+        best = f"{energy(known['energy_kwh'])} kWh by {STRATEGY_WORDS[known['strategy']]}"
+        proof = (
+            f"The optimum, {best}, is proven optimal"
+            if known["proven"]
+            else f"The best known run, {best}, is not proven"
+        )
+        lines.append(f"{proof}: {'no bound is known' if bound is None else f'the bound is {energy(bound)} kWh'}.")
+    others = ((STRATEGY_WORDS[result["strategy"]], _other_time(result)) for result in results)
+    return [*lines, *(f"{word}: {sentence}." for word, sentence in others if sentence)]
 
 
-def _proof_lines(first: Summary) -> list[str]:
-    """Return what is proven of a comparison, from its first run."""
-    known, bound = first["reference"], first["lower_bound_kwh"]
-    if known is None:
-        return []
-    best = f"{energy(known['energy_kwh'])} kWh by {STRATEGY_WORDS[known['strategy']]}"
-    bounded = "no bound is known" if bound is None else f"the bound is {energy(bound)} kWh"
-    if known["proven"]:
-        return [f"The optimum, {best}, is proven optimal: {bounded}."]
-    return [f"The best known run, {best}, is not proven: {bounded}."]
-
-
-def _above_reference(result: Summary) -> str:
+def _above(result: Summary) -> tuple[str, str]:
+    """Return how far a run is above the best known one and above its bound; of a late one, how late it is."""
     known = result["reference"]
-    amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
     late = comparisons.late(result["travel_time_s"], result["allowed_time_s"])
-    return words.plain_text(late or comparisons.cell(amount))
-
-
-def _above_bound(result: Summary) -> str:
-    if comparisons.late(result["travel_time_s"], result["allowed_time_s"]):
-        return words.plain_text(words.UNKNOWN)
-    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
-    return words.plain_text(comparisons.cell(amount))
-
-
-def _bound_lines(summary: Summary) -> list[str]:
-    if summary["lower_bound_kwh"] is None:
-        return []
-    return labelled("Bound", f"{energy(summary['lower_bound_kwh'])} kWh. {summary['bound_statement']}")
+    if late:
+        return words.plain_text(late), words.plain_text(words.UNKNOWN)
+    amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
+    over_bound = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
+    return words.plain_text(comparisons.cell(amount)), words.plain_text(comparisons.cell(over_bound))
 
 
 def _time_words(summary: Summary) -> str:
@@ -404,15 +342,6 @@ def _other_time(summary: Summary) -> str:
     return words.plain_text(told)
 
 
-def _price_lines(summary: Summary) -> list[str]:
-    saved = summary["price_of_time_wh_per_s"]
-    return [] if saved is None else labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
-
-
-def _iteration_words(summary: Summary) -> str:
-    return f", {summary['iterations']} iterations" if summary["iterations"] else ""
-
-
 def _account_lines(summary: Summary) -> list[str]:
     taken = [
         ("traction", summary["traction_energy_kwh"]),
@@ -426,41 +355,32 @@ def _account_lines(summary: Summary) -> list[str]:
         ("magnetic field, end minus start", summary["magnetic_field_kwh"]),
     ]
     width = max(len(name) for name, _ in taken + spent)
-
-    def lines(entries: list[tuple[str, float]]) -> list[str]:
-        return [
-            f"  {name.ljust(width)}  {energy(kwh).rjust(10)}"
-            for name, kwh in entries
-            if abs(kwh) >= words.LEAST_ENERGY_KWH
-        ]
-
-    return [*lines(taken), "  traction minus recuperated goes to", *lines(spent)]
+    lines = [
+        f"  {name.ljust(width)}  {energy(kwh).rjust(10)}" if abs(kwh) >= words.LEAST_ENERGY_KWH else ""
+        for name, kwh in taken + spent
+    ]
+    lines.insert(len(taken), "  traction minus recuperated goes to")
+    return [line for line in lines if line]
 
 
 def _validation_table(table: Summary) -> list[str]:
-    notes: list[str] = []
-    rows = []
-    for row in table["rows"]:
-        if row["note"] and row["note"] not in notes:
-            notes.append(row["note"])
-        mark = f"[{notes.index(row['note']) + 1}]" if row["note"] else ""
-        rows.append(
-            (
-                row["case"],
-                row["quantity"],
-                row["unit"],
-                "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
-                # one decimal more than was printed, which may have been rounded
-                number(row["ours"], decimals(row["printed"]) + 1),
-                words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
-                mark,
-            )
+    notes = list(dict.fromkeys(row["note"] for row in table["rows"] if row["note"]))
+    rows = [
+        (
+            row["case"],
+            row["quantity"],
+            row["unit"],
+            "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
+            # one decimal more than was printed, which may have been rounded
+            number(row["ours"], decimals(row["printed"]) + 1),
+            words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
+            f"[{notes.index(row['note']) + 1}]" if row["note"] else "",
         )
+        for row in table["rows"]
+    ]
     head = ("case", "quantity", "unit", table["reference"], "ours", "difference", "")
-    lines = table_lines(head, rows, left={0, 1, 2, 6})
-    for index, note in enumerate(notes, 1):
-        lines += wrapped(f"[{index}] {note}", "  ")
-    return lines
+    told = (line for index, note in enumerate(notes, 1) for line in wrapped(f"[{index}] {note}", "  "))
+    return [*table_lines(head, rows, left={0, 1, 2, 6}), *told]
 
 
 def labelled(label: str, words: str) -> list[str]:

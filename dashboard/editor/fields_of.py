@@ -17,8 +17,8 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.text_file import MAP_COLUMNS
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.look.key_names import split_unit, words_of
+from railjoule.dashboard.look.typed import clock, parse_number, parse_time
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE
-from railjoule.dashboard.state.numbers import clock, parse_number, parse_time
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
 

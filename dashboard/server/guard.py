@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from tornado.httputil import HTTPHeaders, HTTPServerRequest
-from tornado.routing import Matcher, PathMatches, Rule
+from tornado.routing import HostMatches, Matcher, PathMatches, Rule
 from tornado.web import Application, GZipContentEncoding, OutputTransform
 
-from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.server.answers import SERVICE_UNAVAILABLE, NotFoundHandler, RefusalHandler
 from railjoule.dashboard.server.options import ServerOptions
-from railjoule.dashboard.server.refusal import RefusalHandler
 
 HEADERS = {
     "X-Content-Type-Options": "nosniff",
@@ -41,7 +40,7 @@ HEADERS = {
         )
     ),
 }
-MISDIRECTED, SERVICE_UNAVAILABLE = 421, 503
+MISDIRECTED = 421
 NO_SUCH_HOST = {
     "status": MISDIRECTED,
     "title": "This server has no such name",
@@ -73,17 +72,6 @@ class SafeHeaders(OutputTransform):
 
 
 @dataclass(frozen=True)
-class OtherHost(Matcher):
-    """Matches requests that call the server by a name that is not its own."""
-
-    names: frozenset[str]
-
-    def match(self, request: HTTPServerRequest) -> dict[str, Any] | None:
-        """Return no arguments, or None for our own names."""
-        return None if request.host_name.lower() in self.names else {}
-
-
-@dataclass(frozen=True)
 class NoPlace(Matcher):
     """Matches requests for a further page where enough are open."""
 
@@ -109,8 +97,9 @@ def guard(application: Application, options: ServerOptions, count: Callable[[], 
     """
     application.add_transform(SafeHeaders)
     application.add_transform(GZipContentEncoding)
+    own = "|".join(map(re.escape, options.names))
     rules = [
-        Rule(OtherHost(options.names), RefusalHandler, NO_SUCH_HOST),
+        Rule(HostMatches(re.compile(rf"(?!(?:{own})\Z)", re.IGNORECASE)), RefusalHandler, NO_SUCH_HOST),
         # the script by which any other site could open pages here
         Rule(PathMatches(re.escape(f"{options.prefix}/autoload.js")), NotFoundHandler),
     ]

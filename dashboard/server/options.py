@@ -100,5 +100,5 @@ def origin_parts(origin: str) -> tuple[str, int | None]:
     found = ORIGIN.fullmatch(origin)
     port = int(found["port"]) if found and found["port"] else None
     if found is None or (port is not None and not 1 <= port <= HIGHEST_PORT):
-        raise ValueError(f"{origin[:60]!r} is not NAME or NAME:PORT, such as railways.example:8080")
+        raise ValueError("must be NAME or NAME:PORT, such as railways.example:8080")
     return found["name"], port

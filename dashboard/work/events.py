@@ -1,14 +1,19 @@
-"""What happens on the pages of this process: a line of the log for each event, and which pages wait for a result."""
+"""Events of the pages of this process: a line of the log for each, and the pages that wait for a result.
+
+A message to a page that was closed in the meantime is no error, although the libraries log it as one.
+"""
 
 import hashlib
 import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TextIO
 from weakref import WeakKeyDictionary
 
 from bokeh.document import Document
+from tornado.iostream import StreamClosedError
+from tornado.websocket import WebSocketClosedError
 
 from railjoule.dashboard.insides import session_document
 
@@ -86,6 +91,49 @@ def worked(document: Any, work: str, duration_s: float, result: object) -> None:
 
 def write(event: str, visit: Visit, duration_s: float, cells: int | None = None, outcome: str = "ok") -> None:
     """Write the line of one event."""
-    told = "" if cells is None else f" cells={cells}"
+    counted = "" if cells is None else f" cells={cells}"
     page = visit.page().replace(" ", "-")
-    LOG.info("%s session=%s page=%s duration_s=%.3f%s %s", event, visit.session, page, duration_s, told, outcome)
+    LOG.info("%s session=%s page=%s duration_s=%.3f%s %s", event, visit.session, page, duration_s, counted, outcome)
+
+
+# ---- the log itself
+
+GONE = (WebSocketClosedError, StreamClosedError)
+"""Errors of writing to a page that has just been closed."""
+WITH_TIME = logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S")
+TOO_LATE = "Failed sending message as connection was closed"
+# asyncio logs errors of writes that nobody awaits
+LOGGERS = ("asyncio", "bokeh.server.views.ws", "panel.io.document")
+
+
+def is_worth_a_line(record: logging.LogRecord) -> bool:
+    """Return whether a record does not come from a page that has just been closed."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not isinstance(error, GONE) and TOO_LATE not in record.getMessage()
+
+
+def keep_quiet() -> None:
+    """Log nothing of pages that have just been closed; a second call changes nothing."""
+    for name in LOGGERS:
+        logging.getLogger(name).addFilter(is_worth_a_line)
+
+
+def write_down() -> None:
+    """Write what this program and its libraries tell to standard error, each line once and with its time."""
+    root = logging.getLogger()
+    if any(isinstance(handler, Dated) for handler in root.handlers):
+        return
+    # libraries add one of their own, without a time, where there is none yet
+    root.addHandler(Dated())
+    # Bokeh brings its own
+    for handler in logging.getLogger("bokeh").handlers:
+        handler.setFormatter(WITH_TIME)
+    logging.getLogger("railjoule").setLevel(logging.INFO)
+
+
+class Dated(logging.StreamHandler[TextIO]):
+    """Writes lines with their time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFormatter(WITH_TIME)

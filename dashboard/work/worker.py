@@ -174,7 +174,7 @@ class Worker(Generic[Request, Result]):
 
     def do(self, request: Request) -> None:
         """Compute and deliver in the caller's own turn."""
-        self._settle(self._timed(request))
+        settle(self._timed(request), self._deliver, self._fail)
 
     def _start(self, request: Request) -> None:
         self._running = True
@@ -183,8 +183,10 @@ class Worker(Generic[Request, Result]):
         if not slow:
             events.WAITS.wait(self)
         # asked now: by the time the result comes, the page may be about another scenario
+        finish = partial(self._finish, self._about(), self._requested_s)
         future = threads.submit(self._timed, request)
-        future.add_done_callback(partial(self._hand_over, self._about(), self._requested_s))
+        # called in the thread of the pool: a turn may be asked for in any
+        future.add_done_callback(lambda done: self._turn(partial(finish, done)))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
         started = time.perf_counter()
@@ -199,10 +201,6 @@ class Worker(Generic[Request, Result]):
         finally:
             self.last_duration_s = time.perf_counter() - started
 
-    def _hand_over(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
-        # still in the thread of the pool: a turn may be asked for in any
-        self._turn(partial(self._finish, about, requested_s, future))
-
     def _finish(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
         events.WAITS.settle(self)
         error = future.exception()
@@ -211,16 +209,13 @@ class Worker(Generic[Request, Result]):
         try:
             # still running: what is asked for meanwhile replaces the request that waits, which is older
             if about is self._about():
-                self._settle(outcome)
+                settle(outcome, self._deliver, self._fail)
         finally:
             self._running = False
             events.worked(self._document, name_of(self._compute), time.monotonic() - requested_s, outcome)
             request, self._request = self._request, None
             if request is not None:
                 self._start(request)
-
-    def _settle(self, outcome: Result | RailjouleError) -> None:
-        settle(outcome, self._deliver, self._fail)
 
 
 def settle(

@@ -16,5 +16,5 @@ if __name__ == "__main__":
     port = int(sys.argv[sys.argv.index("--port") + 1])
     compilation().begin()
     app.make_page = fail
-    app.write_down()
+    app.events.write_down()
     app.run(app.make_server(ServerOptions(port=port)))

@@ -20,7 +20,7 @@ from tornado.web import Application
 
 import railjoule.core
 from browser.findings import grave_findings
-from railjoule.dashboard.server.documentation import documentation_patterns
+from railjoule.dashboard.server.answers import extra_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.options import ServerOptions
 
@@ -67,7 +67,7 @@ def address(built: Built) -> Iterator[str]:
 
     def serve() -> None:
         asyncio.set_event_loop(asyncio.new_event_loop())
-        application = Application(documentation_patterns(built.folder))
+        application = Application(extra_patterns(built.folder))
         guard(application, ServerOptions(port=port), lambda: 0)
         HTTPServer(application).add_socket(listening)
         loops.append(IOLoop.current())

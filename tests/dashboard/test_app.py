@@ -70,7 +70,7 @@ def test_only_short_runs_of_shipped_scenarios_are_waited_for(
 def test_a_server_that_others_reach_says_that_there_is_no_login(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, address: str, told: bool
 ) -> None:
-    monkeypatch.setattr(app, "write_down", lambda: None)
+    monkeypatch.setattr(app.events, "write_down", lambda: None)
     monkeypatch.setattr(app, "make_server", lambda _: None)
     monkeypatch.setattr(app, "run", lambda _: None)
     app.serve(ServerOptions(address=address))

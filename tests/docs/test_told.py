@@ -12,8 +12,8 @@ from documents import ROOT, blocks, text_of
 
 from railjoule.core import solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
+from railjoule.dashboard.command.arguments import FORMATS
 from railjoule.dashboard.command.cli import OK, main
-from railjoule.dashboard.command.imports import READERS
 from railjoule.dashboard.page_list import PAGES
 
 COMMANDS_PAGE = text_of("howto/commands")
@@ -102,7 +102,7 @@ def test_the_tables_of_ones_own_line_lead_to_a_solved_scenario(tmp_path, monkeyp
 
 def test_imports_are_those_that_exist():
     named = re.findall(r"^\| `import ([\w-]+)`", text_of("howto/imports"), re.MULTILINE)
-    assert sorted(named) == sorted(READERS)
+    assert sorted(named) == sorted(FORMATS)
 
 
 def test_bad_input_ends_as_told(folder, capsys):

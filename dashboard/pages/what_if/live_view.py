@@ -30,11 +30,11 @@ from railjoule.dashboard.charts.run_lines import (
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.what_if.live import PACES, LiveModel, LiveResult
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, buttons
 from railjoule.dashboard.parts.number_field import NumberField
-from railjoule.dashboard.state.numbers import clock
 
 LINES = {"former plan": "pinned", "plan ahead": "accent", "driven": "driven"}
 """The colours of the lines, in the order of drawing."""

@@ -18,7 +18,7 @@ from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario import Scenario, scenario_from_document
 from railjoule.core.scenario.document import change_document
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
-from railjoule.dashboard.command.commands import Output, simulate
+from railjoule.dashboard.command.cli import main
 from tests.builders import plain_scenario
 from tests.core.scenario.key_cases import CASES, EVENTS, LOOP, Numbers, plan, shortened, timetable
 from tests.every_drive import DRIVES
@@ -178,7 +178,7 @@ def test_files_and_presets_take_effect(tmp_path) -> None:
 def test_the_kind_of_simulation_decides_what_the_command_shows(capsys: pytest.CaptureFixture[str]) -> None:
     shown = []
     for kind in ("following", "field_oriented"):
-        simulate("ftorek-300s", {"simulation.kind": kind, "solver.mesh_m": 100.0}, Output(as_json=True))
+        main(["simulate", "ftorek-300s", "--set", f"simulation.kind={kind}", "solver.mesh_m=100", "--json"])
         shown.append(set(json.loads(capsys.readouterr().out)))
     assert "max_current_a" in shown[1] - shown[0]
 

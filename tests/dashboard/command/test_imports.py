@@ -5,7 +5,6 @@ import tomllib
 from pathlib import Path
 
 import openpyxl
-import pytest
 from commands import complaint
 
 from railjoule.core.scenario import load_scenario
@@ -29,6 +28,13 @@ def refusal(capsys, *words):
 
 
 # ---- intervals
+
+
+def test_a_line_of_a_file_becomes_a_scenario_on_the_way(capsys, tmp_path):
+    line = tmp_path / "line.toml"
+    imported(capsys, *limits_with(target=line))
+    sets = ("--set", "vehicle.preset=metro-81-7036", "timetable.average_speed_kmh=35")
+    assert main(("solve", str(line), *sets)) == OK
 
 
 def test_tables_become_a_line(capsys, tmp_path):
@@ -67,42 +73,6 @@ def test_a_vehicle_may_be_a_file_and_its_time_found(capsys, tmp_path):
     assert told[-1].startswith(f"no --travel-time-s: {scenario.travel_time_s:g} s, 10 % above the shortest possible")
 
 
-@pytest.mark.parametrize(
-    ("words", "suffix", "sentence"),
-    [
-        (("--vehicle", "metro-81"), ".toml", "there is no preset 'metro-81' among the vehicles"),
-        (("--vehicle", FILES / "no-vehicle.toml"), ".toml", "there is no such file."),
-        (("--vehicle", "metro-81-7036"), ".csv", "must end in .toml with --vehicle, which makes a scenario."),
-        (("--travel-time-s", "150"), ".toml", "--travel-time-s needs --vehicle: a line alone has no timetable."),
-        (("--vehicle", "metro-81-7036", "--travel-time-s", "-3"), ".toml", "--travel-time-s"),
-    ],
-)
-def test_a_vehicle_that_is_none_is_refused(capsys, tmp_path, words, suffix, sentence):
-    target = tmp_path / f"out{suffix}"
-    assert sentence in refusal(capsys, *limits_with(*words, target=target))
-    assert not target.exists()
-
-
-def test_a_file_without_a_vehicle_is_none(capsys, tmp_path):
-    line = tmp_path / "line.toml"
-    imported(capsys, *limits_with(target=line))
-    words = refusal(capsys, *limits_with("--vehicle", line, target=tmp_path / "scenario.toml"))
-    # a long path is shortened
-    assert words.endswith(": has no table [vehicle].")
-
-
-def test_a_line_alone_names_the_next_step(capsys, tmp_path):
-    line = tmp_path / "line.toml"
-    imported(capsys, *limits_with(target=line))
-    assert complaint(capsys, "solve", str(line)) == (
-        "line.toml: holds [line] alone, and a scenario also needs [vehicle] and [timetable]. Add it to the file, or "
-        "name it here, such as --set vehicle.preset=metro-81-7036 timetable.average_speed_kmh=35."
-    )
-    assert "also needs [timetable]" in complaint(capsys, "solve", str(line), "--set", "vehicle.preset=metro-81-7036")
-    sets = ("--set", "vehicle.preset=metro-81-7036", "timetable.average_speed_kmh=35")
-    assert main(("solve", str(line), *sets)) == OK
-
-
 def test_presets_rows_and_direction(capsys, tmp_path):
     target = tmp_path / "line.toml"
     words = (
@@ -134,30 +104,6 @@ def test_a_files_control_characters_do_not_reach_the_terminal(capsys, tmp_path):
     _, told = imported(capsys, "intervals", "--limits", tmp_path / "t.csv", "-o", tmp_path / "line.toml")
     assert any("red" in line for line in told)
     assert not any("\x1b" in line for line in told)
-
-
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["-o", "line.toml"], "no table of the line is given: gradients, limits, curves, tunnels or neutral."),
-        (["-o", "line.json"], "-o line.json: must end in .toml or .csv."),
-        (["--preset", "db", "-o", "a.csv"], "--preset db: must be one of sncf-limits, sncf-gradients, sncf-curves, "
-         "rinf-gradients."),
-        (["--columns", "from=x", "-o", "a.csv"], "--columns from=x: must be TABLE.KEY=VALUE, where TABLE is gradients, "
-         "limits, curves, tunnels, neutral."),
-        (["--columns", "limits.from=x", "-o", "a.csv"], "--limits is missing, whose columns are named."),
-        (["--begin", "here", "-o", "a.csv"], "--begin here must be a number."),
-        (["--limits", "missing.csv", "-o", "a.csv"], "missing.csv: there is no such file."),
-        (["--limits", FILES / "limits.csv", "-o", "missing/a.csv"], "missing/a.csv cannot be written: No such file or "
-         "directory."),
-    ],
-)  # fmt: skip
-def test_bad_words_are_answered_in_one_sentence(capsys, words, sentence):
-    assert refusal(capsys, "intervals", *words) == sentence
-
-
-def test_a_format_must_be_known(capsys):
-    assert refusal(capsys, "railml", "x").startswith("argument FORMAT: invalid choice: 'railml'")
 
 
 def test_a_line_is_not_written_while_one_of_its_files_is_refused(capsys, tmp_path):
@@ -219,22 +165,6 @@ def test_without_a_time_some_slack_is_assumed_and_told(capsys, tmp_path):
     assert f"# {sentence}" in target.read_text()
 
 
-@pytest.mark.parametrize(
-    ("words", "sentence"),
-    [
-        (["ttobench", "t.json", "-o", "s.toml"], "the following arguments are required: --train; see railjoule import "
-         "ttobench --help."),
-        ([*TTOBENCH, "-o", "s.csv"], "-o s.csv: must end in .toml."),
-        ([*TTOBENCH, "--travel-time-s", "nan", "-o", "s.toml"], "argument --travel-time-s: 'nan' is not a number of "
-         "seconds above 0, to 86400; see railjoule import ttobench --help."),
-        ([*TTOBENCH[:2], "--train", FILES / "ttobench-track.json", "-o", "s.toml"], "ttobench-track.json: mass is "
-         "missing (and 8 more)."),
-    ],
-)  # fmt: skip
-def test_bad_words_for_ttobench_are_answered_in_one_sentence(capsys, words, sentence):
-    assert refusal(capsys, *words) == sentence
-
-
 def test_a_table_of_sections_holds_no_neutral_ones(capsys, tmp_path):
     (tmp_path / "neutral.csv").write_text("from,to\n100,200\n")
     words = ("--limits", FILES / "limits.csv", "--neutral", tmp_path / "neutral.csv")
@@ -274,9 +204,6 @@ def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
     )
     imported(capsys, "run", FILES / "run.csv", "--columns", "brake_pressure=Counter (kWh) [bar]", "-o", target)
     assert target.read_text().splitlines()[0].endswith(",brake_pressure_kpa")
-    assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
-        "--column speed: must be QUANTITY=VALUE, such as speed=v [m/s]."
-    )
 
 
 def test_one_of_several_is_named(capsys, tmp_path):

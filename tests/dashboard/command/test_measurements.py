@@ -3,7 +3,7 @@ import re
 from pathlib import Path
 
 import pytest
-from commands import answer, complaint
+from commands import answer
 
 from railjoule.core import load_scenario
 
@@ -85,27 +85,3 @@ def test_fit_prints_words(capsys):
 def test_stated_gauge_errors_take_the_place_of_the_assumed_ones(capsys):
     words = ("--free", "resistance.constant_n", "--gauge", "effort_gain=0", "effort_offset=0")
     assert "The gauges are taken as exact." in answer(capsys, "fit", RUNS[2], "--scenario", "liashenko-ii", *words)
-
-
-@pytest.mark.parametrize(
-    ("words", "told"),
-    [
-        (("measured", RUNS[0]), "--scenario is missing"),
-        (("fit", RUNS[0]), "--scenario is missing"),
-        (("fit", "missing.csv", "--scenario", "liashenko-ii"), "missing.csv: there is no such file."),
-        (("measured", RUNS[0], "--scenario", "liashenko-ii", "--from", "here"), "--from here: must be a number."),
-        (
-            ("measured", RUNS[0], "--scenario", "liashenko-ii", "--unit", "speed"),
-            "--unit speed: must be QUANTITY=VALUE",
-        ),
-        (("measured", RUNS[0], "--scenario", "liashenko-ii", "-o", "out.csv"), "-o out.csv: must end in .toml."),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--free", "colour"), "--free colour: must be among"),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort"), "such as effort_gain=1."),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "colour=1"), "--gauge colour: must be among"),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort_gain=x"), "must be a number."),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort_gain=60"), "must lie within 0 to 50 %"),
-        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--longest-gap", "0"), "--longest-gap 0: must be above 0"),
-    ],
-)
-def test_bad_input_is_one_sentence(capsys, words, told):
-    assert told in complaint(capsys, *words)

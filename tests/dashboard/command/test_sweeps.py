@@ -67,31 +67,8 @@ def test_rows_without_a_run_are_told(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("asked", "words"),
-    [
-        ({"over": ("vehicle.load_factor",)}, "must be FIELD=LOW:HIGH"),
-        ({"over": ("vehicle.load_factor=0",)}, "must be FIELD=LOW:HIGH"),
-        ({"over": ("vehicle.load_factor=low:1",)}, "must be FIELD=LOW:HIGH"),
-        ({"over": ("vehicle.load_factor=0:1", "vehicle.load_factor=0:1")}, "vehicle.load_factor is named twice"),
-        ({"over": ("vehicle.load_factor=1:0",)}, "begins above its end"),
-        ({"over": ("vehicle.load_factor=0:7",)}, "vehicle.load_factor = 7 must be at most 3"),
-        ({"over": ("vehicle.laod_factor=0:1",)}, "did you mean 'load_factor'"),
-        ({"over": ("vehicle.name=0:1",)}, "vehicle.name is no number"),
-        ({"sample": "many"}, "'many' is not a whole number"),
-        ({"sample": "0"}, "sample = 0 must be"),
-        ({"sample": "9999999999"}, "sample = 9999999999 must be a whole number from 1 to 1,073,741,824"),
-        ({"file": "nowhere"}, "nowhere: there is no such file"),
-    ],
-)
-def test_bad_words_are_one_sentence(capsys, tmp_path, asked, words):
-    assert words in complaint(capsys, tmp_path / "out.csv", **asked)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("out.txt", "-o out.txt: a table ends in .csv, .parquet or .nc"),
         ("nowhere/out.csv", "cannot be written: No such file or directory"),
         ("folder.csv", "cannot be written: Is a directory"),
     ],

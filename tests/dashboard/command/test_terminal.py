@@ -7,10 +7,10 @@ from railjoule.dashboard.command import terminal
 from railjoule.dashboard.command.terminal import (
     bound_words,
     driver_words,
-    printable,
     table_lines,
     verdict,
 )
+from railjoule.dashboard.command.values import printable
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application
 
 from railjoule.dashboard.built_documentation import FOLDER
-from railjoule.dashboard.server.documentation import documentation_patterns
+from railjoule.dashboard.server.answers import extra_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.options import ServerOptions
 
@@ -19,7 +19,7 @@ class Served(AsyncHTTPTestCase):
         self.folder = tmp_path / "docs"
 
     def get_app(self) -> Application:
-        application = Application(documentation_patterns(self.folder))
+        application = Application(extra_patterns(self.folder))
         guard(application, ServerOptions(), lambda: 0)
         return application
 

@@ -2,8 +2,8 @@ from tornado.httpclient import HTTPResponse
 from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application, HTTPError, RequestHandler
 
+from railjoule.dashboard.server.answers import NotFoundHandler
 from railjoule.dashboard.server.guard import HEADERS, guard
-from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.options import ServerOptions
 
 

@@ -2,6 +2,8 @@
 
 import logging
 import re
+import sys
+from collections.abc import Iterator
 from types import SimpleNamespace
 
 import pytest
@@ -9,7 +11,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.work import events
-from railjoule.dashboard.work.events import Waits
+from railjoule.dashboard.work.events import Dated, Waits, write_down
 
 SECRET = "a-session-of-forty-letters-and-more-secret"
 LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Speed-limits duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
@@ -55,3 +57,30 @@ def test_who_has_waited_too_long_is_taken_for_gone(monkeypatch: pytest.MonkeyPat
     waits.settle(page)
     waits.settle(page)
     assert not waits.someone_waits(0.5)
+
+
+@pytest.fixture
+def _as_before() -> Iterator[None]:
+    """Give the loggers back what they had."""
+    root, own = logging.getLogger(), logging.getLogger("railjoule")
+    handlers, level = list(root.handlers), own.level
+    # one that another test has left writes to a stream that is closed
+    root.handlers[:] = [handler for handler in handlers if not isinstance(handler, Dated)]
+    yield
+    root.handlers[:] = handlers
+    own.setLevel(level)
+
+
+@pytest.mark.usefixtures("_as_before")
+def test_each_line_is_written_once_with_its_time(capsys: pytest.CaptureFixture[str]) -> None:
+    write_down()
+    write_down()
+    for handler in logging.getLogger().handlers:
+        if isinstance(handler, Dated):
+            handler.setStream(sys.stderr)
+    logging.getLogger("railjoule.dashboard.work.events").info("closed page=Drive")
+    # a library whose logger no other test has changed
+    logging.getLogger("a_library").warning("404 GET /nope")
+    lines = capsys.readouterr().err.splitlines()
+    date = r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d"
+    assert [bool(re.fullmatch(f"{date} (closed page=Drive|404 GET /nope)", line)) for line in lines] == [True, True]

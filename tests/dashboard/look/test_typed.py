@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.state.numbers import clock, parse_number, parse_time
+from railjoule.dashboard.look.typed import clock, parse_number, parse_time
 
 
 @pytest.mark.parametrize(
