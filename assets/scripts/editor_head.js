@@ -1,22 +1,28 @@
 // The editor's title, the result, and the way out; it takes the focus in and gives it back.
 
-import {around, filled, focused, life_of, within} from "./dom.js";
+import {around, filled, focused, life_of, redraw_on, within} from "./dom.js";
 
 const SETTLE_MS = 400;
-const HTML = `<div><h2 tabindex="-1">Scenario</h2><p class="muted small" role="status"></p></div>
+const HTML = `<div><h2 tabindex="-1">Scenario</h2><p class="muted small" role="status"></p>
+  <p class="hidden" role="alert"></p></div>
   <button type="button" class="small-button" aria-label="Close the editor" title="Close (Escape)">\u00d7</button>`;
+// by the setter of the element itself: React, which draws some of the fields, hears of no other change
+const write = (field, text) => {
+  Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(field, text);
+  field.dispatchEvent(new Event("input", {bubbles: true, composed: true}));
+};
 const in_sight = (element) => Boolean(element?.isConnected && element.getClientRects().length);
 
 export function render({model, el}) {
   const life = life_of(model), head = filled("div", "editor-title", HTML);
-  const title = head.querySelector("h2"), status = head.querySelector("p"), close = head.querySelector("button");
+  const title = head.querySelector("h2"), close = head.querySelector("button");
   const region = () => {
     let node = el;
     while (node && !node.classList?.contains("rj-editor")) { node = around(node); }
     return node;
   };
   const holds_focus = () => { const place = region(); return Boolean(place) && within(focused(), place); };
-  let opener = null, entering = null, dressed = false;
+  let opener = null, entering = null, dressed = false, field = null, before;
   const leave = () => {
     const menu = [...document.querySelectorAll("header button")].find(in_sight);
     if (in_sight(opener) && opener !== document.body) { opener.focus(); } else { menu?.focus(); }
@@ -30,7 +36,13 @@ export function render({model, el}) {
     dressed = true;
     place.setAttribute("role", "region");
     place.setAttribute("aria-label", "Scenario editor");
-    place.addEventListener("keydown", (event) => { if (event.key === "Escape") { shut(); } }, {signal: life});
+    place.addEventListener("focusin", (event) => { [field] = event.composedPath(); before = field.value; }, {signal: life});
+    place.addEventListener("keydown", (event) => {
+      if (event.key === "Enter") { before = field?.value; }
+      if (event.key !== "Escape") { return; }
+      // what was typed and not taken goes first, the editor with the next press
+      if (field?.value === before) { shut(); } else { write(field, before); }
+    }, {signal: life, capture: true});
   };
 
   const take = () => { if (model.open && in_sight(title) && !holds_focus()) { title.focus(); } };
@@ -59,10 +71,10 @@ export function render({model, el}) {
     sight.disconnect();
     if (focused() === document.body || holds_focus()) { leave(); }
   };
-  const tell = () => { status.textContent = model.status; };
+  const tell = () => [...head.querySelectorAll("p")].forEach((line, k) => { line.textContent = k ? model.alert : model.status; });
   life.addEventListener("abort", () => { entering?.abort(); sight.disconnect(); });
   model.on("open", turn);
-  model.on("status", tell);
+  redraw_on(model, ["status", "alert"], tell);
   tell();
   if (model.open) { enter(); }
   return head;

@@ -257,6 +257,7 @@ def parts_of(table: str, model: str = "") -> Sequence[Field | Table]:
     return describe(_model_at(table, model), f"{table}." if table else "")
 
 
+@cache
 def tables_in(table: str, model: str = "") -> tuple[str, ...]:
     """Return the paths of the tables in a table, such as 'vehicle.traction' in 'vehicle'."""
     fields = _model_at(table, model).model_fields

@@ -176,7 +176,7 @@ VALUES: dict[str, dict[str, Any]] = {
         "refusals": 0,
         "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
     },
-    "editor_head": {"status": "", "open": False},
+    "editor_head": {"status": "", "alert": "", "open": False},
     "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "max_bytes": 1, "version": 0},
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
