@@ -90,8 +90,9 @@ def changed_rows(
             moved[row], moved[other] = rows[other], rows[row]
             return moved
         case "paste":
-            block = rows_of(text, table.columns, column)
-            return before + [{**old, **new} for old, new in zip_longest(rows[row:], block, fillvalue={})]
+            none: Row = {}
+            pairs = zip_longest(rows[row:], rows_of(text, table.columns, column), fillvalue=none)
+            return before + [{**old, **new} for old, new in pairs]
         case "replace":
             return rows_of(text, table.columns)
     return rows

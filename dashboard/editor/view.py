@@ -88,6 +88,8 @@ class EditorView:
         self.state, self.editor, self.browser, self.palette = state, state.editor, browser, palette
         self.head: EditorHead | None = None
         self.groups: list[Group] = []
+        self.folds: Any = None
+        self._titles: list[str] = []
         self._is_acting = False
         # assets/scripts knows the drawer by its name, and what has the focus in it by its class
         self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
@@ -139,7 +141,6 @@ class EditorView:
         self.head = EditorHead(lambda _: setattr(self.editor, "open", False))
         self.groups = [(LineGroup if name == "Track" else Group)(self, name) for name in GROUPS]
         self.queue.take(tuple(chart for group in self.groups for chart in group.charts))
-        self._titles = list(GROUPS)
         self.folds = pmui.Accordion(*((group.name, group.body) for group in self.groups), **FOLD)
         self.folds.param.watch(self._unfold, "active")
         self.view[:] = [stack(self.head, css=HEAD_CSS), self.folds]
@@ -244,7 +245,12 @@ class Group:
             max_file_size=LARGEST_FILE_BYTES,
             **common,
         )
-        file.param.watch(lambda event: event.new and replace(event.new.decode(errors="replace")), "value")
+
+        def read(event: Any) -> None:
+            if event.new:
+                replace(event.new.decode(errors="replace"))
+
+        file.param.watch(read, "value")
         content = stack(which, block, pn.Row(button, file, margin=0, sizing_mode="stretch_width"))
         return pmui.Accordion((PASTE, content), **FOLD)
 

@@ -370,10 +370,10 @@ def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
       {MODEL}
       const host = shown(m.render({{model}})), inputs = [...host.querySelectorAll("input[type=text]")];
       inputs[0].focus();
-      inputs[0].dispatchEvent(new KeyboardEvent("keydown", {{key: "ArrowDown"}}));
+      inputs[0].dispatchEvent(new KeyboardEvent("keydown", {{key: "ArrowDown", bubbles: true}}));
       const now = inputs.indexOf(document.activeElement);
       inputs[3].value = "5";
-      inputs[3].dispatchEvent(new Event("change"));
+      inputs[3].dispatchEvent(new Event("change", {{bubbles: true}}));
       host.querySelector("[aria-label='Remove row 2']").click();
       return {{now, told, names: inputs.map((input) => input.ariaLabel)}};
     """

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.dashboard.pages.compare.contenders import contenders, find_reference
-from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, recipe_of
+from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, run_recipe
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -20,7 +20,7 @@ def state() -> Workbench:
 
 def same_energy(pin: Pin) -> None:
     """Run a pin's recipe again: the same scenario and strategy give the same energy."""
-    scenario = pin.recipe.scenario()
+    scenario = pin.recipe.scenario
     assert scenario == pin.trajectory.scenario
     again = run_strategy(prepare_task(scenario), pin.recipe.strategy)
     assert again.energy_kwh == pytest.approx(pin.trajectory.energy_kwh, rel=1e-9)
@@ -31,7 +31,7 @@ def test_a_pin_can_be_run_again_from_its_recipe(state: Workbench) -> None:
     solved(state).chosen = "fastest"
     state.pin()
     (pin,) = state.pins
-    assert (pin.recipe.preset, pin.recipe.document, pin.recipe.strategy) == ("metro-with-limit", None, "fastest")
+    assert (pin.recipe.preset, pin.recipe.opened, pin.recipe.strategy) == ("metro-with-limit", None, "fastest")
     assert pin.recipe.changes == {"vehicle.load_factor": 0.25, "line.reverse": True}
     same_energy(pin)
 
@@ -51,10 +51,10 @@ def test_a_scenario_from_a_file_is_kept_as_its_document(state: Workbench) -> Non
         "mine.toml",
     )
     state.scenario.travel_time_s = 110.0
-    recipe = recipe_of(state.scenario, state.scenario.scenario(), "optimal")
+    recipe = run_recipe(state.scenario, state.scenario.scenario(), "optimal")
     assert recipe.preset is None
     assert recipe.changes == {"timetable.travel_time_s": 110.0}
-    assert recipe.scenario() == state.scenario.scenario()
+    assert recipe.scenario == state.scenario.scenario()
 
 
 def test_six_runs_are_the_most_and_each_has_its_own_colour(state: Workbench) -> None:
