@@ -13,7 +13,7 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
-from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table
+from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
 from railjoule.dashboard.editor.forms import EditorHead, TableForm
 from railjoule.dashboard.editor.model import GROUPS, WHOLE_TABLES, Look, Refusal
 from railjoule.dashboard.editor.profile_charts import LimitStepsChart, ProfileChart
@@ -139,11 +139,15 @@ class EditorView:
 
     def _make(self) -> None:
         self.head = EditorHead(lambda _: setattr(self.editor, "open", False))
-        self.groups = [(LineGroup if name == "Track" else Group)(self, name) for name in GROUPS]
-        self.queue.take(tuple(chart for group in self.groups for chart in group.charts))
+        self.track = LineGroup(self, "Track")
+        self.groups = [self.track if name == self.track.name else Group(self, name) for name in GROUPS]
+        self.queue.take(self.track.charts)
         self.folds = pmui.Accordion(*((group.name, group.body) for group in self.groups), **FOLD)
         self.folds.param.watch(self._unfold, "active")
         self.view[:] = [stack(self.head, css=HEAD_CSS), self.folds]
+
+    def _settle(self) -> None:
+        self.track.settle()
 
     def _unfold(self, *_: Any) -> None:
         with added_to(self.folds):
@@ -160,10 +164,6 @@ class EditorView:
             name = words.STRATEGY_WORDS[self.state.chosen_now]
             self.head.status = f"{name}: {words.energy(run.energy_kwh)} kWh in {words.number(run.travel_time_s)} s"
 
-    def _settle(self) -> None:
-        for group in self.groups:
-            group.settle()
-
 
 class Group:
     """The fields and lists of some tables of the file."""
@@ -175,10 +175,6 @@ class Group:
         self._fields: list[FieldForm] = []
         self._tables: list[tuple[TableForm, Table]] = []
 
-    def note(self, look: Look) -> str:
-        """Return the content of the group in a few words."""
-        return words_of(look.now.vehicle.drive.model) if self.name == "Powertrain" else ""
-
     def title(self, look: Look) -> str:
         """Return the heading of the group, with the number of changed keys."""
         keys = [part.key for _, parts in self.editor.parts(self.name, look.now) for part in parts]
@@ -186,7 +182,10 @@ class Group:
             any(key == change or (change not in WHOLE_TABLES and key.startswith(f"{change}.")) for key in keys)
             for change in look.changes
         )
-        return " \u00b7 ".join(filter(None, [self.name, self.note(look), f"{count} changed" if count else ""]))
+        vehicle, line = look.now.vehicle, look.now.line
+        notes = {"Powertrain": words_of(vehicle.drive.model), "Track": f"{words.number(line.length_m, 0)} m"}
+        changed = f"{count} changed" if count else ""
+        return " \u00b7 ".join(filter(None, [self.name, notes.get(self.name, ""), changed]))
 
     def show(self, look: Look) -> None:
         """Show the scenario; the parts are made anew only where others are needed, as one of them has the focus."""
@@ -266,14 +265,6 @@ class Group:
         else:
             self.parent.act(lambda: self.editor.change_rows(table, what, row, column, text))
 
-    @property
-    def charts(self) -> tuple[Chart, ...]:
-        """The charts of the group."""
-        return ()
-
-    def settle(self) -> None:
-        """Tell a shared cursor of charts that were drawn; called last within a message."""
-
 
 class FieldForm:
     """A field as a stock widget: its help or its refusal stands under it, and a button beside it resets it."""
@@ -325,35 +316,31 @@ class LineGroup(Group):
     def __init__(self, parent: EditorView, name: str) -> None:
         super().__init__(parent, name)
         self.axis = Axis(parent.palette)
-        self.profile = ProfileChart(PROFILE_PX, self.axis, parent.palette, self._drop_borders)
-        self.steps = LimitStepsChart(LIMITS_PX, self.axis, parent.palette, self._drop_limits)
+        palette, tables = parent.palette, {part.key: part for part in parts_of("line") if isinstance(part, Table)}
+        sections, limits = tables["line.sections"], tables["line.speed_limits"]
+
+        def drop(change: Callable[..., None], *columns: Sequence[float]) -> None:
+            parent.act(lambda: change(*columns))
+
+        move_borders = partial(drop, partial(self.editor.move_borders, sections))
+        move_limits = partial(drop, partial(self.editor.move_limits, sections, limits))
+        self.profile = ProfileChart(PROFILE_PX, self.axis, palette, move_borders)
+        self.steps = LimitStepsChart(LIMITS_PX, self.axis, palette, move_limits)
+        self.charts: tuple[Chart, ...] = (self.profile, self.steps)
         self.way = html_pane()
-
-    @property
-    def charts(self) -> tuple[Chart, ...]:
-        """Both charts."""
-        return self.profile, self.steps
-
-    def note(self, look: Look) -> str:
-        """Return how long the line is."""
-        return f"{words.number(look.now.line.length_m, 0)} m"
 
     def contents(self, groups: Sequence[tuple[str, Sequence[Field | Table]]]) -> list[Any]:
         """Return the charts, then the fields and the tables."""
-        bring = pmui.Button(
-            label="Import tables of a line",
-            variant="text",
-            size="small",
-            margin=(0, 8, 4, 0),
-            on_click=lambda _: self._bring(),
-        )
-        charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 0; }")
-        return [bring, charts, self.way, *super().contents(groups)]
 
-    def _bring(self) -> None:
-        """Turn to the page that reads tables; the editor would cover half of it."""
-        self.editor.open = False
-        self.parent.state.page = "Import"
+        def bring(*_: Any) -> None:
+            # the editor would cover half of the page that reads tables
+            self.editor.open = False
+            self.parent.state.page = "Import"
+
+        label, margin = "Import tables of a line", (0, 8, 4, 0)
+        button = pmui.Button(label=label, variant="text", size="small", margin=margin, on_click=bring)
+        charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 0; }")
+        return [button, charts, self.way, *super().contents(groups)]
 
     def show(self, look: Look) -> None:
         """Show the scenario."""
@@ -367,19 +354,8 @@ class LineGroup(Group):
         self.settle()
 
     def settle(self) -> None:
-        """Tell the cursor of both charts."""
+        """Update the shared cursor of both charts once they were drawn."""
         self.axis.settle("m", 0)
-
-    def _table(self, key: str) -> Table:
-        return next(table for _, table in self._tables if table.key == key)
-
-    def _drop_borders(self, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
-        sections = self._table("line.sections")
-        self.parent.act(lambda: self.editor.move_borders(sections, distance_m, height_m))
-
-    def _drop_limits(self, from_m: Sequence[float], to_m: Sequence[float], limit_kmh: Sequence[float]) -> None:
-        tables = self._table("line.sections"), self._table("line.speed_limits")
-        self.parent.act(lambda: self.editor.move_limits(*tables, from_m, to_m, limit_kmh))
 
 
 @cache

@@ -128,6 +128,26 @@ def test_the_profile_is_dragged(user: User) -> None:
     expect(user.figure_value("Energy from the supply")).to_have_text(energy)
 
 
+def test_a_block_is_pasted_into_a_cell_and_a_bad_cell_keeps_its_text(user: User) -> None:
+    open_group(user, "Track")
+    paste = """(cell, text) => {
+      const clipboardData = new DataTransfer();
+      clipboardData.setData("text", text);
+      cell.dispatchEvent(new ClipboardEvent("paste", {clipboardData, bubbles: true, composed: true, cancelable: true}));
+    }"""
+    field(user, "Gradient, \u2030, row 1").evaluate(paste, "1.5\t70\n\u22122,5\t60")
+    expect(field(user, "Gradient, \u2030, row 2")).to_have_value("-2.5")
+    expect(field(user, "Speed limit, km/h, row 1")).to_have_value("70")
+    expect(field(user, "Gradient, \u2030, row 1")).to_be_focused()
+    enter(user, "Gradient, \u2030, row 2", "300")
+    expect(field(user, "Gradient, \u2030, row 3")).to_be_focused()
+    expect(drawer(user).get_by_text("Row 2, Gradient, \u2030: '300'. At most 200. Nothing is changed.")).to_be_visible()
+    expect(field(user, "Gradient, \u2030, row 2")).to_have_attribute("aria-invalid", "true")
+    expect(field(user, "Gradient, \u2030, row 2")).to_have_value("300")
+    drawer(user).get_by_role("button", name="Reset Sections").press("Enter")
+    expect(field(user, "Gradient, \u2030, row 2")).to_have_attribute("aria-invalid", "false")
+
+
 def test_nothing_grave_on_a_narrow_screen(server: Server, chromium: Browser) -> None:
     with User.at(chromium, server.drive_url, width=390) as reader:
         reader.page.locator("header button").first.click()

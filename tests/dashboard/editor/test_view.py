@@ -116,7 +116,7 @@ def test_a_dragged_border_changes_both_sections_beside_it(state: Workbench, view
     x, y = section_borders(before), height_profile(before)
     x[3] += 100.0
     y[3] += 2.0
-    group._drop_borders(x.tolist(), y.tolist())
+    group.profile._drop(x.tolist(), y.tolist())
     after = state.scenario.scenario().line
     assert after.length_m == before.length_m
     assert [section.length_m for section in after.sections[2:4]] == [500.0, 300.0]
@@ -129,7 +129,7 @@ def test_a_dragged_border_changes_both_sections_beside_it(state: Workbench, view
 def test_a_dragged_limit_is_that_of_its_table(state: Workbench, view: EditorView) -> None:
     state.scenario.edit({"line.sections": [{"length_m": 2300.0, "speed_limit_kmh": 70.0}]})
     group = opened(view, "Track")
-    group._drop_limits([0.0, 650.0], [2300.0, 900.0], [65.0, 40.0])
+    group.steps._drop([0.0, 650.0], [2300.0, 900.0], [65.0, 40.0])
     line = state.scenario.scenario().line
     assert line.sections[0].speed_limit_kmh == 65.0
     (limit,) = line.speed_limits
