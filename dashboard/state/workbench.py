@@ -33,8 +33,8 @@ from railjoule.dashboard.state.pins import (
     make_pin,
     measured_name,
     pin_name,
-    recording_recipe,
-    run_recipe,
+    recipe_of_recording,
+    recipe_of,
     same_run,
 )
 from railjoule.dashboard.state.program import Recipe
@@ -158,7 +158,7 @@ class Workbench(Kept, PageModel):
     @property
     def recipe(self) -> Recipe | None:
         """How the run whose numbers are shown comes about."""
-        return None if self.runs is None else run_recipe(self.scenario, self.runs.scenario, self.chosen_now)
+        return None if self.runs is None else recipe_of(self.scenario, self.runs.scenario, self.chosen_now)
 
     @property
     def pin_of_run(self) -> Pin | None:
@@ -180,7 +180,7 @@ class Workbench(Kept, PageModel):
         found, chosen = self.simple.found, self.simple.chosen
         if found is None or chosen is None or self.pin_of(chosen.run) is not None:
             return
-        recipe = run_recipe(self.scenario, found.scenario, "optimal")
+        recipe = recipe_of(self.scenario, found.scenario, "optimal")
         name = f"{pin_name(chosen.run)}, {chosen.changes} changes"
         self._pin(chosen.run, replace(recipe, simple=chosen.changes_allowed), name)
 
@@ -201,7 +201,7 @@ class Workbench(Kept, PageModel):
         if found is None or self.pin_of(found.trajectory) is not None:
             return
         run = found.trajectory
-        recipe = recording_recipe(run)
+        recipe = recipe_of_recording(run)
         self.recorded[recipe.recording] = run
         self._pin(run, recipe, measured_name(run, found.measured is not None, found.recording.name))
 
