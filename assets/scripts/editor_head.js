@@ -7,7 +7,7 @@ const HTML = `<div><h2 tabindex="-1">Scenario</h2><p class="muted small" role="s
   <p class="hidden" role="alert"></p></div>
   <button type="button" class="small-button" aria-label="Close the editor" title="Close (Escape)">\u00d7</button>`;
 const in_sight = (element) => Boolean(element?.isConnected && element.getClientRects().length);
-// by the setter of the element itself: React, which draws some of the fields, hears of no other change
+// by the setter of the element itself: React, which draws some of the fields, notices no other change
 const write = (field, text) => {
   Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(field, text);
   field.dispatchEvent(new Event("input", {bubbles: true, composed: true}));
@@ -21,7 +21,7 @@ export function render({model, el}) {
     const menu = [...document.querySelectorAll("header button")].find(in_sight);
     if (in_sight(opener) && opener !== document.body) { opener.focus(); } else { menu?.focus(); }
   };
-  // at once: the answer of the server hides what has the focus
+  // immediately, as the answer of the server hides what has the focus
   const shut = () => { leave(); model.send_msg({what: "close"}); };
   const dress = () => {
     if (place) { return; }

@@ -70,9 +70,9 @@ export function render({model}) {
       shape = now;
       const title = make("h4", {}, label, ...(changed ? [make("span", {class: "dot"})] : []));
       const back = changed ? [button("back", 0, `Reset ${label}`, "Reset", "text-button back")] : [];
-      const told = [help, more].filter(Boolean).map((text) => make("p", {class: "help"}, text));
+      const notes = [help, more].filter(Boolean).map((text) => make("p", {class: "help"}, text));
       const add = () => button("insert", 0, `Add a row to ${label}`, "Add a row", "add text-button");
-      root.replaceChildren(make("div", {class: "table-head"}, title, ...back), ...told,
+      root.replaceChildren(make("div", {class: "table-head"}, title, ...back), ...notes,
         rows.length ? body(model.table) : add(), error);
     }
     const cells = root.querySelectorAll("input, select");

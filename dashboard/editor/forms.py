@@ -31,7 +31,7 @@ class Form(JSComponent):
 
 
 # not Panel's Tabulator (tried with 1.9.4 and 200 rows): a block pasted into a cell lands in that cell, or in range mode
-# in the browser only, and the server hears nothing of it; Enter and Escape lose the focus to the page; axe finds a
+# in the browser only, and the server gets nothing of it; Enter and Escape lose the focus to the page; axe finds a
 # critical error (aria-required-children); a cell has no place for a refused text; 525 kB of script for each page
 class TableForm(Form):
     """A table whose cells are fields."""

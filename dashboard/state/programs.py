@@ -23,7 +23,7 @@ def page_run(state: Workbench) -> PageRun:
 
 
 def page_recipe(state: Workbench) -> Recipe:
-    """Return the recipe of what the page in sight computes."""
+    """Return the recipe of the page in sight."""
     scenario, computed = state.scenario, page_run(state)
     document = to_document(scenario.base)
     changes = {
@@ -32,7 +32,7 @@ def page_recipe(state: Workbench) -> Recipe:
         # without those that take a key away which the document does not have
         if value is not None or _has(document, path)
     }
-    # named only where it differs, as all keys: without changes the command is the name of the scenario alone
+    # named only where it differs, as all keys: without changes the command only names the scenario
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]
     return Recipe(scenario.preset, scenario.opened, changes, program=computed.program, untold=computed.untold)
