@@ -455,6 +455,23 @@ def test_a_border_stays_between_its_neighbours_and_no_steeper_than_allowed(page:
     assert last == {"x": 300, "y": 40, "climbs": [200]}
 
 
+def test_a_border_that_is_dragged_upwards_stays_at_its_place(page: Page) -> None:
+    code = """
+      const nodes = {data: {x: [0, 400.5, 900], y: [0, -2, 1]}, change: {emit() {}}}, sign = {}, dropped = {};
+      const f = {inner_width: 900, inner_height: 100, x_range: {start: 0, end: 900}, y_range: {start: -10, end: 10}};
+      const drag = (event_name, x, y) => m.drag_heights({f, nodes, sign, dropped, steepest: 200, shortest: 1},
+        {event_name, x, y});
+      drag("panstart", a[0][0], a[0][1]);
+      for (const [x, y] of a.slice(1)) { drag("pan", x, y); }
+      drag("panend", ...a.at(-1));
+      return [dropped.data.x[1], dropped.data.y[1]];
+    """
+    # a pixel is 1 m and 0.2 m
+    assert run(page, "drag_heights", code, [[400, -2.2], [401, 1], [398, 4]]) == [400.5, 4]
+    assert run(page, "drag_heights", code, [[400, -2.2], [450, -1.8]]) == [450, -2]
+    assert run(page, "drag_heights", code, [[400, -2.2], [450, 2], [402, 3]]) == [402, 3]
+
+
 def test_a_limit_is_held_by_its_middle_and_some_by_their_ends(page: Page) -> None:
     steps = {"left": [0, 100], "right": [100, 200], "limit": [60, 40], "movable": [0, 9]}
     code = "return m.limit_grips(a.steps, a.at, {x: 1, y: 1}).map(({part, k}) => [part, k])"
