@@ -273,7 +273,7 @@ class FieldForm:
         self.parent, self.editor, self.field = parent, parent.editor, field
         kind = pmui.Select if field.kind in {"choice", "yes_no"} else pmui.TextInput
         self.widget = kind(size="small", margin=0, sizing_mode="stretch_width", stylesheets=[HELP_CSS])
-        self.back = pmui.IconButton(icon="undo", size="small", margin=(4, 0, 0, 0), on_click=self._reset)
+        self.back: pmui.IconButton | None = None
         self.view = pn.Row(self.widget, margin=0, sizing_mode="stretch_width")
         self._text = self.widget.value
         self.widget.param.watch(self._type, "value")
@@ -296,6 +296,8 @@ class FieldForm:
         if is_changed:
             was = look.was(field)
             was = next((word for word, value in options.items() if value == was), was)
+            # made when it is first needed: a group may have some forty fields
+            self.back = self.back or pmui.IconButton(icon="undo", size="small", margin=(4, 0), on_click=self._reset)
             self.back.description = f"Reset {field.label} to {was or 'empty'}"
         if is_changed != (len(self.view) > 1):
             self.view[:] = [self.widget, self.back] if is_changed else [self.widget]

@@ -33,8 +33,8 @@ from railjoule.dashboard.state.pins import (
     make_pin,
     measured_name,
     pin_name,
-    recipe_of_recording,
     recipe_of,
+    recipe_of_recording,
     same_run,
 )
 from railjoule.dashboard.state.program import Recipe

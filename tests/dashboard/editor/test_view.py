@@ -51,6 +51,7 @@ def test_a_typed_text_is_an_edit_and_its_refusal_is_shown(state: Workbench, view
     assert dict(state.scenario.changes) == {"vehicle.tare_kg": 150_000.0}
     assert (tare.widget.value, tare.widget.label) == ("150000", "Tare, kg \u00b7 changed")
     assert (tare.widget.error_state, tare.widget.helper_text.startswith("Mass of the empty vehicle.")) == (False, True)
+    assert tare.back is not None
     assert (tare.back.description, len(tare.view)) == ("Reset Tare, kg to 160000", 2)
     assert view._titles[list(GROUPS).index("Vehicle")] == "Vehicle \u00b7 1 changed"
     load.widget.value = "<b>"
