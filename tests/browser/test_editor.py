@@ -156,9 +156,12 @@ def test_nothing_grave_on_a_narrow_screen(server: Server, chromium: Browser) -> 
         box = drawer(reader).bounding_box()
         assert box is not None
         assert box["width"] == 390
-        for group in ("Powertrain", "Track", "Disturbance"):
+        for group in ("Vehicle", "Powertrain", "Track", "Disturbance"):
             open_group(reader, group)
         expect(field(reader, "Departure delay, s")).to_be_visible()
+        drawer(reader).get_by_role("button", name="Paste a table or open a CSV file").last.click()
+        expect(drawer(reader).get_by_label("Cells of a spreadsheet").last).to_be_visible()
+        enter(reader, "Auxiliary power, kW", "12")
         enter(reader, "Traction efficiency", "2")
         expect(field(reader, "Traction efficiency")).to_have_attribute("aria-invalid", "true")
         expect(drawer(reader).get_by_role("alert").first).to_have_text(re.compile(re.escape("At most 1. Kept: ")))
