@@ -6,7 +6,7 @@ from railjoule.core import RailjouleError, StrategyRefusedError, Trajectory
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin
-from railjoule.dashboard.state.program import Recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run

@@ -11,8 +11,8 @@ from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 from railjoule.dashboard.report.model import ReportingModel
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.program import Recipe
 from railjoule.dashboard.state.programs import page_recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 FINDINGS_SHARE = 0.9

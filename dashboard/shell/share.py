@@ -12,8 +12,8 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
-from railjoule.dashboard.state.program import Recipe, as_command, as_python, as_toml
 from railjoule.dashboard.state.programs import page_recipe
+from railjoule.dashboard.state.recipes import Recipe, as_command, as_python, as_toml
 from railjoule.dashboard.state.workbench import Workbench
 
 COPIED = {

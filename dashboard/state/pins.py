@@ -13,7 +13,7 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import open_scenario
-from railjoule.dashboard.state.program import Recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 # as many as the look has colours and strokes for: `pin_1` to `pin_6` in look/tokens.py

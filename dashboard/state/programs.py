@@ -9,7 +9,8 @@ from typing import Any
 from railjoule.core.scenario import to_document
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.dashboard.pages.learn.model import LESSONS
-from railjoule.dashboard.state.program import SOLVE, PageRun, Program, Recipe, simulation
+from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 ACTUAL_RUN = simulation("actual_run", "actual_run")

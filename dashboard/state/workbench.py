@@ -37,7 +37,7 @@ from railjoule.dashboard.state.pins import (
     recipe_of_recording,
     same_run,
 )
-from railjoule.dashboard.state.program import Recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.work.runs import Runs
 

@@ -20,8 +20,9 @@ from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
-from railjoule.dashboard.state.program import FILE, Program, Recipe, as_command, as_python, as_toml, toml_value
+from railjoule.dashboard.state.program import Program
 from railjoule.dashboard.state.programs import PAGE_RUNS, page_recipe, page_run
+from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, toml_value
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
