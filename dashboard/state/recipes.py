@@ -33,7 +33,7 @@ class Recipe:
     changes : mapping
         Keys of the file with their changed values.
     strategy : str
-        Who drives, unless it is simple advice.
+        The strategy of the run, unless it is simple advice.
     simple : int
         Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
     recording : str
