@@ -20,6 +20,7 @@ from railjoule.dashboard.editor.profile_charts import LimitStepsChart, ProfileCh
 from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import without_keys, words_of
+from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
@@ -44,7 +45,7 @@ HELP_CSS = ".MuiFormHelperText-root.MuiFormHelperText-root { margin: 3px 2px 0; 
 FOLD_SX = {
     "borderTop": "1px solid var(--rj-line)",
     "&::before": {"display": "none"},
-    "& .title": {"fontSize": 13, "fontWeight": 600},
+    "& .title": {"fontSize": 12},
     "& .MuiAccordionSummary-root": {"minHeight": 37},
     "& .MuiAccordionSummary-content": {"marginY": "8px"},
     "& .MuiAccordionDetails-root": {"padding": "0 0 8px"},
@@ -72,6 +73,8 @@ SCENARIO_FIELDS = (
     "recuperation_percent",
     "acceleration_time_s",
 )
+HEAD = """<div style="display:flex;align-items:center;font-size:13px"><b>{}</b>{}
+<span class="muted small" style="margin-left:auto;padding:0 8px;font-weight:400">{}</span></div>"""
 MORE_ROWS = "{} more rows are not shown; paste a table to replace them all."
 OWN, NOT_SET = "Custom", "Not set"
 PASTE = "Paste a table or open a CSV file"
@@ -89,7 +92,6 @@ class EditorView:
         self.head: EditorHead | None = None
         self.groups: list[Group] = []
         self.folds: Any = None
-        self._titles: list[str] = []
         self._is_acting = False
         # assets/scripts knows the drawer by its name, and what has the focus in it by its class
         self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
@@ -117,15 +119,12 @@ class EditorView:
         look = self.editor.look()
         with pn.io.hold():
             for index, group in enumerate(self.groups):
+                group.head.object = group.title(look)
                 if index in self.folds.active:
                     group.show(look)
             assert self.head is not None
             # a table announces the refusals of its cells itself
             self.head.alert = " ".join(one.sentence for one in self.editor.refused.values() if one.row < 0)
-            titled = [(group.title(look), group.body) for group in self.groups]
-            if [title for title, _ in titled] != self._titles:
-                self._titles = [title for title, _ in titled]
-                self.folds[:] = titled
 
     def _turn(self, *_: Any) -> None:
         with added_to(self.view):
@@ -142,7 +141,7 @@ class EditorView:
         self.track = LineGroup(self, "Track")
         self.groups = [self.track if name == self.track.name else Group(self, name) for name in GROUPS]
         self.queue.take(self.track.charts)
-        self.folds = pmui.Accordion(*((group.name, group.body) for group in self.groups), **FOLD)
+        self.folds = pmui.Accordion(*((group.head, group.body) for group in self.groups), **FOLD)
         self.folds.param.watch(self._unfold, "active")
         self.view[:] = [stack(self.head, css=HEAD_CSS), self.folds]
 
@@ -170,12 +169,14 @@ class Group:
 
     def __init__(self, parent: EditorView, name: str) -> None:
         self.parent, self.editor, self.name = parent, parent.editor, name
-        self.body = stack()
+        self.head = html_pane()
+        # without a name, which the library would show in place of the head
+        self.body = stack(name="")
         self._shape: object = None
         self._fields: list[FieldForm] = []
         self._tables: list[tuple[TableForm, Table]] = []
 
-    def title(self, look: Look) -> str:
+    def title(self, look: Look) -> Markup:
         """Return the heading of the group, with the number of changed keys."""
         keys = [part.key for _, parts in self.editor.parts(self.name, look.now) for part in parts]
         count = sum(
@@ -184,8 +185,8 @@ class Group:
         )
         vehicle, line = look.now.vehicle, look.now.line
         notes = {"Powertrain": words_of(vehicle.drive.model), "Track": f"{words.number(line.length_m, 0)} m"}
-        changed = f"{count} changed" if count else ""
-        return " \u00b7 ".join(filter(None, [self.name, notes.get(self.name, ""), changed]))
+        note = ", ".join(filter(None, [notes.get(self.name), f"{count} changed" if count else ""]))
+        return markup(HEAD, self.name, Markup("<i class=dot></i>") if count else "", note)
 
     def show(self, look: Look) -> None:
         """Show the scenario; the parts are made anew only where others are needed, as one of them has the focus."""
