@@ -7,11 +7,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from types import NoneType
-from typing import Any, Literal, NamedTuple, get_args, get_origin
+from typing import Any, Literal
 
 from pydantic import BaseModel
-from pydantic.fields import FieldInfo
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.text_file import MAP_COLUMNS
@@ -21,6 +19,7 @@ from railjoule.dashboard.look.typed import clock, parse_number, parse_time
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
+Schema = Mapping[str, Any]
 
 SMALL_UNIT = re.compile(r" \[[^\[\]]+\]")
 """The unit in a description: the label says it already."""
@@ -30,9 +29,17 @@ POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
     "points": MAP_COLUMNS,
 }
 """Names for the columns of lists whose rows are plain lists of numbers."""
-KINDS: Mapping[Any, Kind] = {float: "number", int: "whole", bool: "yes_no", str: "text"}
-BOUNDS = {"ge": "least", "le": "most", "gt": "above", "lt": "below", "max_length": "longest"}
-"""Pydantic's names of bounds, and ours."""
+KINDS: Mapping[Any, Kind] = {"number": "number", "integer": "whole", "boolean": "yes_no", "string": "text"}
+"""Our names of the kinds of values, by those of JSON schemas."""
+BOUNDS = {
+    "minimum": "least",
+    "maximum": "most",
+    "exclusiveMinimum": "above",
+    "exclusiveMaximum": "below",
+    "maxLength": "longest",
+}
+"""Our names of bounds, by those of JSON schemas."""
+NULL: Mapping[str, str] = {"type": "null"}
 # the first of both is what a field shows
 YES = ("yes", "true", "1")
 NO = ("no", "false", "0")
@@ -152,20 +159,21 @@ class Field:
         text = text.strip()
         if not text and self.optional:
             return None
-        if self.kind == "text":
-            if self.longest is not None and len(text) > self.longest:
-                raise ValueError(f"At most {self.longest} characters.")
-            return text
-        if self.kind == "choice":
-            if text not in self.choices:
-                raise ValueError(f"One of {', '.join(self.choices)}.")
-            return text
-        if self.kind == "yes_no":
-            if text.lower() not in (*YES, *NO):
-                raise ValueError("Yes or no.")
-            return text.lower() in YES
-        if self.kind == "numbers":
-            return self._parse_numbers(text)
+        match self.kind:
+            case "text":
+                if self.longest is not None and len(text) > self.longest:
+                    raise ValueError(f"At most {self.longest} characters.")
+                return text
+            case "choice":
+                if text not in self.choices:
+                    raise ValueError(f"One of {', '.join(self.choices)}.")
+                return text
+            case "yes_no":
+                if text.lower() not in (*YES, *NO):
+                    raise ValueError("Yes or no.")
+                return text.lower() in YES
+            case "numbers":
+                return self._parse_numbers(text)
         return self._parse_number(text)
 
     def _parse_number(self, text: str) -> float:
@@ -254,131 +262,91 @@ def parts_of(table: str, model: str = "") -> Sequence[Field | Table]:
     model : str
         The kind of the drive, where the path leads there.
     """
-    return describe(_model_at(table, model), f"{table}." if table else "")
+    return _parts(str(_table(table, model)["title"]), f"{table}." if table else "")
 
 
+@cache
 def tables_in(table: str, model: str = "") -> tuple[str, ...]:
     """Return the paths of the tables in a table, such as 'vehicle.traction' in 'vehicle'."""
-    fields = _model_at(table, model).model_fields
-    return tuple(f"{table}.{name}" for name, info in fields.items() if _is_model(_declared(info).plain))
+    properties = _table(table, model)["properties"]
+    return tuple(f"{table}.{name}" for name, one in properties.items() if "properties" in _resolved(one))
 
 
 def models_of(table: str) -> tuple[str, ...]:
     """Return the kinds of a table of many kinds, such as those of the drive."""
-    return tuple(_kinds(_at(table, "")))
+    return tuple(_table(table)["discriminator"]["mapping"])
+
+
+def describe(model: type[BaseModel]) -> tuple[Field | Table, ...]:
+    """Return the fields and lists of one table of a scenario, such as `railjoule.core.scenario.Vehicle`."""
+    return _parts(model.__name__, "")
 
 
 @cache
-def describe(model: type[BaseModel], prefix: str = "") -> tuple[Field | Table, ...]:
-    """Return the fields and lists that a model declares, without the models in it.
-
-    Parameters
-    ----------
-    model : type
-        One table of a scenario, such as `railjoule.core.scenario.Vehicle`.
-    prefix : str
-        What comes before the names of its fields in their keys.
-    """
-    parts = (_part(prefix + name, info) for name, info in model.model_fields.items() if name not in TABLE_KEYS)
-    return tuple(part for part in parts if part is not None)
+def _schemas() -> Mapping[str, Schema]:
+    """Return pydantic's JSON schemas of a scenario's models, by their names."""
+    schema = Scenario.model_json_schema()
+    return {**schema["$defs"], schema["title"]: schema}
 
 
-class _Declared(NamedTuple):
-    """What an annotation says: the type without None, whether it may be None, and its bounds by pydantic's names."""
-
-    plain: Any
-    optional: bool
-    limits: Mapping[str, Any]
-
-    @property
-    def bounds(self) -> dict[str, Any]:
-        """Bounds of numbers and the length of a text, as `Field` has them."""
-        return {ours: self.limits.get(theirs) for theirs, ours in BOUNDS.items()}
+def _resolved(schema: Schema) -> Schema:
+    """Return a schema with what it refers to, and with what it demands of a value that is not None."""
+    for one in schema.get("anyOf", ()):
+        schema = schema if one == NULL else {**schema, **one}
+    return {**_schemas()[schema["$ref"].rpartition("/")[2]], **schema} if "$ref" in schema else schema
 
 
-def _declared(info: FieldInfo) -> _Declared:
-    kind, limits = info.annotation, _limits(info)
-    if NoneType not in get_args(kind):
-        return _Declared(kind, False, limits)
-    # bounds may stand within the union with None or beside it; those beside it are said of this field alone
-    inner = FieldInfo.from_annotation(next(each for each in get_args(kind) if each is not NoneType))
-    return _Declared(inner.annotation, True, _limits(inner) | limits)
-
-
-def _limits(info: FieldInfo) -> dict[str, Any]:
-    names = (*BOUNDS, "min_length")
-    return {name: getattr(each, name) for each in info.metadata for name in names if hasattr(each, name)}
-
-
-def _is_model(kind: Any) -> bool:
-    return isinstance(kind, type) and issubclass(kind, BaseModel)
-
-
-def _kinds(union: Any) -> dict[str, type[BaseModel]]:
-    """Return the models of a table of many kinds by what its key `model` says."""
-    return {get_args(member.model_fields["model"].annotation)[0]: member for member in get_args(union)}
-
-
-def _at(table: str, model: str) -> Any:
-    """Return the type at a path; where it meets a table of many kinds, that of the kind `model`."""
-    path = "vehicle.drive" + table.removeprefix("drive") if table.split(".", maxsplit=1)[0] == "drive" else table
-    kind: Any = Scenario
+def _table(path: str, model: str = "") -> Schema:
+    """Return the schema at a path; where it meets a table of many kinds, that of the kind `model`."""
+    path = f"vehicle.{path}" if path.split(".", maxsplit=1)[0] == "drive" else path
+    found = _schemas()["Scenario"]
     for name in path.split(".") if path else ():
-        kind = _declared(kind.model_fields[name]).plain
-        if model and not _is_model(kind):
-            kind = _kinds(kind)[model]
-    return kind
-
-
-def _model_at(table: str, model: str) -> type[BaseModel]:
-    found: type[BaseModel] = _at(table, model)
+        found = _resolved(found["properties"][name])
+        if model and "discriminator" in found:
+            found = _resolved({"$ref": found["discriminator"]["mapping"][model]})
     return found
 
 
-def _part(key: str, info: FieldInfo) -> Field | Table | None:
-    """Return what a field declares; None for a table or what cannot be edited as text."""
-    declared = _declared(info)
-    about = info.description or ""
-    if key == "strategy":
-        return Field(kind="choice", key=key, help=about, choices=tuple(STRATEGIES))
-    if get_origin(declared.plain) is tuple:
-        return _list(key, declared, about)
-    return _field(key, declared, about)
+@cache
+def _parts(name: str, prefix: str) -> tuple[Field | Table, ...]:
+    """Return the fields and lists of the model of a name; `prefix` comes before their names in their keys."""
+    properties = _schemas()[name]["properties"]
+    parts = (_part(prefix + key, schema) for key, schema in properties.items() if key not in TABLE_KEYS)
+    return tuple(part for part in parts if part is not None)
 
 
-def _field(key: str, declared: _Declared, about: str = "") -> Field | None:
-    common: dict[str, Any] = {"key": key, "help": about, "optional": declared.optional}
-    if get_origin(declared.plain) is Literal:
-        return Field(kind="choice", choices=get_args(declared.plain), **common)
-    kind = KINDS.get(declared.plain)
-    return None if kind is None else Field(kind=kind, **common, **declared.bounds)
+def _part(key: str, schema: Schema) -> Field | Table | None:
+    """Return the field or list of a schema; None for a table."""
+    found = _resolved(schema)
+    common: dict[str, Any] = {
+        "key": key,
+        "help": schema.get("description", ""),
+        "optional": NULL in schema.get("anyOf", ()),
+    }
+    if found.get("type") == "array":
+        return _list(found, common)
+    choices = tuple(STRATEGIES) if key == "strategy" else tuple(found.get("enum", ()))
+    kind: Kind | None = "choice" if choices else KINDS.get(found.get("type"))
+    return Field(kind=kind, choices=choices, **common, **_bounds(found)) if kind else None
 
 
-def _list(key: str, declared: _Declared, about: str) -> Field | Table | None:
+def _bounds(schema: Schema) -> dict[str, Any]:
+    return {ours: schema[theirs] for theirs, ours in BOUNDS.items() if theirs in schema}
+
+
+def _list(schema: Schema, common: Mapping[str, Any]) -> Field | Table:
     """Return a list of numbers as a field, one of models or of plain lists as a table."""
-    entries = [_declared(FieldInfo.from_annotation(each)) for each in get_args(declared.plain) if each is not Ellipsis]
-    first, same = entries[0], Ellipsis in get_args(declared.plain)
-    fewest, most = declared.limits.get("min_length", 0), declared.limits.get("max_length")
-    if same and (_is_model(first.plain) or get_origin(first.plain) is tuple):
-        return Table(
-            key=key,
-            columns=_columns(key, first.plain),
-            of_lists=not _is_model(first.plain),
-            help=about,
-            optional=declared.optional,
-            fewest=fewest,
-            # as many rows as core/budget.py lets any list have
-            most=100_000 if most is None else most,
-        )
-    count = (fewest, most) if same else (len(entries), len(entries))
-    # nothing is a list of none where a list may not be left out
-    optional = declared.optional or count[0] == 0
-    return Field(key=key, kind="numbers", help=about, optional=optional, count=count, **first.bounds)
-
-
-def _columns(key: str, entry: Any) -> tuple[Field, ...]:
-    """Return the columns of a list's entries: the fields of a model, or the numbers of a plain list."""
-    if _is_model(entry):
-        return tuple(part for part in describe(entry) if isinstance(part, Field))
-    named = zip(POINT_COLUMNS[key.rpartition(".")[2]], get_args(entry), strict=True)
-    return tuple(field for name, each in named if (field := _field(name, _declared(FieldInfo.from_annotation(each)))))
+    fewest, most = schema.get("minItems", 0), schema.get("maxItems")
+    entry = _resolved(schema["items"] if "items" in schema else schema["prefixItems"][0])
+    if "properties" in entry:
+        columns = tuple(part for part in _parts(entry["title"], "") if isinstance(part, Field))
+    elif entry["type"] == "array":
+        named = zip(POINT_COLUMNS[common["key"].rpartition(".")[2]], entry["prefixItems"], strict=True)
+        columns = tuple(Field(name, "number", **_bounds(one)) for name, one in named)
+    else:
+        # nothing is a list of none where a list may not be left out
+        optional = common["optional"] or fewest == 0
+        return Field(kind="numbers", count=(fewest, most), **{**common, "optional": optional}, **_bounds(entry))
+    # without a bound as many rows as core/budget.py lets any list have
+    of_lists = "properties" not in entry
+    return Table(columns=columns, of_lists=of_lists, fewest=fewest, most=most or 100_000, **common)

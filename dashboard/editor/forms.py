@@ -1,10 +1,6 @@
-"""Forms in plain HTML: many fields, or a whole table, in one component each.
+"""Components with a script of their own: a table whose cells are fields, and the editor's title."""
 
-A widget of the library for each of a hundred fields would make opening a group slow; here the browser draws them at
-once, with label, help and refusal tied to each field for those who listen.
-"""
-
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import param
@@ -34,20 +30,9 @@ class Form(JSComponent):
             self._hear(data)
 
 
-class FieldsForm(Form):
-    """Fields below each other."""
-
-    fields = param.List(default=[], doc="What each field shows.")
-    version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
-
-    _esm = module("fields_form")
-
-    def show(self, fields: Sequence[dict[str, Any]]) -> None:
-        """Show fields; what a browser has typed since is written over."""
-        self.param.update(fields=list(fields), version=self.version + 1)
-
-
-# not the library's Tabulator, which brings a megabyte of script and has gaps for screen readers
+# not Panel's Tabulator (tried with 1.9.4 and 200 rows): a block pasted into a cell lands in that cell, or in range mode
+# in the browser only, and the server gets nothing of it; Enter and Escape lose the focus to the page; axe finds a
+# critical error (aria-required-children); a cell has no place for a refused text; 525 kB of script for each page
 class TableForm(Form):
     """A table whose cells are fields."""
 
@@ -80,6 +65,7 @@ class EditorHead(Form):
     """The editor's title, the result, and the way out; it takes the focus in and gives it back."""
 
     status = param.String(default="", doc="The result.")
+    alert = param.String(default="", doc="Why fields were refused, for screen readers.")
     open = param.Boolean(default=False, doc="Whether the editor is in sight.")
 
     _esm = module("editor_head")

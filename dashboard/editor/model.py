@@ -1,20 +1,18 @@
-"""The editor of the scenario: its groups of fields, what is typed into them, and why it is not taken."""
+"""The editor of the scenario: its groups of fields, and the typed values that were refused."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import param
-from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.budget import PAGE
-from railjoule.core.scenario import preset_document, preset_names
-from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of, tables_in
-from railjoule.dashboard.editor.first_values import drive_of_kind, first_rows, row_after
-from railjoule.dashboard.editor.pasted_table import CellError, parse_cell, rows_of
+from railjoule.dashboard.editor.rows import CellError, Row, changed_rows, drive_of_kind
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import words_of
 from railjoule.dashboard.state.scenario import ScenarioModel
 
@@ -31,12 +29,21 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Strategy options": ("search", "simulation", "phases", "eoc", "enoc", "solver"),
 }
 """The editor's sections, with the tables of the file in each."""
-WHOLE_TABLES = ("vehicle", "drive", "line")
-"""Tables that a choice replaces as a whole."""
+VEHICLE = Field("vehicle", "choice", "A shipped vehicle with its powertrain; the load is kept.")
+LINE = Field("line", "choice", "A shipped line with its limits and stations.")
+DRIVE = Field(
+    "drive",
+    "choice",
+    "A new kind starts with the values of a shipped vehicle that has it, or with assumed ones.",
+    choices=models_of("drive"),
+)
+WHOLE_TABLES = {"vehicle": ("vehicle", "drive"), "drive": ("drive",), "line": ("line",)}
+"""Tables that one choice replaces as a whole, with those that go with them."""
+# abbreviations, of which `words_of` would make Eoc and Enoc
+HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 STILL_PERMILLE = 1e-6
 """What rounding alone makes of a gradient."""
 SOURCE = "scenario: "
-Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -49,12 +56,15 @@ class Look:
         As it stands.
     before : Scenario
         As it was before single fields were edited; chosen presets are in it.
+    base : Scenario
+        As it was before anything was changed.
     changes : mapping
-        The keys that differ.
+        The keys that differ from the base.
     """
 
     now: Scenario
     before: Scenario
+    base: Scenario
     changes: Mapping[str, Any]
 
     def text(self, field: Field) -> str:
@@ -63,7 +73,7 @@ class Look:
 
     def was(self, field: Field) -> str:
         """Return the text that a field had."""
-        return field.show(value_at(self.before, field.key))
+        return field.show(value_at(self.base if field.key in WHOLE_TABLES else self.before, field.key))
 
     def rows(self, table: Table) -> list[Row]:
         """Return the entries of a list, by columns, without what is left out."""
@@ -72,7 +82,7 @@ class Look:
 
 @dataclass(frozen=True)
 class Refusal:
-    """What was typed and not taken; of a table, where."""
+    """A typed text that was not accepted; of a table, with its cell."""
 
     text: str
     sentence: str
@@ -81,7 +91,7 @@ class Refusal:
 
 
 class EditorModel(param.Parameterized):
-    """What the editor does to a scenario; all of it through `ScenarioModel.edit`."""
+    """The editor's changes of a scenario; all of them go through `ScenarioModel.edit`."""
 
     open = param.Boolean(default=False, doc="Whether the editor is in sight.")
     refused = param.Dict(default={}, doc="Typed values that were not accepted, by key.")
@@ -89,140 +99,119 @@ class EditorModel(param.Parameterized):
     def __init__(self, scenario: ScenarioModel, **params: Any) -> None:
         super().__init__(**params)
         self.scenario = scenario
-        scenario.param.watch(self._forget, ["preset", "opened"])
-
-    def _forget(self, *_: Any) -> None:
-        self.refused = {}
+        scenario.param.watch(lambda *_: self.param.update(refused={}), ["preset", "opened"])
 
     def look(self) -> Look:
         """Return the scenario as it stands and as it was."""
         model = self.scenario
         whole = {key: value for key, value in model.edits.items() if key in WHOLE_TABLES}
-        base = model.base
-        return Look(model.scenario(), base.replace(**whole) if whole else base, model.changes)
+        before = model.base.replace(**whole) if whole else model.base
+        return Look(model.scenario(), before, model.base, model.changes)
 
-    def parts(self, table: str, scenario: Scenario) -> list[tuple[str, Sequence[Field | Table]]]:
-        """Return the fields and lists of a table of the file, and of the tables in it that are there.
+    def parts(self, group: str, scenario: Scenario) -> list[tuple[str, Sequence[Field | Table]]]:
+        """Return the fields and lists of a group, under a heading for each table of the file where there are several.
 
-        Each with its heading, empty for the table itself; tables that have a group of their own are left out.
+        Tables that have a group of their own are left out, and those that the scenario does not have.
         """
-        model = scenario.vehicle.drive.model if table == "drive" else ""
+        if group == "Presets":
+            return [("", (VEHICLE, LINE, *(part for part in parts_of("") if part.key == "title")))]
         own = {name for tables in GROUPS.values() for name in tables}
-        inner = [name for name in tables_in(table, model) if name not in own and value_at(scenario, name) is not None]
-        return [("", parts_of(table, model)), *((words_of(name), parts_of(name, model)) for name in inner)]
+        found: list[tuple[str, Sequence[Field | Table]]] = []
+        for table in GROUPS[group]:
+            model = scenario.vehicle.drive.model if table == "drive" else ""
+            first = (DRIVE,) if table == "drive" else ()
+            heading = HEADINGS.get(table, words_of(table)) if len(GROUPS[group]) > 1 else ""
+            found.append((heading, (*first, *parts_of(table, model))))
+            inner = [name for name in tables_in(table, model) if name not in own]
+            found += [(words_of(name), parts_of(name, model)) for name in inner if value_at(scenario, name) is not None]
+        return found
+
+    # ---- fields
 
     def type(self, field: Field, text: str) -> None:
-        """Accept what was typed into a field, or say why not."""
+        """Accept a text of a field, or the choice of a whole table; else keep the reason for the refusal."""
         look = self.look()
-        try:
+        now = look.text(field)
+        is_whole = field.key in WHOLE_TABLES
+        kept = "" if is_whole else f"Kept: {f'{now} {field.unit}'.strip() if now else 'nothing'}."
+        with self._refusals(field.key, text, kept):
+            if is_whole:
+                self._choose(field.key, text)
+                return
             value = field.parse(text)
             # by their texts: a number that reads as before is no edit, whatever rounding has left in its last digits
             if field.show(value) == look.was(field):
-                self._set(field.key, None, back=True)
+                self._reset(field.key)
                 return
             if value is None:
                 self._require_absent(field)
-            self._set(field.key, {field.key: value})
-        except (ValueError, RailjouleError) as error:
-            before = look.text(field)
-            kept = f"{before} {field.unit}".strip() if before else "nothing"
-            self._refuse(field.key, Refusal(text, f"{sentence_of(error)} Kept: {kept}."))
+            self.scenario.edit({field.key: value})
 
-    def take_back(self, key: str) -> None:
+    def take_back(self, part: Field | Table) -> None:
         """Give a field or list the value again that it had."""
-        try:
-            self._set(key, None, back=True)
-        except RailjouleError as error:
-            self._refuse(key, Refusal("", sentence_of(error)))
-
-    def choose(self, kind: PresetKind, name: str) -> None:
-        """Take a shipped vehicle or line for the whole of the scenario's; with no name its own again."""
-        tables = ("vehicle", "drive") if kind == "vehicles" else ("line",)
-        key, own = tables[0], getattr(self.scenario.base, tables[0]).preset
-        try:
-            if name in {"", own}:
-                self.scenario.take_back(*self._keys_under(tables))
-            elif kind == "vehicles":
-                load = self.scenario.scenario().vehicle.load_factor
-                # the vehicle comes with its own drive, beside which edits of the former one must not stay
-                self.scenario.edit({"vehicle": {"preset": name, "load_factor": load}, "drive": None})
+        with self._refusals(part.key):
+            if part.key in WHOLE_TABLES:
+                self._choose(part.key, "")
             else:
-                self.scenario.edit({"line": {"preset": name}})
-            self._accept(key)
-        except RailjouleError as error:
-            self._refuse(key, Refusal(name, sentence_of(error)))
+                self._reset(part.key)
 
-    def choose_drive(self, model: str) -> None:
-        """Take a drive of another kind; the scenario's own where that is of this kind."""
-        try:
+    def _choose(self, key: str, name: str) -> None:
+        """Take a shipped vehicle or line, or a drive of a kind; the scenario's own where no name is given."""
+        base, now = self.scenario.base, self.scenario.scenario()
+        if key == "drive":
+            name = name or base.vehicle.drive.model
             # beside another vehicle the drive that comes back is that vehicle's, which may be of another kind
-            if self.scenario.base.vehicle.drive.model == model and "vehicle" not in self.scenario.edits:
-                self.scenario.take_back(*self._keys_under(("drive",)))
-            else:
-                self.scenario.edit({"drive": drive_of_kind(model, self.scenario.scenario().vehicle.drive)})
-            self._accept("drive")
-        except RailjouleError as error:
-            self._refuse("drive", Refusal(model, sentence_of(error)))
+            is_own = base.vehicle.drive.model == name and "vehicle" not in self.scenario.edits
+        else:
+            is_own = name in {"", getattr(base, key).preset}
+        if is_own:
+            self._reset(*self._keys_under(WHOLE_TABLES[key]))
+        elif key == "drive":
+            self.scenario.edit({"drive": drive_of_kind(name, now.vehicle.drive)})
+        elif key == "vehicle":
+            # the vehicle comes with its own drive, beside which edits of the former one must not stay
+            self.scenario.edit({"vehicle": {"preset": name, "load_factor": now.vehicle.load_factor}, "drive": None})
+        else:
+            self.scenario.edit({"line": {"preset": name}})
 
-    def type_cell(self, table: Table, row: int, column: int, text: str) -> None:
-        """Take what was typed into a cell, or say why not."""
-        rows, field = self.look().rows(table), table.columns[column]
-        try:
-            value = parse_cell(field, text, row + 1)
-            rows[row] = {name: old for name, old in rows[row].items() if name != field.name}
-            if value is not None:
-                rows[row][field.name] = value
-            self._set_rows(table, rows)
-        except (CellError, RailjouleError) as error:
-            self._refuse(table.key, Refusal(text, f"{sentence_of(error)} Nothing is changed.", row, column))
+    def _require_absent(self, field: Field) -> None:
+        """Refuse to leave out what a preset or the file's rules give anyway."""
+        given = value_at(self.scenario.edited.replace(**{field.key: None}), field.key)
+        if given is not None:
+            raise ValueError(f"The default is {field.show(given)}; it cannot be left empty.")
 
-    def insert(self, table: Table, row: int) -> None:
-        """Add a row below another one, or the first rows."""
+    def _keys_under(self, tables: Sequence[str]) -> list[str]:
+        beginnings = tuple(f"{table}." for table in tables)
+        # they have fields in the sidebar, and stay as they are set there
+        sliders = {"vehicle.load_factor", "drive.recuperation_factor"}
+        changes = self.scenario.changes
+        return [key for key in changes if key in tables or (key.startswith(beginnings) and key not in sliders)]
+
+    def _reset(self, *keys: str) -> None:
+        if any(key in self.scenario.changes for key in keys):
+            self.scenario.take_back(*keys)
+
+    # ---- tables
+
+    def change_rows(self, table: Table, what: str, row: int = 0, column: int = 0, text: str = "") -> None:
+        """Change the rows of a table, as `changed_rows` describes, or keep the reason for the refusal."""
         look = self.look()
-        rows = look.rows(table)
-        made = [*rows[:row], *row_after(table.key, rows, row, look.now), *rows[row + 1 :]] if rows else []
-        self._try_rows(table, made or first_rows(table.key, look.now))
-
-    def remove(self, table: Table, row: int) -> None:
-        """Take a row away."""
-        rows = self.look().rows(table)
-        self._try_rows(table, rows[:row] + rows[row + 1 :])
-
-    def move(self, table: Table, row: int, by: int) -> None:
-        """Change a row for the one above (-1) or below (1)."""
-        rows, other = self.look().rows(table), row + by
-        if 0 <= other < len(rows):
-            rows[row], rows[other] = rows[other], rows[row]
-            self._try_rows(table, rows)
-
-    def paste(self, table: Table, text: str, row: int | None = None, column: int = 0) -> None:
-        """Take a block of cells: from a cell on, or for all rows where no cell is named."""
-        try:
-            block = rows_of(text, table.columns, column)
-            if row is None:
-                self._set_rows(table, block)
-                return
-            rows = self.look().rows(table)
-            for number, values in enumerate(block, row):
-                # beyond the last row the slice is empty: there the block adds rows
-                rows[number : number + 1] = [{**rows[number], **values} if number < len(rows) else values]
-            self._set_rows(table, rows)
-        except (CellError, RailjouleError) as error:
-            self._refuse(table.key, Refusal("", f"{sentence_of(error)} Nothing is changed."))
+        place = (text, row, column) if what == "cell" else ("", -1, -1)
+        with self._refusals(table.key, place[0], "Nothing is changed.", *place[1:]):
+            self._set_rows(table, changed_rows(table, look.rows(table), look.now, what, row, column, text))
 
     def set_rows(self, table: Table, rows: Sequence[Row]) -> None:
-        """Take other rows, as a chart gives them, or say why not."""
-        self._try_rows(table, rows)
+        """Take other rows, as a chart gives them, or keep the reason for the refusal."""
+        with self._refusals(table.key, "", "Nothing is changed."):
+            self._set_rows(table, rows)
 
     def move_borders(self, table: Table, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
         """Let the sections run through borders of other places and heights [m]; lists of one more than them."""
-        lengths, climbs = np.diff(distance_m), np.diff(height_m)
-        rows = [
-            # to a millimetre, as differences of places have errors of rounding
-            {**row, "length_m": float(round(length, 3)), "gradient_permille": _kept_or_rounded(row, length, climb)}
-            for row, length, climb in zip(self.look().rows(table), lengths, climbs, strict=True)
-        ]
-        self.set_rows(table, rows)
+        rows = self.look().rows(table)
+        # rows may have come or gone while the border was dragged
+        if len(distance_m) == len(rows) + 1:
+            moved = zip(rows, np.diff(distance_m), np.diff(height_m), strict=True)
+            self.set_rows(table, [_moved_section(row, length, climb) for row, length, climb in moved])
 
     def move_limits(
         self,
@@ -236,77 +225,54 @@ class EditorModel(param.Parameterized):
         look = self.look()
         section_rows, limit_rows = look.rows(sections), look.rows(limits)
         limited = [row for row in section_rows if "speed_limit_kmh" in row]
-        of_sections = len(limited)
-        for row, limit in zip(limited, limit_kmh[:of_sections], strict=True):
+        moved = list(zip(from_m, to_m, limit_kmh, strict=True))
+        for row, (_, _, limit) in zip(limited, moved, strict=False):
             row["speed_limit_kmh"] = limit
-        moved = [
+        stretches = [
             {**row, "from_m": start, "to_m": end, "limit_kmh": limit}
-            for row, start, end, limit in zip(
-                limit_rows, from_m[of_sections:], to_m[of_sections:], limit_kmh[of_sections:], strict=True
-            )
+            for row, (start, end, limit) in zip(limit_rows, moved[len(limited) :], strict=True)
         ]
-        for table, rows in ((sections, section_rows), (limits, moved)):
+        for table, rows in ((sections, section_rows), (limits, stretches)):
             if rows != look.rows(table):
                 self.set_rows(table, rows)
 
-    def _try_rows(self, table: Table, rows: Sequence[Row]) -> None:
-        try:
-            self._set_rows(table, rows)
-        except (CellError, RailjouleError) as error:
-            self._refuse(table.key, Refusal("", f"{sentence_of(error)} Nothing is changed."))
-
     def _set_rows(self, table: Table, rows: Sequence[Row]) -> None:
-        # before they are taken for good: rows are checked again at each move of a slider
+        # before they are accepted: rows are checked again at each move of a slider
         if len(rows) > PAGE.row_count:
             raise CellError(f"{len(rows):,} rows; the page takes at most {PAGE.row_count:,}.")
         if list(rows) == entries_at(self.look().before, table):
-            self._set(table.key, None, back=True)
+            self._reset(table.key)
             return
         value = None if table.optional and not rows else [_entry(table, row, n) for n, row in enumerate(rows, 1)]
-        self._set(table.key, {table.key: value})
+        self.scenario.edit({table.key: value})
 
-    def _set(self, key: str, changes: Mapping[str, Any] | None, back: bool = False) -> None:
-        """Edit the scenario, or give a key its value back."""
-        if back:
-            if key in self.scenario.changes:
-                self.scenario.take_back(key)
-        else:
-            self.scenario.edit(changes or {})
-        self._accept(key)
-
-    def _require_absent(self, field: Field) -> None:
-        """Refuse to leave out what a preset or the file's rules give anyway."""
-        given = value_at(self.scenario.edited.replace(**{field.key: None}), field.key)
-        if given is not None:
-            raise ValueError(f"The default is {field.show(given)}; it cannot be left empty.")
-
-    def _keys_under(self, tables: Sequence[str]) -> list[str]:
-        beginnings = tuple(f"{table}." for table in tables)
-        # they have fields beside every page, and stay as they are set there
-        sliders = {"vehicle.load_factor", "drive.recuperation_factor"}
-        return [
-            key for key in self.scenario.changes if key in tables or (key.startswith(beginnings) and key not in sliders)
-        ]
-
-    def _accept(self, key: str) -> None:
-        self.refused = {name: refusal for name, refusal in self.refused.items() if name != key}
-
-    def _refuse(self, key: str, refusal: Refusal) -> None:
-        self.refused = {**self.refused, key: refusal}
+    @contextmanager
+    def _refusals(self, key: str, text: str = "", kept: str = "", row: int = -1, column: int = -1) -> Iterator[None]:
+        """Keep the reason where a change of a key is refused; a change that is accepted ends the former refusal."""
+        refused = {name: refusal for name, refusal in self.refused.items() if name != key}
+        try:
+            yield
+        except (ValueError, RailjouleError) as error:
+            sentence = f"{str(error).removeprefix(SOURCE)} {kept}".rstrip()
+            refused[key] = Refusal(text, sentence, row, column)
+        self.refused = refused
 
 
-def _kept_or_rounded(row: Row, length_m: float, climb_m: float) -> float:
-    """Return the gradient of a moved section in tenths, and that of another as it was."""
-    gradient = 1000 * climb_m / length_m
-    was = float(row.get("gradient_permille", 0.0))
-    return was if abs(gradient - was) < STILL_PERMILLE else round(gradient, 1)
+def _moved_section(row: Row, length_m: float, climb_m: float) -> Row:
+    """Return a section with another length and climb: its gradient in tenths, or as it was where it has not changed."""
+    gradient, was = 1000 * climb_m / length_m, float(row.get("gradient_permille", 0.0))
+    gradient = was if abs(gradient - was) < STILL_PERMILLE else float(round(gradient, 1))
+    # to a millimetre, as differences of places have errors of rounding
+    return {**row, "length_m": float(round(length_m, 3)), "gradient_permille": gradient}
 
 
 def value_at(scenario: Scenario, key: str) -> Any:
-    """Return what stands at a dotted key of a scenario; None where there is nothing."""
+    """Return the value at a dotted key of a scenario, None where there is none; of a whole table its preset or kind."""
     value: Any = scenario
     for name in f"vehicle.{key}".split(".") if key.split(".", maxsplit=1)[0] == "drive" else key.split("."):
         value = getattr(value, name, None)
+    if key in WHOLE_TABLES:
+        return value.model if key == "drive" else value.preset
     return value
 
 
@@ -316,7 +282,6 @@ def entries_at(scenario: Scenario, table: Table) -> list[Row]:
     names = [column.name for column in table.columns]
     if table.of_lists:
         return [dict(zip(names, entry, strict=True)) for entry in entries]
-    assert all(isinstance(entry, BaseModel) for entry in entries)
     return [{name: value for name in names if (value := getattr(entry, name)) is not None} for entry in entries]
 
 
@@ -328,18 +293,3 @@ def _entry(table: Table, row: Row, number: int) -> Any:
     if missing:
         raise CellError(f"Row {number}, {missing[0]}: a value is missing.")
     return [row[column.name] for column in table.columns]
-
-
-def sentence_of(error: Exception) -> str:
-    """Return an error's sentence without the name of what it is about: that is in sight."""
-    return str(error).removeprefix(SOURCE)
-
-
-def preset_options(kind: PresetKind) -> dict[str, str]:
-    """Return the names of shipped vehicles or lines by what they are called."""
-    return {str(preset_document(kind, name)["name"]): name for name in preset_names(kind)}
-
-
-def drive_kinds() -> tuple[str, ...]:
-    """Return the kinds of drives."""
-    return models_of("drive")

@@ -1,7 +1,7 @@
 """The line as it can be dragged in the editor: its heights, and its speed limits."""
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 from bokeh.models import CustomJS
@@ -23,44 +23,53 @@ ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
 LIMIT_ROOM = 1.15
 
 
-class ProfileChart(DistanceChart):
-    """Heights of the line, with borders of sections that can be dragged.
+class DraggedChart(DistanceChart):
+    """A chart of the line in which something can be dragged.
 
     Parameters
     ----------
+    height, axis, palette
+        As for every chart.
     drop : callable
-        Takes distances and heights [m] of all borders when one has been dragged.
+        Called with the columns of all that can be dragged, once something has been.
     """
 
-    unit = "m"
+    name_and_caption: ClassVar[tuple[str, str]]
+    """Its name and its caption."""
+    columns: ClassVar[tuple[str, ...]]
 
-    def __init__(
-        self,
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        drop: Callable[[Sequence[float], Sequence[float]], None],
-    ) -> None:
-        super().__init__("edit_profile", "Height, m: drag a boundary between sections", height, axis, palette)
+    def __init__(self, height: int, axis: Axis, palette: Palette, drop: Callable[..., None]) -> None:
+        super().__init__(*self.name_and_caption, height, axis, palette)
         self._drop = drop
+
+    def drags(self, script: str, **args: Any) -> CustomJS:
+        """Let a script answer drags; the browser alone moves what is dragged, and only what was let go is sent here."""
+        dropped = self.source("dropped", *self.columns)
+        dropped.on_change("data", self._take)
+        assert self.figure is not None
+        return dragged(self.figure, script, dropped=dropped, shortest=MIN_SECTION_M, **args)
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        if len(new[self.columns[0]]):
+            self._drop(*([float(value) for value in new[name]] for name in self.columns))
+
+
+class ProfileChart(DraggedChart):
+    """Heights of the line, with borders of sections that can be dragged; `drop` takes distances and heights [m]."""
+
+    unit = "m"
+    name_and_caption = ("edit_profile", "Height, m: drag a boundary between sections")
+    columns = ("x", "y")
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(zoom=False, ticks=3, digits=0)
+        self.frame(zoom=False, ticks=3, digits=0)
         nodes, sign = self.source("nodes", "x", "y", "base"), self.source("sign", "x", "y", "text")
-        # a source of its own: the nodes follow the mouse in the browser alone, and only what was let go is sent here
-        dropped = self.source("dropped")
         self.glyphs("varea", "nodes", "x", "base", "y", paint={"fill_color": "ground"})
         self.line("nodes", "groundline", line_width=1.6)
         self.dots("nodes", "surface", "accent", size=10, line_width=2)
         self.grounded_signs("sign", "ink", text_align="center", y_offset=-12, padding=2)
-        bounds = {"steepest": STEEPEST_PERMILLE, "shortest": MIN_SECTION_M}
-        dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
-        dropped.on_change("data", self._take)
-
-    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
-        if len(new["x"]):
-            self._drop([float(x) for x in new["x"]], [float(y) for y in new["y"]])
+        self.drags("drag_heights", nodes=nodes, sign=sign, steepest=STEEPEST_PERMILLE)
 
     def draw(self, line: Line) -> None:
         """Draw the line as its file describes it, not as it is run; heights count from where the run starts."""
@@ -74,34 +83,21 @@ class ProfileChart(DistanceChart):
         self.sources["nodes"].data = {"x": x.tolist(), "y": y.tolist(), "base": [low - relief] * len(x)}
 
 
-class LimitStepsChart(DistanceChart):
+class LimitStepsChart(DraggedChart):
     """Speed limits of the line: those of sections can be dragged up and down, others by their ends too.
 
-    Parameters
-    ----------
-    drop : callable
-        Takes beginnings and ends [m] and limits [km/h] of all steps when one has been dragged.
+    `drop` takes beginnings and ends [m] and limits [km/h] of all steps.
     """
 
     unit = "km/h"
-
-    def __init__(
-        self,
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        drop: Callable[[Sequence[float], Sequence[float], Sequence[float]], None],
-    ) -> None:
-        super().__init__("edit_limits", "Speed limits, km/h: drag a limit or its ends", height, axis, palette)
-        self._drop = drop
-        self._drag: CustomJS | None = None
+    name_and_caption = ("edit_limits", "Speed limits, km/h: drag a limit or its ends")
+    columns = ("left", "right", "limit")
 
     def build(self) -> None:
         """Make the figure."""
         f = self.frame(with_axis=True, zoom=False, ticks=3)
         f.xaxis.axis_label = "Distance, m"
         steps = self.source("steps", "left", "right", "limit", "middle", "text", "movable")
-        dropped = self.source("dropped", "left", "right", "limit")
         red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
         self.glyphs("segment", "steps", "left", "limit", "right", "limit", paint=red, line_width=2.4)
         self.glyphs("scatter", "steps", "middle", "limit", paint=grip, size=10, line_width=2)
@@ -111,13 +107,7 @@ class LimitStepsChart(DistanceChart):
         sign = {"text_align": "center", "y_offset": -9, **text_style()}
         self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
         # `most` and `end` are set with each drawing
-        bounds = {"shortest": MIN_SECTION_M, "least": MIN_LIMIT_KMH, "most": 600.0, "end": 1.0}
-        self._drag = dragged(f, "drag_limits", steps=steps, dropped=dropped, **bounds)
-        dropped.on_change("data", self._take)
-
-    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
-        if len(new["limit"]):
-            self._drop(*([float(value) for value in new[key]] for key in ("left", "right", "limit")))
+        self._drag = self.drags("drag_limits", steps=steps, least=MIN_LIMIT_KMH, most=600.0, end=1.0)
 
     def draw(self, line: Line, max_kmh: float) -> None:
         """Draw the limits of sections, then the others, as the line's file describes them."""
@@ -131,14 +121,14 @@ class LimitStepsChart(DistanceChart):
         steps += [(limit.from_m, limit.to_m, limit.limit_kmh, 9) for limit in line.speed_limits]
         top = LIMIT_ROOM * max([max_kmh, *(limit for _, _, limit, _ in steps)])
         self.set_range(0, top)
-        assert self._drag is not None
         # `most` whole, as limits are dragged in whole km/h: assets/scripts/drag_limits.js
         self._drag.args = {**self._drag.args, "most": float(np.floor(top)), "end": borders[-1]}
+        left, right, limit, sizes = ([step[k] for step in steps] for k in range(4))
         self.sources["steps"].data = {
-            "left": [start for start, _, _, _ in steps],
-            "right": [end for _, end, _, _ in steps],
-            "limit": [limit for _, _, limit, _ in steps],
+            "left": left,
+            "right": right,
+            "limit": limit,
             "middle": [0.5 * (start + end) for start, end, _, _ in steps],
-            "text": [f"{limit:g}" for _, _, limit, _ in steps],
-            "movable": [size for _, _, _, size in steps],
+            "text": [f"{value:g}" for value in limit],
+            "movable": sizes,
         }

@@ -1,22 +1,26 @@
 """The scenario's editor, a drawer beside every page: groups of fields, tables, the line as it can be dragged."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.core.scenario import preset_document, preset_names
+from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
-from railjoule.dashboard.editor.fields_of import Field, Table, parts_of
-from railjoule.dashboard.editor.forms import Disclosure, EditorHead, FieldsForm, TableForm
-from railjoule.dashboard.editor.model import GROUPS, Look, Refusal, drive_kinds, preset_options
+from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
+from railjoule.dashboard.editor.forms import EditorHead, TableForm
+from railjoule.dashboard.editor.model import GROUPS, WHOLE_TABLES, Look, Refusal
 from railjoule.dashboard.editor.profile_charts import LimitStepsChart, ProfileChart
+from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import without_keys, words_of
+from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
@@ -32,9 +36,34 @@ DRAWER_CSS = f"""
 """
 """The library sizes a column by what is in it; a drawer is as high as the window and scrolls."""
 HEAD_CSS = ":host { position: sticky !important; top: 0 !important; z-index: 2; background: var(--rj-surface); }"
+FIELDS_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(200px, 100%), 1fr)); gap: 14px 8px;
+  padding: 8px 12px 6px; box-sizing: border-box; align-items: start; }
+"""
+# twice the class, to count for more than the library's own rule
+HELP_CSS = ".MuiFormHelperText-root.MuiFormHelperText-root { margin: 3px 2px 0; font-size: 12px; line-height: 1.3; }"
+FOLD_SX = {
+    "borderTop": "1px solid var(--rj-line)",
+    "&::before": {"display": "none"},
+    "& .title": {"fontSize": 12},
+    "& .MuiAccordionSummary-root": {"minHeight": 37},
+    "& .MuiAccordionSummary-content": {"marginY": "8px"},
+    "& .MuiAccordionDetails-root": {"padding": "0 0 8px"},
+}
+FOLD: dict[str, Any] = {
+    "margin": 0,
+    "sizing_mode": "stretch_width",
+    "elevation": 0,
+    "square": True,
+    "disable_gutters": True,
+    "title_variant": "caption",
+    "sx": FOLD_SX,
+}
 PROFILE_PX, LIMITS_PX = 150, 130
-MAX_ROWS = 60
+MAX_ROWS = 200
 """Longer tables show these; all of them can be pasted over."""
+LARGEST_FILE_BYTES = LONGEST_BLOCK = 1_000_000
+FILE_TOO_LARGE = "The file is larger than the 1 MB allowed. Nothing is changed."
 SCENARIO_FIELDS = (
     "preset",
     "opened",
@@ -44,12 +73,15 @@ SCENARIO_FIELDS = (
     "recuperation_percent",
     "acceleration_time_s",
 )
+HEAD = """<div style="display:flex;align-items:center;font-size:13px"><b>{}</b>{}
+<span class="muted small" style="margin-left:auto;padding:0 8px;font-weight:400">{}</span></div>"""
 MORE_ROWS = "{} more rows are not shown; paste a table to replace them all."
 OWN, NOT_SET = "Custom", "Not set"
-# abbreviations, of which `words_of` would make Eoc and Enoc
-HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
-CHOICES = {"vehicle": "Vehicle", "line": "Line"}
-Entry = dict[str, Any]
+PASTE = "Paste a table or open a CSV file"
+PASTE_HELP = (
+    "Tabs, semicolons or commas separate cells; the first row can name the columns. You can also paste a block "
+    "directly into a cell."
+)
 
 
 class EditorView:
@@ -59,18 +91,40 @@ class EditorView:
         self.state, self.editor, self.browser, self.palette = state, state.editor, browser, palette
         self.head: EditorHead | None = None
         self.groups: list[Group] = []
+        self.folds: Any = None
+        self._is_acting = False
         # assets/scripts knows the drawer by its name, and what has the focus in it by its class
         self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
         self.queue = DrawingQueue(browser, state.faults, lambda: self.editor.open, self._settle)
         self.editor.param.watch(self._turn, "open")
-        self.editor.param.watch(self._show, "refused")
-        state.scenario.param.watch(self._show, list(SCENARIO_FIELDS))
-        state.param.watch(self._tell, ["runs", "failure"])
+        self.editor.param.watch(self.redraw, "refused")
+        state.scenario.param.watch(self.redraw, list(SCENARIO_FIELDS))
+        state.param.watch(self._report_run, ["runs", "failure"])
         browser.follow(["charts_in_sight"], lambda: self.queue.sight(browser.charts_in_sight))
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
+    def act(self, change: Callable[[], None]) -> None:
+        """Change the scenario, and show the result even if nothing has changed: the browser shows a typed text."""
+        with pn.io.hold():
+            self._is_acting = True
+            try:
+                change()
+            finally:
+                self._is_acting = False
+            self.redraw()
+
+    def redraw(self, *_: Any) -> None:
+        """Show the scenario in the groups that are open, and the changes of the others beside their names."""
+        if not self.editor.open or self._is_acting:
+            return
+        look = self.editor.look()
+        with pn.io.hold():
+            for index, group in enumerate(self.groups):
+                group.head.object = group.title(look)
+                if index in self.folds.active:
+                    group.show(look)
+            assert self.head is not None
+            # a table announces the refusals of its cells itself
+            self.head.alert = " ".join(one.sentence for one in self.editor.refused.values() if one.row < 0)
 
     def _turn(self, *_: Any) -> None:
         with added_to(self.view):
@@ -78,29 +132,27 @@ class EditorView:
                 self._make()
             assert self.head is not None
             self.browser.drawer = self.view.visible = self.head.open = self.editor.open
-            self._tell()
-            self._show()
+            self._report_run()
+            self.redraw()
         self.queue.go_on()
 
     def _make(self) -> None:
-        self.head = EditorHead(self._close)
-        kinds: Mapping[str, type[Group]] = {"Presets": PresetsGroup, "Powertrain": DriveGroup, "Track": LineGroup}
-        self.groups = [kinds.get(name, Group)(self, name) for name in GROUPS]
-        self.queue.take(tuple(chart for group in self.groups for chart in group.charts))
-        self.view[:] = [stack(self.head, css=HEAD_CSS), *(group.view for group in self.groups)]
+        self.head = EditorHead(lambda _: setattr(self.editor, "open", False))
+        self.track = LineGroup(self, "Track")
+        self.groups = [self.track if name == self.track.name else Group(self, name) for name in GROUPS]
+        self.queue.take(self.track.charts)
+        self.folds = pmui.Accordion(*((group.head, group.body) for group in self.groups), **FOLD)
+        self.folds.param.watch(self._unfold, "active")
+        self.view[:] = [stack(self.head, css=HEAD_CSS), self.folds]
 
-    def _close(self, *_: Any) -> None:
-        self.editor.open = False
+    def _settle(self) -> None:
+        self.track.settle()
 
-    def _show(self, *_: Any) -> None:
-        if not self.editor.open:
-            return
-        look = self.editor.look()
-        with pn.io.hold():
-            for group in self.groups:
-                group.show(look)
+    def _unfold(self, *_: Any) -> None:
+        with added_to(self.folds):
+            self.redraw()
 
-    def _tell(self, *_: Any) -> None:
+    def _report_run(self, *_: Any) -> None:
         """Show the energy and time of the run, or why there is none."""
         run, failure = self.state.run, self.state.failure
         if self.head is None or not self.editor.open:
@@ -111,281 +163,154 @@ class EditorView:
             name = words.STRATEGY_WORDS[self.state.chosen_now]
             self.head.status = f"{name}: {words.energy(run.energy_kwh)} kWh in {words.number(run.travel_time_s)} s"
 
-    def _settle(self) -> None:
-        for group in self.groups:
-            group.settle()
-
 
 class Group:
-    """A heading with the fields and lists of some tables of the file."""
+    """The fields and lists of some tables of the file."""
 
     def __init__(self, parent: EditorView, name: str) -> None:
         self.parent, self.editor, self.name = parent, parent.editor, name
-        self.head = Disclosure(self._turn, label=name)
-        self.body = stack(visible=False)
-        self.view = stack(self.head, self.body)
+        self.head = html_pane()
+        # without a name, which the library would show in place of the head
+        self.body = stack(name="")
         self._shape: object = None
-        self._forms: list[tuple[FieldsForm, list[Field]]] = []
+        self._fields: list[FieldForm] = []
         self._tables: list[tuple[TableForm, Table]] = []
 
-    def _turn(self) -> None:
-        with pn.io.hold():
-            # before it is shown, as a group that is closed shows nothing
-            self.head.open = self.body.visible = not self.head.open
-            self.show(self.editor.look())
-
-    def keys(self, look: Look) -> list[str]:
-        """Return the keys that were edited in this group."""
-        beginnings = tuple(f"{table}." for table in GROUPS[self.name])
-        # tables within those of this group may have a group of their own, as vehicle.resistance has
-        others = tuple(f"{table}." for name, tables in GROUPS.items() if name != self.name for table in tables)
-        inner = tuple(other for other in others if other.startswith(beginnings)) if beginnings else ()
-        return [key for key in look.changes if key.startswith(beginnings) and not (inner and key.startswith(inner))]
-
-    def note(self, look: Look) -> str:
-        """Return what is in the group, in a few words."""
-        return ""
+    def title(self, look: Look) -> Markup:
+        """Return the heading of the group, with the number of changed keys."""
+        keys = [part.key for _, parts in self.editor.parts(self.name, look.now) for part in parts]
+        count = sum(
+            any(key == change or (change not in WHOLE_TABLES and key.startswith(f"{change}.")) for key in keys)
+            for change in look.changes
+        )
+        vehicle, line = look.now.vehicle, look.now.line
+        notes = {"Powertrain": words_of(vehicle.drive.model), "Track": f"{words.number(line.length_m, 0)} m"}
+        note = ", ".join(filter(None, [notes.get(self.name), f"{count} changed" if count else ""]))
+        return markup(HEAD, self.name, Markup("<i class=dot></i>") if count else "", note)
 
     def show(self, look: Look) -> None:
-        """Show the scenario; what is closed shows only whether anything in it was changed."""
-        count = len(self.keys(look))
-        changed = f"{count} changed" if count else ""
-        self.head.param.update(changed=count > 0, note=", ".join(filter(None, [self.note(look), changed])))
-        if not self.head.open:
-            return
-        shape = self.shape(look)
-        # else the forms stay, and with them the focus of who types
+        """Show the scenario; the parts are made anew only where others are needed, as one of them has the focus."""
+        groups = self.editor.parts(self.name, look.now)
+        shape = [(heading, [part.key for part in parts]) for heading, parts in groups]
         if shape != self._shape:
             self._shape = shape
-            self._forms, self._tables = [], []
-            self.body[:] = self.contents(look)
-        for form, fields in self._forms:
-            form.show([self.entry(field, look) for field in fields])
+            self._fields, self._tables = [], []
+            self.body[:] = self.contents(groups)
+        for form in self._fields:
+            form.show(look)
         for table_form, table in self._tables:
-            table_form.show(self.table_entry(table, look))
+            table_form.show(table_entry(table, look, self.editor.refused.get(table.key)))
 
-    def shape(self, look: Look) -> object:
-        """Return what the group's contents depend on, apart from their values."""
-        return [heading for table in GROUPS[self.name] for heading, _ in self.editor.parts(table, look.now)]
-
-    def contents(self, look: Look) -> list[Any]:
-        """Return forms and tables, with headings where there are several tables of the file."""
+    def contents(self, groups: Sequence[tuple[str, Sequence[Field | Table]]]) -> list[Any]:
+        """Return the fields and the tables under their headings."""
         made: list[Any] = []
-        several = len(GROUPS[self.name]) > 1
-        for table in GROUPS[self.name]:
-            for heading, parts in self.editor.parts(table, look.now):
-                text = heading or (HEADINGS.get(table, words_of(table)) if several else "")
-                if text:
-                    template = '<h4 class="section" style="margin:0;padding-left:32px">{}</h4>'
-                    made.append(html_pane(markup(template, text)))
-                made += self.forms(parts)
-        return made
+        for heading, parts in groups:
+            fields = [FieldForm(self.parent, part) for part in parts if isinstance(part, Field)]
+            tables = [part for part in parts if isinstance(part, Table)]
+            forms = [TableForm(partial(self._change_rows, table)) for table in tables]
+            self._fields += fields
+            self._tables += zip(forms, tables, strict=True)
+            if heading:
+                made.append(html_pane(markup('<h4 class="section" style="margin:0;padding-left:8px">{}</h4>', heading)))
+            if fields:
+                made.append(stack(*(form.view for form in fields), css=FIELDS_CSS))
+            made += forms
+        return [*made, self._paste_form()] if self._tables else made
 
-    def forms(self, parts: Sequence[Field | Table]) -> list[Any]:
-        """Return a form of the fields, then one for each list."""
-        fields = [part for part in parts if isinstance(part, Field)]
-        form = FieldsForm(partial(self._hear, {field.key: field for field in fields}))
-        self._forms.append((form, fields))
-        return [form, *(self.table_form(part) for part in parts if isinstance(part, Table))]
+    def _paste_form(self) -> pmui.Accordion:
+        """Return the fields that replace all rows of a table, by a pasted block or a file."""
+        tables = {table.label: table for _, table in self._tables}
 
-    def table_form(self, table: Table) -> TableForm:
-        """Return the form of a list."""
-        form = TableForm(partial(self._hear_table, table))
-        self._tables.append((form, table))
-        return form
+        def replace(text: str) -> None:
+            self.parent.act(lambda: self.editor.change_rows(tables[which.value], "replace", text=text))
 
-    def entry(self, field: Field, look: Look) -> Entry:
-        """Return what the browser shows of a field."""
-        refusal: Refusal | None = self.editor.refused.get(field.key)
-        return {
-            "key": field.key,
-            "kind": field.kind,
-            "label": field.label,
-            "help": field.help_words,
-            "choices": [
-                *([["", NOT_SET]] if field.optional else []),
-                *([choice, words_of(choice)] for choice in field.choices),
-            ],
-            "text": look.text(field) if refusal is None else refusal.text,
-            "sentence": "" if refusal is None else refusal.sentence,
-            "changed": field.key in look.changes,
-            "was": look.was(field),
-        }
+        def refuse() -> None:
+            table = tables[which.value]
+            refusal = Refusal("", FILE_TOO_LARGE)
+            self.parent.act(lambda: self.editor.param.update(refused={**self.editor.refused, table.key: refusal}))
 
-    def table_entry(self, table: Table, look: Look) -> Entry:
-        """Return what the browser shows of a list."""
-        rows = look.rows(table)
-        refusal: Refusal | None = self.editor.refused.get(table.key)
-        beyond = len(rows) - MAX_ROWS
-        return {
-            "key": table.key,
-            "label": table.label,
-            "help": table.help,
-            "columns": [
-                {"label": column.label, "help": column.help_words, "kind": column.kind, "choices": list(column.choices)}
-                for column in table.columns
-            ],
-            "rows": [[column.show(row.get(column.name)) for column in table.columns] for row in rows[:MAX_ROWS]],
-            "more": MORE_ROWS.format(words.number(beyond, 0)) if beyond > 0 else "",
-            "changed": table.key in look.changes,
-            "refusal": None
-            if refusal is None
-            else {
-                "row": refusal.row,
-                "column": refusal.column,
-                "text": refusal.text,
-                "sentence": refusal.sentence,
-            },
-        }
-
-    @property
-    def charts(self) -> tuple[Chart, ...]:
-        """The charts of the group."""
-        return ()
-
-    def settle(self) -> None:
-        """Tell a shared cursor of charts that were drawn; called last within a message."""
-
-    def _hear(self, fields: Mapping[str, Field], message: Mapping[str, Any]) -> None:
-        key, text = str(message.get("key")), str(message.get("text", ""))
-        if key in fields:
-            self._then_show(
-                partial(self.editor.take_back, key)
-                if message.get("what") == "back"
-                else partial(self.editor.type, fields[key], text)
-            )
-
-    def _hear_table(self, table: Table, message: Mapping[str, Any]) -> None:
-        editor, what = self.editor, str(message.get("what"))
-        row, column, text = (
-            int(message.get("row", 0)),
-            int(message.get("column", 0)),
-            str(message.get("text", "")),
+        common: dict[str, Any] = {"size": "small", "margin": (6, 8), "sizing_mode": "stretch_width"}
+        which = pmui.Select(label="Table", options=list(tables), visible=len(tables) > 1, **common)
+        block = pmui.TextAreaInput(
+            label="Cells of a spreadsheet", helper_text=PASTE_HELP, max_length=LONGEST_BLOCK, rows=3, **common
         )
+        button = pmui.Button(
+            label="Replace all rows", variant="text", on_click=lambda _: replace(block.value), **common
+        )
+        file = SmallFile(
+            refuse,
+            label="Open a CSV file",
+            accept=".csv,.tsv,.txt",
+            variant="text",
+            max_file_size=LARGEST_FILE_BYTES,
+            **common,
+        )
+
+        def read(event: Any) -> None:
+            if event.new:
+                replace(event.new.decode(errors="replace"))
+
+        file.param.watch(read, "value")
+        content = stack(which, block, pn.Row(button, file, margin=0, sizing_mode="stretch_width"))
+        return pmui.Accordion((PASTE, content), **FOLD)
+
+    def _change_rows(self, table: Table, message: Mapping[str, Any]) -> None:
+        row, column = int(message.get("row") or 0), int(message.get("column") or 0)
+        what, text = str(message.get("what")), str(message.get("text", ""))
         # what the browser sends may be about a row that a step back has just taken away
-        there = len(editor.look().rows(table))
-        if not (0 <= row < max(there, 1) and 0 <= column < len(table.columns)):
+        count = len(self.editor.look().rows(table))
+        if not (0 <= row < max(count, 1) and 0 <= column < len(table.columns)):
             return
-        acts: Mapping[str, Callable[[], None]] = {
-            "cell": partial(editor.type_cell, table, row, column, text),
-            "insert": partial(editor.insert, table, row),
-            "remove": partial(editor.remove, table, row),
-            "up": partial(editor.move, table, row, -1),
-            "down": partial(editor.move, table, row, 1),
-            "paste": partial(editor.paste, table, text, row, column),
-            "paste_all": partial(editor.paste, table, text),
-            "back": partial(editor.take_back, table.key),
-        }
-        if what in acts:
-            self._then_show(acts[what])
-
-    def _then_show(self, act: Callable[[], None]) -> None:
-        """Handle a message, and show the result even if nothing changed."""
-        with pn.io.hold():
-            act()
-            self.show(self.editor.look())
+        if what == "back":
+            self.parent.act(lambda: self.editor.take_back(table))
+        else:
+            self.parent.act(lambda: self.editor.change_rows(table, what, row, column, text))
 
 
-class ChoosingGroup(Group):
-    """A group that begins with choices of whole tables."""
+class FieldForm:
+    """A field as a stock widget: its help or its refusal stands under it, and a button beside it resets it."""
 
-    def choices(self, look: Look) -> list[Entry]:
-        """Return what the browser shows of the choices."""
-        raise NotImplementedError
-
-    def choose(self, key: str, value: str) -> None:
-        """Take a choice."""
-        raise NotImplementedError
-
-    def contents(self, look: Look) -> list[Any]:
-        """Return the choices, then what a group has."""
-        self._choices = FieldsForm(self._hear_choice)
-        return [self._choices, *super().contents(look)]
+    def __init__(self, parent: EditorView, field: Field) -> None:
+        self.parent, self.editor, self.field = parent, parent.editor, field
+        kind = pmui.Select if field.kind in {"choice", "yes_no"} else pmui.TextInput
+        self.widget = kind(size="small", margin=0, sizing_mode="stretch_width", stylesheets=[HELP_CSS])
+        self.back: pmui.IconButton | None = None
+        self.view = pn.Row(self.widget, margin=0, sizing_mode="stretch_width")
+        self._text = self.widget.value
+        self.widget.param.watch(self._type, "value")
 
     def show(self, look: Look) -> None:
-        """Show the scenario."""
-        super().show(look)
-        if self.head.open:
-            self._choices.show(self.choices(look))
-
-    def _hear_choice(self, message: Mapping[str, Any]) -> None:
-        value = "" if message.get("what") == "back" else str(message.get("text", ""))
-        self._then_show(partial(self.choose, str(message.get("key")), value))
-
-    def choice(self, key: str, label: str, about: str, options: Sequence[tuple[str, str]], now: str, was: str) -> Entry:
-        """Return what the browser shows of one choice."""
-        refusal: Refusal | None = self.editor.refused.get(key)
-        return {
-            "key": key,
-            "kind": "choice",
-            "label": label,
-            "help": about,
-            "choices": [list(option) for option in options],
-            "text": now,
-            "sentence": "" if refusal is None else refusal.sentence,
-            "changed": key in self.editor.scenario.changes,
-            "was": was,
+        """Show the value of the scenario, or a refused text with the sentence."""
+        field, refusal = self.field, self.editor.refused.get(self.field.key)
+        options = field_options(field, look)
+        is_changed = field.key in look.changes
+        self._text = look.text(field) if refusal is None else refusal.text
+        shown: dict[str, Any] = {
+            "label": f"{field.label} \u00b7 changed" if is_changed else field.label,
+            "helper_text": field.help_words if refusal is None else refusal.sentence,
+            "error_state": refusal is not None,
+            "value": self._text,
         }
+        if options:
+            shown["options"] = options
+        self.widget.param.update(**{name: new for name, new in shown.items() if getattr(self.widget, name) != new})
+        if is_changed:
+            was = look.was(field)
+            was = next((word for word, value in options.items() if value == was), was)
+            # made when it is first needed: a group may have some forty fields
+            self.back = self.back or pmui.IconButton(icon="undo", size="small", margin=(4, 0), on_click=self._reset)
+            self.back.description = f"Reset {field.label} to {was or 'empty'}"
+        if is_changed != (len(self.view) > 1):
+            self.view[:] = [self.widget, self.back] if is_changed else [self.widget]
 
+    def _type(self, event: Any) -> None:
+        # the field's own text is no news
+        if event.new != self._text:
+            self.parent.act(lambda: self.editor.type(self.field, event.new))
 
-class PresetsGroup(ChoosingGroup):
-    """Which shipped vehicle runs on which line."""
-
-    def keys(self, look: Look) -> list[str]:
-        """Return the choices that were made."""
-        return [key for key in ("vehicle", "line", "title") if key in look.changes]
-
-    def contents(self, look: Look) -> list[Any]:
-        """Return the choices and the title."""
-        return [*super().contents(look), *self.forms([part for part in parts_of("") if part.key == "title"])]
-
-    def choices(self, look: Look) -> list[Entry]:
-        """Return vehicle and line."""
-        base = self.editor.scenario.base
-        made = []
-        for key, kind, about in (
-            ("vehicle", "vehicles", "A shipped vehicle with its powertrain; the load is kept."),
-            ("line", "lines", "A shipped line with its limits and stations."),
-        ):
-            options = [(name, title) for title, name in preset_options(kind).items()]  # type: ignore[arg-type]
-            own, used = getattr(base, key), getattr(look.now, key)
-            custom = used if used.preset is None else own
-            if custom.preset is None:
-                options = [("", f"{OWN}: {custom.name}" if custom.name else OWN), *options]
-            titles = dict(options)
-            was = titles.get(own.preset, "") if own.preset else own.name or OWN
-            made.append(self.choice(key, CHOICES[key], about, options, used.preset or "", was))
-        return made
-
-    def choose(self, key: str, value: str) -> None:
-        """Take a shipped vehicle or line; its own again where none is named."""
-        if key in CHOICES:
-            self.editor.choose("vehicles" if key == "vehicle" else "lines", value)
-
-
-class DriveGroup(ChoosingGroup):
-    """The drive: which kind, then its fields."""
-
-    def note(self, look: Look) -> str:
-        """Return the kind."""
-        return words_of(look.now.vehicle.drive.model)
-
-    def shape(self, look: Look) -> object:
-        """Return the kind: each has other fields."""
-        return look.now.vehicle.drive.model, super().shape(look)
-
-    def choices(self, look: Look) -> list[Entry]:
-        """Return the kinds."""
-        options = [(kind, words_of(kind)) for kind in drive_kinds()]
-        now, was = look.now.vehicle.drive.model, self.editor.scenario.base.vehicle.drive.model
-        about = "A new kind starts with the values of a shipped vehicle that has it, or with assumed ones."
-        return [self.choice("drive", "Kind", about, options, now, words_of(was))]
-
-    def choose(self, key: str, value: str) -> None:
-        """Take a drive of another kind; the scenario's own where none is named."""
-        kind = value or self.editor.scenario.base.vehicle.drive.model
-        if key == "drive" and kind in drive_kinds():
-            self.editor.choose_drive(kind)
+    def _reset(self, *_: Any) -> None:
+        self.widget.focus()
+        self.parent.act(lambda: self.editor.take_back(self.field))
 
 
 class LineGroup(Group):
@@ -393,60 +318,81 @@ class LineGroup(Group):
 
     def __init__(self, parent: EditorView, name: str) -> None:
         super().__init__(parent, name)
-        tables = {part.key: part for part in parts_of("line") if isinstance(part, Table)}
-        self.sections, self.limits = tables["line.sections"], tables["line.speed_limits"]
         self.axis = Axis(parent.palette)
-        self.profile = ProfileChart(PROFILE_PX, self.axis, parent.palette, self._drop_borders)
-        self.steps = LimitStepsChart(LIMITS_PX, self.axis, parent.palette, self._drop_limits)
+        palette, tables = parent.palette, {part.key: part for part in parts_of("line") if isinstance(part, Table)}
+        sections, limits = tables["line.sections"], tables["line.speed_limits"]
+
+        def drop(change: Callable[..., None], *columns: Sequence[float]) -> None:
+            parent.act(lambda: change(*columns))
+
+        move_borders = partial(drop, partial(self.editor.move_borders, sections))
+        move_limits = partial(drop, partial(self.editor.move_limits, sections, limits))
+        self.profile = ProfileChart(PROFILE_PX, self.axis, palette, move_borders)
+        self.steps = LimitStepsChart(LIMITS_PX, self.axis, palette, move_limits)
+        self.charts: tuple[Chart, ...] = (self.profile, self.steps)
         self.way = html_pane()
-        self.bring = pmui.Button(
-            label="Import tables of a line",
-            variant="text",
-            size="small",
-            margin=(0, 8, 4, 24),
-            on_click=lambda _: self._bring(),
-        )
 
-    @property
-    def charts(self) -> tuple[Chart, ...]:
-        """Both charts."""
-        return self.profile, self.steps
+    def contents(self, groups: Sequence[tuple[str, Sequence[Field | Table]]]) -> list[Any]:
+        """Return the charts, then the fields and the tables."""
 
-    def note(self, look: Look) -> str:
-        """Return how long the line is."""
-        return f"{words.number(look.now.line.length_m, 0)} m"
+        def bring(*_: Any) -> None:
+            # the editor would cover half of the page that reads tables
+            self.editor.open = False
+            self.parent.state.page = "Import"
 
-    def contents(self, look: Look) -> list[Any]:
-        """Return the charts, then what a group has."""
-        charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 14px; }")
-        return [self.bring, charts, self.way, *super().contents(look)]
-
-    def _bring(self) -> None:
-        """Turn to the page that reads tables; the editor would cover half of it."""
-        self.editor.open = False
-        self.parent.state.page = "Import"
+        label, margin = "Import tables of a line", (0, 8, 4, 0)
+        button = pmui.Button(label=label, variant="text", size="small", margin=margin, on_click=bring)
+        charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 0; }")
+        return [button, charts, self.way, *super().contents(groups)]
 
     def show(self, look: Look) -> None:
         """Show the scenario."""
         super().show(look)
-        if not self.head.open:
-            return
         line, most = look.now.line, look.now.vehicle.traction.max_speed_kmh
         self.axis.fit(line.length_m, roomy=False)
         self.profile.show(partial(self.profile.draw, line))
         self.steps.show(partial(self.steps.draw, line, most))
         turned = "Charts and tables show the track as in its file; the train runs from its end to its start."
-        self.way.object = note_paragraphs([turned], "padding-left:32px") if line.reverse else ""
+        self.way.object = note_paragraphs([turned], "padding-left:8px") if line.reverse else ""
         self.settle()
 
     def settle(self) -> None:
-        """Tell the cursor of both charts."""
+        """Update the shared cursor of both charts once they were drawn."""
         self.axis.settle("m", 0)
 
-    def _drop_borders(self, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
-        # rows may have come or gone while the border was dragged
-        if len(distance_m) == len(self.editor.look().rows(self.sections)) + 1:
-            self._then_show(partial(self.editor.move_borders, self.sections, distance_m, height_m))
 
-    def _drop_limits(self, from_m: Sequence[float], to_m: Sequence[float], limit_kmh: Sequence[float]) -> None:
-        self._then_show(partial(self.editor.move_limits, self.sections, self.limits, from_m, to_m, limit_kmh))
+@cache
+def preset_titles(kind: PresetKind) -> dict[str, str]:
+    """Return the names of shipped vehicles or lines by their titles."""
+    return {str(preset_document(kind, name)["name"]): name for name in preset_names(kind)}
+
+
+def field_options(field: Field, look: Look) -> dict[str, str]:
+    """Return the choices of a field by their words; nothing where it is typed."""
+    if field.kind == "yes_no":
+        return {"Yes": YES[0], "No": NO[0]}
+    if field.key not in {"vehicle", "line"}:
+        empty = {NOT_SET: ""} if field.optional and field.choices else {}
+        return {**empty, **{words_of(choice): choice for choice in field.choices}}
+    own, used = getattr(look.base, field.key), getattr(look.now, field.key)
+    custom = used if used.preset is None else own
+    first = {f"{OWN}: {custom.name}" if custom.name else OWN: ""} if custom.preset is None else {}
+    return {**first, **preset_titles("vehicles" if field.key == "vehicle" else "lines")}
+
+
+def table_entry(table: Table, look: Look, refusal: Refusal | None) -> dict[str, Any]:
+    """Return what the browser shows of a list."""
+    rows = look.rows(table)
+    beyond = len(rows) - MAX_ROWS
+    return {
+        "label": table.label,
+        "help": table.help,
+        "columns": [
+            {"label": column.label, "help": column.help_words, "kind": column.kind, "choices": list(column.choices)}
+            for column in table.columns
+        ],
+        "rows": [[column.show(row.get(column.name)) for column in table.columns] for row in rows[:MAX_ROWS]],
+        "more": MORE_ROWS.format(words.number(beyond, 0)) if beyond > 0 else "",
+        "changed": table.key in look.changes,
+        "refusal": None if refusal is None else vars(refusal),
+    }

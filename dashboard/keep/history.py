@@ -74,19 +74,18 @@ class History:
 
     def undo(self) -> Snapshot | None:
         """Go back a step; return its snapshot with the page and tab on which it was made, None where there is none."""
-        if not self._past:
-            return None
-        step = self._past.pop()
-        self._future.append(step)
-        return {**step.before, **step.place}
+        return self._go(self._past, self._future, "before")
 
     def redo(self) -> Snapshot | None:
-        """Go forth a step, as `undo` goes back."""
-        if not self._future:
+        """Go forward a step, as `undo` goes back."""
+        return self._go(self._future, self._past, "after")
+
+    @staticmethod
+    def _go(source: list[Step], target: list[Step], side: str) -> Snapshot | None:
+        if not source:
             return None
-        step = self._future.pop()
-        self._past.append(step)
-        return {**step.after, **step.place}
+        target.append(source.pop())
+        return {**getattr(target[-1], side), **target[-1].place}
 
     def settle(self, snapshot: Mapping[str, Any]) -> None:
         """Take a snapshot for where the history stands now, without a step."""

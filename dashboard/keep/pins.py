@@ -1,16 +1,30 @@
 """The work behind the pins: runs again what an address or a step back says was pinned."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
-from railjoule.core import RailjouleError
+from railjoule.core import RailjouleError, StrategyRefusedError, Trajectory
+from railjoule.core.motion import build_meshed_line
+from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.recipes import RecipeRun, compute_recipes
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.work.simple_advice import simple_run
 from railjoule.dashboard.work.worker import Worker
 
 LOST = (
     "No longer pinned: {}. The file of a measured run is in no link; bring it to Measured runs, and pin it there again."
 )
+
+
+class RecipeRun(NamedTuple):
+    """A recipe and its run."""
+
+    recipe: Recipe
+    trajectory: Trajectory
+
+
+Found = tuple[RecipeRun, ...]
 
 
 class Pins:
@@ -48,14 +62,14 @@ class Pins:
             return
         self.worker.ask(tuple(one for one in wanted if not one.recording))
 
-    def _take(self, found: tuple[RecipeRun, ...]) -> None:
+    def _take(self, found: Found) -> None:
         wanted = [(one, one.recipe()) for one in self.state.kept_pins]
         computed = [recipe for _, recipe in wanted if not recipe.recording]
         known = all(recipe.recording in self.state.recorded for _, recipe in wanted if recipe.recording)
         # another pin may have come, or one may have gone, while these were run
-        if not known or computed != [run.recipe for run in found]:
+        if not known or computed != [recipe for recipe, _ in found]:
             return
-        runs = (self.state.proof.bounded(run.trajectory) for run in found)
+        runs = (self.state.proof.bounded(run) for _, run in found)
         self.state.pins = tuple(
             Pin(
                 one.called,
@@ -75,6 +89,25 @@ class Pins:
         self.state.kept_pins = [KeptPin.of(pin) for pin in self.state.pins]
 
 
-def run_again(pins: tuple[KeptPin, ...]) -> tuple[RecipeRun, ...]:
-    """Return the runs of pins; raises RailjouleError if one of them cannot be read or run."""
-    return compute_recipes(tuple(one.recipe() for one in pins))
+def run_again(pins: tuple[KeptPin, ...]) -> Found:
+    """Return the runs of pins, each with the bound of its scenario's optimum.
+
+    Raises
+    ------
+    RailjouleError
+        If one of them cannot be read or run.
+    """
+    return tuple(RecipeRun(recipe, _run(recipe)) for recipe in [one.recipe() for one in pins])
+
+
+def _run(recipe: Recipe) -> Trajectory:
+    scenario, strategy = recipe.scenario, recipe.strategy
+    if recipe.simple:
+        return simple_run(scenario, recipe.simple)
+    if recipe.driven:
+        mesh = build_meshed_line(scenario)
+        return drive_manually(scenario, mesh, read_commands(recipe.driven, mesh.cell_count))
+    runs = compute_runs(RunsRequest(scenario, (strategy,)))
+    if strategy not in runs.runs:
+        raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")
+    return runs.runs[strategy]

@@ -322,7 +322,7 @@ TRAIN = (
     Term(
         "Braking rate",
         "Deceleration at the stop, and that of the target curve that a train follows into its stopping place.",
-        ("Braking, m/s\u00b2", "Target curve, m/s\u00b2"),
+        ("Braking rate, m/s\u00b2", "Target curve, m/s\u00b2"),
     ),
     Term(
         "Braking curve",

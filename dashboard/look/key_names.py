@@ -15,6 +15,7 @@ NAMES = {
     "no_load_loss": "no-load loss",
     "limits_hold_for": "speed limits hold for",
     "gradient_at": "gradient acts on",
+    "stop_deceleration": "braking rate",
 }
 """What a field is called whose key does not read well."""
 UNITS = {

@@ -11,7 +11,8 @@ from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 from railjoule.dashboard.report.model import ReportingModel
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.recipes import Recipe, recipe_of
+from railjoule.dashboard.state.programs import page_recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 FINDINGS_SHARE = 0.9
@@ -69,7 +70,7 @@ class Reporting(PageWork[ReportingModel]):
 
     def _ask(self, *_: Any) -> None:
         try:
-            recipe = recipe_of(self.state)
+            recipe = page_recipe(self.state)
             scenario = recipe.scenario
             # what Drive has proven by now need not be proven once more
             known = self.state.proof.of(scenario)

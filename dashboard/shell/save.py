@@ -13,7 +13,7 @@ from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.scenario_folder import FileExistsInFolderError
 from railjoule.dashboard.shell.share import download, file_name
 from railjoule.dashboard.shell.text_button import text_button
-from railjoule.dashboard.state.recipes import recipe_of
+from railjoule.dashboard.state.programs import page_recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -94,7 +94,7 @@ class SaveScenario:
             self._show(refusal=str(error), can_replace=isinstance(error, FileExistsInFolderError))
 
         try:
-            recipe = recipe_of(self.state)
+            recipe = page_recipe(self.state)
             # a page without a scenario of its own, such as Papers, changes nothing in it
             scenario = recipe.scenario if recipe.program.of_scenario else self.state.scenario.scenario()
         except RailjouleError as error:

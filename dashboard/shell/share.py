@@ -12,7 +12,8 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
-from railjoule.dashboard.state.recipes import Recipe, as_command, as_python, as_toml, recipe_of
+from railjoule.dashboard.state.programs import page_recipe
+from railjoule.dashboard.state.recipes import Recipe, as_command, as_python, as_toml
 from railjoule.dashboard.state.workbench import Workbench
 
 COPIED = {
@@ -98,7 +99,7 @@ class Share:
             return f"# {refusal}"
 
     def _recipe(self) -> Recipe:
-        return recipe_of(self.state)
+        return page_recipe(self.state)
 
     def _copy(self, make: Any) -> None:
         self.keeping.lifeline.copy(self._made(make))
@@ -119,7 +120,7 @@ class Share:
 def download(state: Workbench, keeping: Keeping) -> None:
     """Let the browser save the scenario as a file."""
     try:
-        recipe = recipe_of(state)
+        recipe = page_recipe(state)
         keeping.lifeline.save(file_name(recipe.base.title), as_toml(recipe))
         if recipe.program.of_scenario and recipe.untold:
             state.notice = recipe.untold

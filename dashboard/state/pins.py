@@ -1,21 +1,19 @@
 """Pinned runs: what was run, by which strategy, and how it comes about again."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import param
 
 from railjoule.core import Scenario, Trajectory
-from railjoule.core.scenario import format_scenario, preset_names, scenario_from_document, to_document
+from railjoule.core.scenario import format_scenario, preset_names
 from railjoule.core.scenario._base import without_misleading
-from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.state.draft import shipped
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 # as many as the look has colours and strokes for: `pin_1` to `pin_6` in look/tokens.py
@@ -25,48 +23,8 @@ PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
 TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
 LONGEST_NAME = 60
 LONGEST_KEY = 16
-
-
-@dataclass(frozen=True)
-class Recipe:
-    """How a run comes about.
-
-    Parameters
-    ----------
-    preset : str or None
-        The shipped scenario that it starts from; None where it starts from a document.
-    document : mapping or None
-        The scenario that it starts from, as a nested dictionary, where it is not a shipped one.
-    changes : mapping
-        Keys of the file with their changed values.
-    strategy : str
-        Who drives, unless it is simple advice.
-    simple : int
-        Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
-    recording : str
-        Of a measured run the key under which the page holds it, as its file is in no link; empty for all others.
-    driven : str
-        Of a run driven by hand its commands, such as p0c300b2200; empty for all others.
-    """
-
-    preset: str | None
-    document: Document | None
-    changes: Mapping[str, Any]
-    strategy: str
-    simple: int = 0
-    recording: str = ""
-    driven: str = ""
-
-    def scenario(self) -> Scenario:
-        """Return the scenario of the run.
-
-        Raises
-        ------
-        ScenarioError
-            If the shipped scenario or the document does not take the changes.
-        """
-        base = shipped(self.preset) if self.preset else scenario_from_document(self.document or {})
-        return base.replace(**self.changes) if self.changes else base
+OF_RECIPE = ("strategy", "simple", "recording", "driven", "preset")
+"""What an address has of the recipe of a pin as it is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,14 +84,10 @@ class KeptPin(Kept):
         recipe = pin.recipe
         return cls(
             called=pin.name,
-            strategy=recipe.strategy,
-            simple=recipe.simple,
-            recording=recipe.recording,
-            driven=recipe.driven,
-            preset=recipe.preset,
-            toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
-            changes=dict(recipe.changes),
             colour=pin.colour,
+            toml=None if recipe.opened is None else format_scenario(recipe.opened),
+            changes=dict(recipe.changes),
+            **{name: getattr(recipe, name) for name in OF_RECIPE},
         )
 
     def recipe(self) -> Recipe:
@@ -144,9 +98,8 @@ class KeptPin(Kept):
         RailjouleError
             If its text is no scenario.
         """
-        document = None if self.toml is None else to_document(open_scenario(self.toml, "the pinned run").scenario)
-        changes = dict(self.changes)
-        return Recipe(self.preset, document, changes, self.strategy, self.simple, self.recording, self.driven)
+        opened = None if self.toml is None else open_scenario(self.toml, "the pinned run").scenario
+        return Recipe(opened=opened, changes=dict(self.changes), **{name: getattr(self, name) for name in OF_RECIPE})
 
 
 def pin_name(run: Trajectory) -> str:
@@ -166,17 +119,15 @@ def measured_name(run: Trajectory, has_energy: bool, file: str) -> str:
 def recipe_of_recording(run: Trajectory) -> Recipe:
     """Return how a measured run comes about: it cannot be computed, so the page holds it under a key of its own."""
     told = f"{run.travel_time_s!r} {run.energy.net_j!r} {run.position_m.tobytes()!r} {run.speed_ms.tobytes()!r}"
-    return Recipe(None, None, {}, "optimal", recording=hashlib.sha256(told.encode()).hexdigest()[:LONGEST_KEY])
+    return Recipe(None, None, {}, recording=hashlib.sha256(told.encode()).hexdigest()[:LONGEST_KEY])
 
 
 def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: str) -> Recipe:
     """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
     if model.scenario() != scenario:
         # the page has moved on while the run was computed, or what it asks for cannot be run
-        return Recipe(None, to_document(scenario), {}, strategy)
-    if model.opened is not None:
-        return Recipe(None, to_document(model.opened), dict(model.changes), strategy)
-    return Recipe(model.preset, None, dict(model.changes), strategy)
+        return Recipe(None, scenario, {}, strategy)
+    return Recipe(None if model.opened else model.preset, model.opened, dict(model.changes), strategy)
 
 
 def same_run(one: Trajectory, other: Trajectory) -> bool:

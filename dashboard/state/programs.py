@@ -6,9 +6,11 @@ Share, the report and the copied command line read it here, so that none of them
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from railjoule.core.scenario import to_document
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 ACTUAL_RUN = simulation("actual_run", "actual_run")
@@ -19,6 +21,32 @@ def page_run(state: Workbench) -> PageRun:
     """Return what the page in sight computes."""
     page = state.pages.get(state.page)
     return PAGE_RUNS.get(state.page, _plan)(state) if page is None else page.page_run()
+
+
+def page_recipe(state: Workbench) -> Recipe:
+    """Return the recipe of the page in sight."""
+    scenario, computed = state.scenario, page_run(state)
+    document = to_document(scenario.base)
+    changes = {
+        path: value
+        for path, value in {**scenario.changes, **computed.changes}.items()
+        # without those that take a key away which the document does not have
+        if value is not None or _has(document, path)
+    }
+    # named only where it differs, as all keys: without changes the command only names the scenario
+    if changes.get("strategy") == scenario.base.strategy:
+        del changes["strategy"]
+    return Recipe(scenario.preset, scenario.opened, changes, program=computed.program, untold=computed.untold)
+
+
+def _has(document: Mapping[str, Any], path: str) -> bool:
+    """Return whether a document has a key at a dotted path."""
+    table: Any = document
+    for key in path.split("."):
+        if not isinstance(table, Mapping) or key not in table:
+            return False
+        table = table[key]
+    return True
 
 
 def _plan(state: Workbench) -> PageRun:

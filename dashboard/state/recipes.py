@@ -1,6 +1,6 @@
-"""What the page in sight computes, as a scenario file, as a Python program and as a command line.
+"""The recipe of a run: scenario, changes, strategy and program; as a scenario file, in Python and as a command line.
 
-All three give the same numbers as the page.
+All three texts give the same numbers as the page.
 """
 
 import json
@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario
-from railjoule.core.scenario import format_scenario, to_document
-from railjoule.dashboard.state.program import Program
-from railjoule.dashboard.state.programs import page_run
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.state.draft import shipped
+from railjoule.dashboard.state.program import SOLVE, Program
 
 FILE = "scenario.toml"
 LONGEST_LINE = 100
@@ -23,17 +22,44 @@ BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
 
 @dataclass(frozen=True)
 class Recipe:
-    """A scenario with changes, by the keys of the file, and the program that gives the page's number.
+    """How a run comes about: of a pin, of a link, of a report, of a copied program or command.
 
-    `untold` says what of it a scenario file cannot; empty where one says all.
+    Parameters
+    ----------
+    preset : str or None
+        The shipped scenario that it starts from; None where it starts from another one.
+    opened : Scenario or None
+        The scenario that it starts from where it is not a shipped one.
+    changes : mapping
+        Keys of the file with their changed values.
+    strategy : str
+        The strategy of the run, unless it is simple advice.
+    simple : int
+        Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
+    recording : str
+        Of a measured run the key under which the page holds it, as its file is in no link; empty for all others.
+    driven : str
+        Of a run driven by hand its commands, such as p0c300b2200; empty for all others.
+    program : Program
+        The Python and the command that give the number of the page.
+    untold : str
+        A sentence on the part that no scenario file can hold; empty if one holds all.
     """
 
-    preset: str
+    preset: str | None
     opened: Scenario | None
-    base: Scenario
     changes: Mapping[str, Any]
-    program: Program
+    strategy: str = "optimal"
+    simple: int = 0
+    recording: str = ""
+    driven: str = ""
+    program: Program = SOLVE
     untold: str = ""
+
+    @property
+    def base(self) -> Scenario:
+        """The scenario before its changes."""
+        return shipped(self.preset or "") if self.opened is None else self.opened
 
     @property
     def scenario(self) -> Scenario:
@@ -44,31 +70,7 @@ class Recipe:
         ScenarioError
             If they are impossible together.
         """
-        return self.base.replace(**self.changes)
-
-
-def recipe_of(state: Workbench) -> Recipe:
-    """Return what the page in sight computes."""
-    scenario, computed = state.scenario, page_run(state)
-    changes = _effective({**scenario.changes, **computed.changes}, to_document(scenario.base))
-    # named only where it differs, as all keys: without changes the command is the name of the scenario alone
-    if changes.get("strategy") == scenario.base.strategy:
-        del changes["strategy"]
-    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, computed.program, computed.untold)
-
-
-def _effective(changes: Mapping[str, Any], document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return changes without those that take a key away which the document does not have."""
-
-    def has(path: str) -> bool:
-        table: Any = document
-        for key in path.split("."):
-            if not isinstance(table, Mapping) or key not in table:
-                return False
-            table = table[key]
-        return True
-
-    return {path: value for path, value in changes.items() if value is not None or has(path)}
+        return self.base.replace(**self.changes) if self.changes else self.base
 
 
 def as_toml(recipe: Recipe) -> str:

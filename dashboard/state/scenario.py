@@ -8,16 +8,16 @@ import param
 from railjoule.core import Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
-from railjoule.core.scenario.vehicle import MAX_LOAD_FACTOR
+from railjoule.core.scenario.drive import DriveParameters
+from railjoule.core.scenario.options import EnocOptions
+from railjoule.core.scenario.scenario import Timetable
+from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
-from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.state.numbers import TypedParameters, keyed
 from railjoule.dashboard.state.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
-# as core/scenario bounds the keys timetable.travel_time_s and enoc.acceleration_time_s
-TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
-"""Bounds of the fields that a slider shows only in part [s]."""
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
 """What every plan depends on."""
 RUN_FIELDS = (*PLAN_FIELDS, "acceleration_time_s")
@@ -56,15 +56,15 @@ class ScenarioModel(TypedParameters):
     preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
     toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
-    travel_time_s = TypedNumber("Travel time, s", "s", 1, default=100.0, step=0.5)
+    travel_time_s = keyed(Timetable, "travel_time_s", "Travel time", "s", 1, default=100.0, step=0.5)
     # the bound of every vehicle; `parse` and `lay` hold it to the crush load of the one that is there
-    load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MAX_LOAD_FACTOR), step=1)
-    recuperation_percent = TypedNumber(
-        "Recuperation, %", "%", default=0.0, bounds=(0, 100), softbounds=(0, 100), step=1
+    load_percent = keyed(Vehicle, "load_factor", "Load, % of capacity", "%", scale=100, step=1)
+    recuperation_percent = keyed(
+        DriveParameters, "recuperation_factor", "Recuperation", "%", scale=100, softbounds=(0, 100), step=1
     )
     # its slider goes as far as ENOC's map of real timetables, NARROW_MAP_S in pages/trade_off/compute.py
-    acceleration_time_s = TypedNumber(
-        "Acceleration time, s", "s", 1, default=None, allow_None=True, softbounds=(15, 110), step=0.1
+    acceleration_time_s = keyed(
+        EnocOptions, "acceleration_time_s", "Acceleration time", "s", 1, allow_None=True, softbounds=(15, 110), step=0.1
     )
     travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
     edits = param.Dict(default={}, doc="Other edited keys of the file, with their values.")
@@ -257,7 +257,3 @@ class ScenarioModel(TypedParameters):
         if field == "load_percent" and number > self.most_load_percent:
             raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
         return number
-
-    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
-        """Return the least and the largest number that a field takes, ends included."""
-        return TIME_FIELDS.get(field) or super().bounds_of(field)

@@ -30,7 +30,6 @@ from railjoule.dashboard.state.pins import (
     TOO_MANY,
     KeptPin,
     Pin,
-    Recipe,
     make_pin,
     measured_name,
     pin_name,
@@ -38,6 +37,7 @@ from railjoule.dashboard.state.pins import (
     recipe_of_recording,
     same_run,
 )
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.work.runs import Runs
 

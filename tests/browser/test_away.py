@@ -44,7 +44,7 @@ def test_a_page_without_its_server_takes_no_changes_and_comes_back_as_it_was(pag
         open_drive(page, server)
         page.get_by_role("button", name="Edit scenario").click()
         editor = page.get_by_role("region", name="Scenario editor")
-        editor.locator(".turn button", has_text="Vehicle").first.click()
+        editor.get_by_role("button", name="Vehicle", exact=True).click()
         tare = editor.get_by_label(TARE, exact=True)
         tare.fill("155000")
         tare.press("Tab")

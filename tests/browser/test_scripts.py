@@ -176,7 +176,7 @@ VALUES: dict[str, dict[str, Any]] = {
         "refusals": 0,
         "mesh": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
     },
-    "editor_head": {"status": "", "open": False},
+    "editor_head": {"status": "", "alert": "", "open": False},
     "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "max_bytes": 1, "version": 0},
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
@@ -370,10 +370,10 @@ def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
       {MODEL}
       const host = shown(m.render({{model}})), inputs = [...host.querySelectorAll("input[type=text]")];
       inputs[0].focus();
-      inputs[0].dispatchEvent(new KeyboardEvent("keydown", {{key: "ArrowDown"}}));
+      inputs[0].dispatchEvent(new KeyboardEvent("keydown", {{key: "ArrowDown", bubbles: true}}));
       const now = inputs.indexOf(document.activeElement);
       inputs[3].value = "5";
-      inputs[3].dispatchEvent(new Event("change"));
+      inputs[3].dispatchEvent(new Event("change", {{bubbles: true}}));
       host.querySelector("[aria-label='Remove row 2']").click();
       return {{now, told, names: inputs.map((input) => input.ariaLabel)}};
     """
@@ -453,6 +453,23 @@ def test_a_border_stays_between_its_neighbours_and_no_steeper_than_allowed(page:
     last = run(page, "drag_heights", code, {"k": 2, "to": {"x": 7, "y": 99}, "bounds": bounds})
     # the end of the track is not moved along it: 200 per mille of 200 m
     assert last == {"x": 300, "y": 40, "climbs": [200]}
+
+
+def test_a_border_that_is_dragged_upwards_stays_at_its_place(page: Page) -> None:
+    code = """
+      const nodes = {data: {x: [0, 400.5, 900], y: [0, -2, 1]}, change: {emit() {}}}, sign = {}, dropped = {};
+      const f = {inner_width: 900, inner_height: 100, x_range: {start: 0, end: 900}, y_range: {start: -10, end: 10}};
+      const drag = (event_name, x, y) => m.drag_heights({f, nodes, sign, dropped, steepest: 200, shortest: 1},
+        {event_name, x, y});
+      drag("panstart", a[0][0], a[0][1]);
+      for (const [x, y] of a.slice(1)) { drag("pan", x, y); }
+      drag("panend", ...a.at(-1));
+      return [dropped.data.x[1], dropped.data.y[1]];
+    """
+    # a pixel is 1 m and 0.2 m
+    assert run(page, "drag_heights", code, [[400, -2.2], [401, 1], [398, 4]]) == [400.5, 4]
+    assert run(page, "drag_heights", code, [[400, -2.2], [450, -1.8]]) == [450, -2]
+    assert run(page, "drag_heights", code, [[400, -2.2], [450, 2], [402, 3]]) == [402, 3]
 
 
 def test_a_limit_is_held_by_its_middle_and_some_by_their_ends(page: Page) -> None:

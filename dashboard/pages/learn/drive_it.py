@@ -8,7 +8,7 @@ from railjoule.core import load_scenario
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TryResult, best_run, driven_run
 from railjoule.dashboard.pages.learn.played_form import PlayedForm
-from railjoule.dashboard.state.pins import Recipe
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 

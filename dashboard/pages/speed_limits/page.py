@@ -99,7 +99,7 @@ class SpeedLimits(Page):
     time_window_percent = TypedNumber(
         "Time window, \u00b1 %", "%", 1, default=1.0, **core_bounds(SearchOptions, "time_window", 100)
     )
-    stop_deceleration_ms2 = keyed(SearchOptions, "stop_deceleration_ms2", "Braking", "m/s\u00b2", 2)
+    stop_deceleration_ms2 = keyed(SearchOptions, "stop_deceleration_ms2", "Braking rate", "m/s\u00b2", 2)
     storage_size_kwh = TypedNumber(
         "Storage, kWh", "kWh", 2, default=None, allow_None=True, bounds=(0.0, 1e4), softbounds=(0, 5), step=0.01
     )

@@ -10,7 +10,8 @@ from railjoule.core.best_known import with_best_known
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.state.pins import Pin, Recipe
+from railjoule.dashboard.state.pins import Pin
+from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 
 HOSTILE = '<img src=x onerror="alert(1)">'

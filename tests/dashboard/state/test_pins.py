@@ -20,7 +20,7 @@ def state() -> Workbench:
 
 def same_energy(pin: Pin) -> None:
     """Run a pin's recipe again: the same scenario and strategy give the same energy."""
-    scenario = pin.recipe.scenario()
+    scenario = pin.recipe.scenario
     assert scenario == pin.trajectory.scenario
     again = run_strategy(prepare_task(scenario), pin.recipe.strategy)
     assert again.energy_kwh == pytest.approx(pin.trajectory.energy_kwh, rel=1e-9)
@@ -31,7 +31,7 @@ def test_a_pin_can_be_run_again_from_its_recipe(state: Workbench) -> None:
     solved(state).chosen = "fastest"
     state.pin()
     (pin,) = state.pins
-    assert (pin.recipe.preset, pin.recipe.document, pin.recipe.strategy) == ("metro-with-limit", None, "fastest")
+    assert (pin.recipe.preset, pin.recipe.opened, pin.recipe.strategy) == ("metro-with-limit", None, "fastest")
     assert pin.recipe.changes == {"vehicle.load_factor": 0.25, "line.reverse": True}
     same_energy(pin)
 
@@ -54,7 +54,7 @@ def test_a_scenario_from_a_file_is_kept_as_its_document(state: Workbench) -> Non
     recipe = recipe_of(state.scenario, state.scenario.scenario(), "optimal")
     assert recipe.preset is None
     assert recipe.changes == {"timetable.travel_time_s": 110.0}
-    assert recipe.scenario() == state.scenario.scenario()
+    assert recipe.scenario == state.scenario.scenario()
 
 
 def test_six_runs_are_the_most_and_each_has_its_own_colour(state: Workbench) -> None:

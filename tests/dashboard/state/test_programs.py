@@ -21,8 +21,8 @@ from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.state.program import Program
-from railjoule.dashboard.state.programs import PAGE_RUNS, page_run
-from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, recipe_of, toml_value
+from railjoule.dashboard.state.programs import PAGE_RUNS, page_recipe, page_run
+from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, toml_value
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -210,7 +210,7 @@ def test_every_page_is_walked() -> None:
 def test_all_that_leaves_a_page_gives_its_number(
     case: Case, state: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    energy_kwh, recipe = case.number(state).energy_kwh, recipe_of(state)
+    energy_kwh, recipe = case.number(state).energy_kwh, page_recipe(state)
     assert energy_of_program(as_python(recipe), capsys) == pytest.approx(energy_kwh, rel=1e-9)
     asked: list[ReportRequest] = []
     reporting = Reporting(state)
@@ -244,7 +244,7 @@ def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str
 
 
 def test_a_name_cannot_become_a_command() -> None:
-    recipe = Recipe("x", None, load_scenario("ftorek-300s"), {}, Program({}, "", ""), "Harbour\nrm -r .\r\x0b\u2028x")
+    recipe = Recipe("x", None, {}, program=Program({}, "", ""), untold="Harbour\nrm -r .\r\x0b\u2028x")
     lines = as_command(recipe).splitlines()
     assert len(lines) == 2
     assert all(line.startswith("# ") for line in lines)
@@ -255,7 +255,7 @@ def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     Learn(state)
     state.page = "Learn"
     state.learn.coasting = 120.0
-    exec(compile(as_python(recipe_of(state)), "program", "exec"), {})
+    exec(compile(as_python(page_recipe(state)), "program", "exec"), {})
     printed = capsys.readouterr().out.splitlines()
     shown = [
         f"{lesson}, {name}: {run.energy_kwh} kWh"
@@ -263,7 +263,7 @@ def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
         for name, run in result.runs.items()
     ]
     assert sorted(printed) == sorted(shown)
-    assert as_command(recipe_of(state)).startswith("# No command line gives this: ")
+    assert as_command(page_recipe(state)).startswith("# No command line gives this: ")
 
 
 def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
@@ -271,7 +271,7 @@ def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state.scenario.choose("liashenko-i")
     state.study.study = make_study(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
     state.page = "Study"
-    recipe = recipe_of(state)
+    recipe = page_recipe(state)
     found: dict[str, Any] = {}
     exec(compile(as_python(recipe), "program", "exec"), found)
     same = sweep(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
@@ -283,9 +283,9 @@ def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
 def test_the_papers_are_a_command() -> None:
     state = Workbench()
     state.page = "Papers"
-    assert as_command(recipe_of(state)) == "railjoule validate\n"
+    assert as_command(page_recipe(state)) == "railjoule validate\n"
     assert not page_run(state).program.of_scenario
-    compile(as_python(recipe_of(state)), "program", "exec")
+    compile(as_python(page_recipe(state)), "program", "exec")
 
 
 @pytest.fixture
@@ -301,7 +301,7 @@ def test_an_edited_preset(slid: Workbench, tmp_path: Path, capsys: pytest.Captur
     slid.scenario.edit(
         {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 300.0, "to_m": 500.0, "limit_kmh": 50.0}]}
     )
-    recipe = recipe_of(slid)
+    recipe = page_recipe(slid)
     energy = solve(slid.scenario.scenario()).energy_kwh
     assert energy_of_program(as_python(recipe), capsys) == energy
     # the command reads changes over the file, not over the scenario: the same to rounding
@@ -313,7 +313,7 @@ def test_the_scenario_of_a_file(slid: Workbench, tmp_path: Path, capsys: pytest.
     title = 'It\'s "mine" \\ $HOME """ `x`'
     slid.scenario.open(format_scenario(load_scenario("liashenko-i").replace(title=title)), "x")
     slid.scenario.load_percent = 40.0
-    recipe = recipe_of(slid)
+    recipe = page_recipe(slid)
     energy = solve(slid.scenario.scenario()).energy_kwh
     assert energy_of_program(as_python(recipe), capsys) == energy
     assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy, rel=1e-9)

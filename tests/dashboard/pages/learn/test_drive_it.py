@@ -5,11 +5,11 @@ import pytest
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import require_drivable
+from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.pages.learn.by_hand import PRESET, TryRequest, best_run, driven_run, judge
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.state.pins import KeptPin
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.recipes import compute_recipes
 
 COMMANDS = "p0c300p600"
 
@@ -34,7 +34,7 @@ def test_a_link_runs_the_try_again() -> None:
     state = Workbench()
     state.learn.tried = judge(TryRequest(COMMANDS))
     DriveIt(state)._take({"what": "open"})
-    best, driven = compute_recipes(tuple(KeptPin.of(pin).recipe() for pin in state.pins))
+    best, driven = run_again(tuple(KeptPin.of(pin) for pin in state.pins))
     assert best.trajectory.energy_kwh == pytest.approx(best_run().energy_kwh)
     assert driven.trajectory.energy_kwh == driven_run(COMMANDS).energy_kwh
 

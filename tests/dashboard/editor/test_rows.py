@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.dashboard.editor.fields_of import Table, parts_of
-from railjoule.dashboard.editor.pasted_table import CellError, rows_of
+from railjoule.dashboard.editor.rows import CellError, rows_of
 
 (SECTIONS,) = [part for part in parts_of("line") if part.key == "line.sections"]
 assert isinstance(SECTIONS, Table)
