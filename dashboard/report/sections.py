@@ -57,7 +57,9 @@ def sections(findings: Findings, figures: Figures) -> list[Section]:
     paragraphs = findings.contents.paragraphs
     note = [Section("note", "Note by the author", [Piece("author", paragraphs)])] if paragraphs else []
     chosen = (name for name in SECTION_TITLES if findings.contents.has(name))
-    made = [Section(name, _title(name, findings), MAKERS[name](findings, figures)) for name in chosen]
+    # the embedded scenario has the id that the section of this name would have
+    ids = {"scenario": "scenario-tables"}
+    made = [Section(ids.get(name, name), _title(name, findings), MAKERS[name](findings, figures)) for name in chosen]
     return note + [section for section in made if section.pieces]
 
 

@@ -37,7 +37,8 @@ def enoc_surface(found: EnocMap, run: Trajectory | None = None) -> dict[str, Any
 
     def shares(places: FloatArray) -> list[list[float]]:
         kept = places[np.all((places >= low) & (places <= low + height), axis=1)]
-        return np.round((kept - low) / height, 4).tolist()
+        rounded: list[list[float]] = np.round((kept - low) / height, 4).tolist()
+        return rounded
 
     valley = np.column_stack([found.travel_time_s, found.best_acceleration_s, found.best_energy_kwh])
     # the first phase of ENOC's run is the ramp

@@ -113,7 +113,7 @@ def test_the_mouse_writes_values_into_the_captions(reader: Reader) -> None:
 
 
 def test_a_surface_is_turned_by_mouse_and_keyboard(reader: Reader) -> None:
-    surface = reader.page.locator("canvas[data-surface=costs]")
+    surface = reader.page.locator("canvas[data-surface]")
     surface.scroll_into_view_if_needed()
     reader.drawn()
     first = surface.screenshot()
@@ -190,7 +190,7 @@ def test_nothing_lies_beyond_the_paper(reader: Reader) -> None:
 
 
 def test_a_surface_is_printed_in_its_own_proportions(reader: Reader) -> None:
-    page, surface = reader.page, reader.page.locator("canvas[data-surface=costs]")
+    page, surface = reader.page, reader.page.locator("canvas[data-surface]")
     page.emulate_media(media="print")
     page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     drawn, shown = surface.evaluate("one => [one.width / one.height, one.clientWidth / one.clientHeight]")

@@ -116,7 +116,7 @@ def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
         speeds = [columns["speed"] for columns in moved["sources"].values() if "speed" in columns]
         assert len(speeds) == 1
         assert max(speeds[0]) == pytest.approx(run.max_speed_kmh, rel=1e-4)
-        assert len(moved["sources"][values["phases"]]["text"]) == len(run.phases)
+        assert len(moved["sources"][values["phases"]]["left"]) == len(run.phases)
         points = [
             one for one in moved["sources"].values() if one.get("x") == [pytest.approx(run.travel_time_s, rel=1e-4)]
         ]

@@ -1,6 +1,6 @@
 from railjoule.core import Scenario, load_scenario
 from railjoule.dashboard.editor.fields_of import Field, parts_of
-from railjoule.dashboard.report.tables import MAX_ROWS, EntryTable, FieldRow, scenario_tables
+from railjoule.dashboard.report.tables import MAX_ROWS, FieldRow, scenario_tables
 
 
 def rows(scenario: Scenario) -> list[list[str]]:
@@ -73,13 +73,14 @@ def test_the_rail_condition_and_the_driven_mass_are_shown() -> None:
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
     sections = [{"length_m": 20.0}] * (MAX_ROWS + 7)
     tables = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))
-    assert [table.left_out for table in tables if isinstance(table, EntryTable)] == [7]
+    assert [table.left_out for table in tables if table.head] == [7]
 
 
 def test_undisturbed_scenarios_have_no_table_of_disturbances() -> None:
     titles = [table.title for table in scenario_tables(load_scenario("liashenko-0"))]
-    assert not any("Disturb" in title or "Event" in title for title in titles)
+    assert not any("Disturb" in title for title in titles)
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
     disturbed = load_scenario("liashenko-0", {"disturbance.stops": stop})
-    assert "Event: stop 1" in [table.title for table in scenario_tables(disturbed)]
-    assert ["Duration Duration of the stop.", "5", "s"] in rows(disturbed)
+    stops = next(table for table in scenario_tables(disturbed) if table.title == "Disturbances: stops")
+    assert ("Position, m", "400") in zip(stops.head, stops.rows[0], strict=True)
+    assert ("Duration, s", "5") in zip(stops.head, stops.rows[0], strict=True)
