@@ -119,9 +119,15 @@ class ReportButton:
         # every page that opens would pay for the form
         if self.form is None:
             self.form = ReportForm(self._make)
+            self.form.dialog.param.watch(self._return_focus, "open")
             with added_to(self.place):
                 self.place[:] = [self.form.dialog]
         self.form.open()
+
+    def _return_focus(self, event: Any) -> None:
+        # the library's dialog finds no element within another one's shadow root
+        if not event.new:
+            (self.button if self.button.visible else self.small).focus()
 
     def _make(self, contents: Contents) -> None:
         self.model.contents = contents

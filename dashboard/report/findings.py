@@ -38,8 +38,6 @@ class ReportRequest:
     Parameters
     ----------
     scenario : Scenario
-    strategy : str or None
-        Strategy whose numbers come first; the scenario's own where None.
     bound : Bound or None
         A lower bound of the scenario's plan that is known already.
     prove_seconds : float or None
@@ -53,7 +51,6 @@ class ReportRequest:
     """
 
     scenario: Scenario
-    strategy: str | None = None
     bound: Bound | None = None
     prove_seconds: float | None = None
     note: str = ""
@@ -117,12 +114,10 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
         If the timetable cannot be kept, or the line not be run over.
     """
     scenario, contents = request.scenario, request.contents
-    if request.strategy is not None and request.strategy != scenario.strategy:
-        scenario = scenario.replace(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
     enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
-    findings = Findings(**{**vars(request), "scenario": scenario}, runs=runs, enoc_map=enoc_map)
+    findings = Findings(**vars(request), runs=runs, enoc_map=enoc_map)
     yield findings
     # the slider of the result moves over them, too
     if contents.has("result", "trade-off"):
