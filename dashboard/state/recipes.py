@@ -10,8 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from railjoule.core import Scenario
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.citation import bibtex
 from railjoule.core.scenario import format_scenario, to_document
+from railjoule.core.strategy import STRATEGIES
+from railjoule.dashboard.provenance import about_text
 from railjoule.dashboard.state.program import Program
 from railjoule.dashboard.state.programs import page_run
 from railjoule.dashboard.state.workbench import Workbench
@@ -117,6 +120,16 @@ def as_command(recipe: Recipe) -> str:
         return f"{head}\n"
     line = f"{head} --set {' '.join(words)}"
     return f"{line}\n" if len(line) <= LONGEST_LINE else f"{head} --set \\\n  " + " \\\n  ".join(words) + "\n"
+
+
+def about_numbers(state: Workbench) -> str:
+    """Return the text of a file that goes with the numbers of the page in sight."""
+    try:
+        command = as_command(recipe_of(state))
+    except RailjouleError as error:
+        command = f"# {error}"
+    source = STRATEGIES[state.chosen].source
+    return about_text(command, bibtex([source] if source else []))
 
 
 def toml_value(value: Any) -> str:
