@@ -3,12 +3,14 @@
 import importlib.metadata
 import json
 import platform
+import shlex
 import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
 import railjoule.core
-from railjoule.core.citation import package_version
+from railjoule.core.citation import bibtex, package_version
 
 PACKAGES = ("numpy", "scipy", "numba", "bokeh")
 GIT_S = 5.0
@@ -18,10 +20,8 @@ GIT_S = 5.0
 @cache
 def commit() -> str:
     """Return the commit that railjoule was installed from or is run from; empty where it is not known."""
-    try:
-        origin = importlib.metadata.distribution("railjoule").read_text("direct_url.json")
-    except importlib.metadata.PackageNotFoundError:
-        origin = None
+    package = _distribution("railjoule")
+    origin = package and package.read_text("direct_url.json")
     installed = json.loads(origin or "{}").get("vcs_info", {}).get("commit_id", "")
     return str(installed) or _checkout_commit(Path(railjoule.core.__file__).resolve().parents[1])
 
@@ -42,11 +42,22 @@ def _checkout_commit(folder: Path) -> str:
 def versions() -> dict[str, str]:
     """Return the versions of railjoule, of the packages that its numbers depend on, and of Python."""
     numbers = {"railjoule": package_version(), **({"commit": commit()} if commit() else {})}
-    return {
-        **numbers,
-        **{name: importlib.metadata.version(name) for name in PACKAGES},
-        "Python": platform.python_version(),
-    }
+    installed = {found.name: found.version for found in map(_distribution, PACKAGES) if found is not None}
+    return {**numbers, **installed, "Python": platform.python_version()}
+
+
+def _distribution(name: str) -> importlib.metadata.Distribution | None:
+    try:
+        return importlib.metadata.distribution(name)
+    except importlib.metadata.PackageNotFoundError:
+        return None
+
+
+def file_attributes() -> dict[str, str]:
+    """Return version, commit, command and citation as attributes of a file that the command line writes."""
+    attributes = {"version": package_version(), "commit": commit(), "citation": bibtex([])}
+    command = shlex.join(["railjoule", *sys.argv[1:]])
+    return {f"railjoule_{name}": text for name, text in {**attributes, "command": command}.items() if text}
 
 
 def about_text(command: str, citation: str) -> str:

@@ -32,6 +32,7 @@ from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import limits as all_limits
+from railjoule.dashboard.provenance import file_attributes
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.scenario_folder import ScenarioFolder, default_folder
@@ -234,7 +235,7 @@ def write_labelled_table(table: "xarray.Dataset", path: Path) -> None:
     if path.suffix.lower() == ".nc":
         with failures_named(path), written(path) as place:
             # scipy is there anyway; the default engine would need one of netCDF's own libraries
-            table.to_netcdf(place, engine="scipy")
+            table.assign_attrs(file_attributes()).to_netcdf(place, engine="scipy")
     else:
         write_table(table.to_dataframe(), path, index=True)
 

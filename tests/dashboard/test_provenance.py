@@ -2,10 +2,12 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import xarray
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.citation import package_version
 from railjoule.dashboard import provenance
+from railjoule.dashboard.command.commands import write_labelled_table
 from railjoule.dashboard.state.recipes import about_numbers
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -35,6 +37,16 @@ def test_an_unknown_commit_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     assert [*provenance.versions()][:2] == ["railjoule", "numpy"]
     monkeypatch.setattr(provenance, "commit", lambda: "abc")
     assert provenance.versions()["commit"] == "abc"
+
+
+def test_labelled_tables_have_their_origin(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["railjoule", "study", "sensitivity", "a b.toml"])
+    write_labelled_table(xarray.Dataset({"one": ("x", [1.0])}, attrs={"own": "kept"}), tmp_path / "x.nc")
+    with xarray.open_dataset(tmp_path / "x.nc", engine="scipy") as table:
+        assert table.attrs["railjoule_version"] == package_version()
+        assert table.attrs["railjoule_command"] == "railjoule study sensitivity 'a b.toml'"
+        assert "@software{railjoule" in table.attrs["railjoule_citation"]
+        assert table.attrs["own"] == "kept"
 
 
 def test_numbers_have_versions_command_and_citation() -> None:
