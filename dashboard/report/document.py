@@ -14,13 +14,13 @@ from jinja2 import Environment, StrictUndefined, Template
 
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.embedded import embedded
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
-from railjoule.dashboard.report.sections import run_texts, sections, surface_data
+from railjoule.dashboard.report.sections import run_texts, sections
 
 
 def report_html(findings: Findings, made_at: datetime) -> str:
@@ -33,18 +33,18 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     made_at : datetime
         When the report was made, with its time zone.
     """
-    scenario, run, contents = findings.scenario, findings.run, findings.contents
+    scenario, run = findings.scenario, findings.run
     figures = Figures(findings)
     # without figures, the library's two megabytes would draw nothing
     draws = any(figures.charts.values())
-    turns = contents.has("trade-off") and surface_data(findings) is not None
+    turns = findings.contents.has("trade-off") and findings.enoc_map is not None
     texts = [*([bokeh_script()] if draws else []), source("report"), *([source("surface")] if turns else [])]
     scripts = [Markup(text) for text in texts]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.data(),
         "distance": max(one.distance_m for one in findings.runs.runs.values()),
-        "own": findings.own if findings.optima else 0,
+        "own": findings.own,
         "optima": optima_data(findings, figures),
     }
     return frame().render(
@@ -52,10 +52,10 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
         made_at=f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip(),
         css=Markup(report_css()),
-        author_name=contents.author.strip(),
-        note=findings.note,
+        contents=findings.contents,
+        remark=findings.note,
         sections=sections(findings, figures),
-        scenario=Markup(embedded(format_scenario(scenario))),
+        embedded=Markup(embedded(format_scenario(scenario))),
         embedding=figures.embedding,
         data=data,
         scripts=scripts,
@@ -84,6 +84,7 @@ def optima_data(findings: Findings, figures: Figures) -> list[dict[str, Any]]:
 def frame() -> Template:
     """Return the template of the file, which escapes all texts that are not marked as HTML."""
     made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
+    made.globals.update(words=words, comparisons=comparisons)
     # a browser would refuse all of the data because of one NaN
     made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")

@@ -97,12 +97,8 @@ class Figures:
     """The figures of a report by section, and what its script needs to change them."""
 
     def __init__(self, findings: Findings) -> None:
-        self.findings, self.palette, has = findings, Palette(dark=False), findings.contents.has
-        self.charts: dict[str, list[DistanceChart]] = {
-            "result": self._run_charts() if has("result") else [],
-            "trade-off": self._time_charts() if has("trade-off") and len(findings.optima) > 1 else [],
-            "reality": self._driven_charts() if has("reality") and findings.reality else [],
-        }
+        self.findings, self.palette = findings, Palette(dark=False)
+        self.charts = {section: self._charts(section) for section in ("result", "trade-off", "reality")}
         for chart in self._all():
             chart.build()
         self._draw_reality()
@@ -134,27 +130,21 @@ class Figures:
 
     # ---- drawing
 
-    def _run_charts(self) -> list[DistanceChart]:
-        axis, run = Axis(self.palette), self.findings.run
-        common = (axis, self.palette)
-        axis.fit(self._scene(None).end, roomy=True)
-        return [
-            SpeedChart(270, *common),
-            PhaseStrip(26, *common),
-            LineStrip(104, *common),
-            EnergyChart(160, *common),
-            EffortChart(120, *common),
-            *([CurrentChart(120, *common)] if CurrentChart.knows(run) else []),
-            power_chart(150, *common),
-        ]
-
-    def _time_charts(self) -> list[DistanceChart]:
-        caption = "Least energy, kWh, over travel time, s"
-        return [TimeChart("frontier", caption, 300, Axis(self.palette), self.palette)]
-
-    def _driven_charts(self) -> list[DistanceChart]:
-        axis, reality = Axis(self.palette), self.findings.reality
-        assert reality is not None
+    def _charts(self, section: str) -> list[DistanceChart]:
+        """Return the charts of a section that there are results for; none is built yet."""
+        axis, findings, reality = Axis(self.palette), self.findings, self.findings.reality
+        if not findings.contents.has(section):
+            return []
+        if section == "trade-off":
+            caption = "Least energy, kWh, over travel time, s"
+            return [TimeChart("frontier", caption, 300, axis, self.palette)] if len(findings.optima) > 1 else []
+        if section == "result":
+            axis.fit(self._scene(None).end, roomy=True)
+            kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
+            kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
+            return [make(height, axis, self.palette) for make, height in [*kinds, (power_chart, 150)]]
+        if reality is None:
+            return []
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         return [DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)]
 
@@ -173,7 +163,6 @@ class Figures:
         for chart in self.charts["result"]:
             assert isinstance(chart, SceneChart)
             chart.draw(replace(scene, width_px=ANY_WIDTH_PX) if isinstance(chart, PhaseStrip) else scene)
-        for chart in self.charts["result"][:1]:
             chart.axis.settle("m", 0)
         for chart in self.charts["trade-off"]:
             assert isinstance(chart, TimeChart)

@@ -95,10 +95,10 @@ class Findings(ReportRequest):
 
     @property
     def own(self) -> int:
-        """Index of the timetable's own optimum."""
+        """Index of the timetable's own optimum; 0 where there are no optima."""
         # the nearest: an optimum that gains nothing by waiting takes less time than it is allowed
         times = np.array([run.travel_time_s for run in self.optima])
-        return int(np.argmin(np.abs(times - self.scenario.travel_time_s)))
+        return int(np.argmin(np.abs(times - self.scenario.travel_time_s))) if len(times) else 0
 
     def refused(self, section: str, refusal: RailjouleError, share: float) -> "Findings":
         """Return the findings with the reason for a missing result: it costs one section, not the report."""

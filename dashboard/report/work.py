@@ -1,7 +1,6 @@
 """The work behind the button Report: the request, the progress and the file."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
@@ -33,21 +32,13 @@ class ReportingModel(PageModel):
     text = param.String(default="", doc="The report, until the browser has it.")
 
 
-@dataclass(frozen=True)
-class Draft:
-    """A report in progress: the share that is done, and the whole file at the end."""
-
-    share: float
-    text: str = ""
-
-
-def draft_report(request: ReportRequest) -> Iterator[Draft]:
-    """Yield the progress, and at last the report; errors as `compute_findings`."""
+def draft_report(request: ReportRequest) -> Iterator[tuple[float, str]]:
+    """Yield the share that is done, and at last the whole file with it; errors as `compute_findings`."""
     findings = None
     for findings in compute_findings(request):
-        yield Draft(FINDINGS_SHARE * findings.share)
+        yield FINDINGS_SHARE * findings.share, ""
     assert findings is not None
-    yield Draft(1.0, report_html(findings, datetime.now().astimezone()))
+    yield 1.0, report_html(findings, datetime.now().astimezone())
 
 
 def file_name(title: str) -> str:
@@ -104,7 +95,7 @@ class Reporting(PageWork[ReportingModel]):
         )
         self.report.ask(request)
 
-    def _take(self, draft: Draft, last: bool) -> None:
-        self.model.share = draft.share
+    def _take(self, draft: tuple[float, str], last: bool) -> None:
+        self.model.share, text = draft
         if last:
-            self.model.param.update(busy=False, text=draft.text)
+            self.model.param.update(busy=False, text=text)

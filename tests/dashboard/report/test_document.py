@@ -17,7 +17,7 @@ from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import Findings, ReportRequest, compute_findings
 from railjoule.dashboard.report.section_names import SECTION_TITLES
-from railjoule.dashboard.report.sections import MAKERS, bound_sentences, report_command, sensitivity_pieces
+from railjoule.dashboard.report.sections import MAKERS, bound_sentences, report_command, sensitivity
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
@@ -96,7 +96,7 @@ def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
 def test_date_versions_and_refusals_are_told(page: str, findings: Findings) -> None:
     assert "9 March 2026, 14:05 UTC" in page
     for package in ("railjoule", "numpy", "numba", "Python"):
-        assert f"<th scope=col>{package}" in page
+        assert f'<th scope="col">{package}' in page
     assert findings.runs.refused
     for reason in findings.runs.refused.values():
         assert reason in page
@@ -153,7 +153,7 @@ def test_the_file_has_its_command_and_citation(page: str, findings: Findings) ->
 
 def test_extra_energy_is_shaded_from_none_to_most(findings: Findings) -> None:
     assert findings.table is not None
-    cells = [cell for _, row in sensitivity_pieces(findings.table)[0].value["rows"] for cell in row]
+    cells = [cell for _, row in sensitivity(findings.table)["rows"] for cell in row]
     assert max(share for _, share in cells) == 100
     assert all(share == 0 for text, share in cells if text.startswith(words.MINUS) or text in {"late", "0.00"})
 
