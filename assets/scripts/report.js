@@ -1,10 +1,9 @@
 // The moving parts of a report: colours that follow the system, the slider over the optima, copies of figures on paper.
 (async () => {
   "use strict";
+  const at = (id) => document.getElementById(id), read = (id, revive) => JSON.parse(at(id).textContent, revive);
   // JSON has no NaN
-  const read = (id, revive) => JSON.parse(document.getElementById(id).textContent, revive);
-  const data = read("data", (_, value) => value ?? NaN), embedding = read("figures");
-  const ids = Object.values(data.figures), at = (id) => document.getElementById(id);
+  const data = read("data", (_, value) => value ?? NaN), embedding = read("figures"), ids = Object.values(data.figures);
   // a report without figures has no library to draw them
   if (ids.length) { await Bokeh.embed.embed_items(embedding.docs, embedding.items); }
   const bokeh = ids.length ? Bokeh.documents.at(-1) : null;
@@ -14,15 +13,12 @@
 
   // ---- columns: those of the file, with names of colours, or those of another optimum
 
-  const first = new Map();
-  const own = (id) => {
-    if (!first.has(id)) { first.set(id, {...model(id).data, ...data.colours[id]}); }
-    return first.get(id);
-  };
+  const moving = new Set([...Object.keys(data.colours), ...data.optima.flatMap(({sources}) => Object.keys(sources))]);
+  const own = new Map([...moving].map((id) => [id, {...model(id).data, ...data.colours[id]}]));
   const LETTER_PX = 7.2, NARROW_PX = 480, NAME_PX = 112;
   const frame_px = () => view(data.figures.phases)?.frame.bbox.width ?? 0;
   const show = (id) => {
-    const columns = {...own(id), ...optimum?.sources[id]};
+    const columns = {...own.get(id), ...optimum?.sources[id]};
     for (const name of ["colour", "fill", "ink"].filter((one) => one in columns)) {
       columns[name] = columns[name].map((token) => data.tokens[theme][token]);
     }
@@ -35,33 +31,24 @@
     }
     model(id).data = columns;
   };
-  const moving = new Set([...Object.keys(data.colours), ...data.optima.flatMap(({sources}) => Object.keys(sources))]);
-  const paint = (name) => {
-    if (name !== theme) {
-      for (const [id, attribute, token] of data.worn) { model(id).setv({[attribute]: data.tokens[name][token]}); }
-    }
-    theme = name;
+  const follow = () => {
+    const before = theme;
+    theme = system.matches && !root.contains("prints") ? "dark" : "light";
+    const worn = theme === before ? [] : data.worn;
+    for (const [id, attribute, token] of worn) { model(id).setv({[attribute]: data.tokens[theme][token]}); }
     moving.forEach(show);
   };
-  const follow = () => paint(system.matches && !root.contains("prints") ? "dark" : "light");
 
   // ---- the travel time
 
-  const slider = at("time"), ends = new Map();
-  const move = () => {
+  const slider = at("time"), move = () => {
     optimum = data.optima[slider.value];
-    at("time").nextElementSibling.textContent = optimum.time;
+    slider.nextElementSibling.textContent = optimum.time;
     slider.setAttribute("aria-valuetext", optimum.time);
     // some places belong to sections that a report may lack
     for (const [id, text] of Object.entries(optimum.texts)) { if (at(id)) { at(id).innerHTML = text; } }
     moving.forEach(show);
-    for (const {ends: moved} of data.optima) {
-      for (const id in moved) { if (!ends.has(id)) { ends.set(id, [model(id).start, model(id).end]); } }
-    }
-    for (const [id, pair] of ends) {
-      const [start, end] = optimum.ends[id] ?? pair;
-      model(id).setv({start, end});
-    }
+    for (const [id, [start, end]] of Object.entries(optimum.ends)) { model(id).setv({start, end}); }
   };
   slider?.addEventListener("input", move);
   at("back")?.addEventListener("click", () => { slider.value = data.own; move(); });
@@ -84,18 +71,17 @@
 
   // ---- paper: always light, as wide as a page, copied into plain canvases that print as they are
 
-  const PAPER_PX = 760, main = document.querySelector("main");
+  const PAPER = "760px", main = document.querySelector("main");
   const settle = () => {
     for (const one of ids.length ? Object.values(Bokeh.index) : []) { one.after_resize?.(); }
     for (const id of ids) { view(id).canvas_view?.after_resize?.(); view(id).paint(); }
   };
+  const follow_all = () => { settle(); arrange(); follow(); };
   // two listeners, as the changes of the first one are drawn in the microtasks between them
   window.addEventListener("beforeprint", () => {
     root.add("prints");
-    main.style.width = `${PAPER_PX}px`;
-    settle();
-    arrange();
-    follow();
+    main.style.width = PAPER;
+    follow_all();
   });
   window.addEventListener("beforeprint", () => {
     settle();
@@ -106,16 +92,9 @@
     root.add("on-paper");
     main.style.width = "";
   });
-  window.addEventListener("afterprint", () => {
-    root.remove("on-paper", "prints");
-    settle();
-    follow();
-    arrange();
-  });
-
+  window.addEventListener("afterprint", () => { root.remove("on-paper", "prints"); follow_all(); });
   system.addEventListener("change", follow);
   window.addEventListener("resize", () => requestAnimationFrame(arrange));
-  follow();
-  arrange();
+  follow_all();
   root.add("ready");
 })();

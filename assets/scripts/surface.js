@@ -14,8 +14,8 @@
   const draw = () => {
     const [width, height, ratio] = prints ? PAPER : [canvas.clientWidth, canvas.clientHeight, devicePixelRatio];
     if (!width) return;
-    Object.assign(canvas, {width: width * ratio, height: height * ratio});
-    const ink = canvas.getContext("2d"), size = Math.min(width / 2.3, height / 1.4);
+    const ink = Object.assign(canvas, {width: width * ratio, height: height * ratio}).getContext("2d");
+    const size = Math.min(width / 2.3, height / 1.4);
     ink.scale(ratio, ratio);
     Object.assign(ink, {font: "11px Inter, sans-serif", textBaseline: "middle", lineCap: "round", lineJoin: "round"});
     const [sy, cy, sp, cp] = [Math.sin(view.yaw), Math.cos(view.yaw), Math.sin(view.pitch), Math.cos(view.pitch)];
@@ -37,8 +37,8 @@
     };
     path([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0]].map(project), colour("line2"), 1);
     // the axes are at the edges of the floor that lie in front, the heights at its leftmost corner
-    const nearest = (one, other) => (project(one)[2] < project(other)[2] ? one : other);
-    const [, b] = nearest([0.5, 0, 0], [0.5, 1, 0]), [a] = nearest([0, 0.5, 0], [1, 0.5, 0]);
+    const [b] = [0, 1].sort((one, two) => project([0.5, one, 0])[2] - project([0.5, two, 0])[2]);
+    const [a] = [0, 1].sort((one, two) => project([one, 0.5, 0])[2] - project([two, 0.5, 0])[2]);
     const places = [(share) => [share, b, 0], (share) => [a, share, 0]];
     places.forEach((place, k) => {
       const middle = project(place(0.5)), side = middle[0] < width / 2 ? -1 : 1;
@@ -64,17 +64,13 @@
   };
   canvas.onpointerdown = (event) => { held = event; canvas.setPointerCapture(event.pointerId); };
   canvas.onpointermove = (event) => {
-    if (!held) return;
-    turn(-PER_PX * (event.clientX - held.clientX), PER_PX * (event.clientY - held.clientY));
-    held = event;
+    if (held) { turn(-PER_PX * (event.clientX - held.clientX), PER_PX * (event.clientY - held.clientY)); held = event; }
   };
   canvas.onpointerup = canvas.onpointercancel = () => { held = null; };
-  canvas.ondblclick = () => { Object.assign(view, start); redraw(); };
+  canvas.ondblclick = () => turn(start.yaw - view.yaw, start.pitch - view.pitch);
   canvas.onkeydown = (event) => {
     const moves = {ArrowLeft: [STEP, 0], ArrowRight: [-STEP, 0], ArrowUp: [0, STEP], ArrowDown: [0, -STEP]};
-    if (!(event.key in moves)) return;
-    event.preventDefault();
-    turn(...moves[event.key]);
+    if (event.key in moves) { event.preventDefault(); turn(...moves[event.key]); }
   };
   new ResizeObserver(redraw).observe(canvas);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);

@@ -121,7 +121,7 @@ class Figures:
         self.palette.tokens = {name: name for name in self.palette.tokens}
         self._draw_reality()
         self.draw()
-        self._own, self._ends = self._state(), self._y_ends()
+        self._own = self._state()
         self.colours = _changes(light, self._own)
 
     def _all(self) -> Iterator[DistanceChart]:
@@ -132,19 +132,20 @@ class Figures:
 
     def _charts(self, section: str) -> list[DistanceChart]:
         """Return the charts of a section that there are results for; none is built yet."""
-        axis, findings, reality = Axis(self.palette), self.findings, self.findings.reality
-        if not findings.contents.has(section):
+        findings, reality = self.findings, self.findings.reality
+        missing = {"result": False, "trade-off": len(findings.optima) < 2, "reality": reality is None}
+        if missing[section] or not findings.contents.has(section):
             return []
+        axis = Axis(self.palette)
         if section == "trade-off":
             caption = "Least energy, kWh, over travel time, s"
-            return [TimeChart("frontier", caption, 300, axis, self.palette)] if len(findings.optima) > 1 else []
+            return [TimeChart("frontier", caption, 300, axis, self.palette)]
         if section == "result":
             axis.fit(self._scene(None).end, roomy=True)
             kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
             kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
             return [make(height, axis, self.palette) for make, height in [*kinds, (power_chart, 150)]]
-        if reality is None:
-            return []
+        assert reality is not None
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         return [DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)]
 
@@ -218,16 +219,13 @@ class Figures:
         }
 
     def moved(self, optimum: Trajectory | None) -> dict[str, Any]:
-        """Return the columns and the ends of axes that differ once an optimum is drawn in the place of the own one."""
+        """Return the columns that differ once an optimum is drawn in the place of the own one, and the ends of axes."""
         self.draw(optimum)
-        ends = {key: pair for key, pair in self._y_ends().items() if pair != self._ends[key]}
+        ends = {one.y_range.id: [float(one.y_range.start), float(one.y_range.end)] for one in self._all()}
         return {"sources": _changes(self._own, self._state()), "ends": ends}
 
     def _state(self) -> State:
         return {source.id: dict(source.data) for source in self._sources}
-
-    def _y_ends(self) -> dict[str, list[float]]:
-        return {one.y_range.id: [float(one.y_range.start), float(one.y_range.end)] for one in self._all()}
 
 
 def _changes(before: State, after: State) -> dict[str, dict[str, list[Any]]]:

@@ -33,11 +33,10 @@ RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 
 @dataclass(frozen=True, eq=False)
 class ReportRequest:
-    """A requested report.
+    """A requested report: results that none of its sections shows are not computed.
 
     Parameters
     ----------
-    scenario : Scenario
     bound : Bound or None
         A lower bound of the scenario's plan that is known already.
     prove_seconds : float or None
@@ -46,8 +45,6 @@ class ReportRequest:
         A remark on the page that the report comes from; may be empty.
     pinned : tuple of (str, Trajectory)
         Runs beside those of the scenario, with their names.
-    contents : Contents
-        The sections: results that none of them shows are not computed.
     """
 
     scenario: Scenario
@@ -64,8 +61,6 @@ class Findings(ReportRequest):
 
     Parameters
     ----------
-    runs : Runs
-        Of all strategies that accept the scenario.
     optima : tuple of Trajectory
         Optima over rising travel times, that of the timetable among them; empty where there is none.
     reality : DisturbedRun or Following or FieldOrientedRun or None
@@ -74,8 +69,6 @@ class Findings(ReportRequest):
         Extra energy over load and position error.
     refusals : mapping of str to str
         Reasons for missing results, by section.
-    enoc_map : EnocMap or None
-        ENOC's energy over travel time and acceleration time, where it accepts the scenario.
     share : float
         Share of the work that is done, 0 to 1.
     """

@@ -124,6 +124,16 @@ def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
     assert values["optima"][values["own"]]["sources"] == {}
 
 
+@pytest.mark.parametrize("sections", [("result",), ("trade-off",), ("reality",), tuple(SECTION_TITLES)])
+def test_all_painted_models_are_in_the_file(findings: Findings, sections: tuple[str, ...]) -> None:
+    for found in (findings, replace(findings, reality=None, optima=())):
+        made = chosen(found, *sections)
+        figures = made.partition('id="figures">')[2].partition("</script>")[0]
+        values = data(made)
+        ids = {model for model, *_ in values["worn"]} | values["colours"].keys()
+        assert all(f'"id":"{one}"' in figures for one in ids)
+
+
 def test_columns_have_names_of_colours(page: str) -> None:
     values = data(page)
     colours = {
