@@ -31,7 +31,7 @@ class Frame:
         return (np.asarray(y, dtype=float) - self.y[0]) * (self.height_px / (self.y[1] - self.y[0]))
 
     def point_px(self, x: float, y: float) -> tuple[float, float]:
-        """Return where a point lies from the lower left corner [px]."""
+        """Return the place of a point, from the lower left corner [px]."""
         return float(self.x_px(np.array(x))), float(self.y_px(np.array(y)))
 
     def from_px(self, x_px: float, y_px: float) -> tuple[float, float]:
@@ -58,7 +58,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Name:
-    """What is written of a line, or of a point.
+    """The name of a line, or of a point.
 
     Parameters
     ----------
@@ -115,7 +115,7 @@ def placed_names(
     names : sequence of Name
         The most important first.
     taken : sequence of Box
-        What else is written in the figure.
+        Boxes of other texts in the figure.
     size : float
         Of the letters [px].
     """
