@@ -451,7 +451,12 @@ class DistanceChart(Chart):
             visible=bool(self.caption),
             css_classes=["rj-caption"],
         )
-        caption.styles = {"padding": f"4px 0 0 {self.left}px", "font-size": "12px", "color": "var(--rj-ink2)"}
+        caption.styles = {
+            "padding": f"4px 0 0 {self.left}px",
+            "font-size": "12px",
+            "color": "var(--rj-ink2)",
+            "font-family": "var(--rj-font)",
+        }
         self.content = pn.pane.Bokeh(
             column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
         )

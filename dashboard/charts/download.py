@@ -36,6 +36,8 @@ class SavedNumbers:
         Returns the title of the scenario.
     draw : callable
         Draws the charts that wait for their turn, out of sight.
+    about : callable
+        Returns the text of a file with versions, the command that gives the same numbers, and the citation.
     """
 
     def __init__(
@@ -45,8 +47,10 @@ class SavedNumbers:
         content: Viewable,
         title: Callable[[], str],
         draw: Callable[[], Awaitable[None]],
+        about: Callable[[], str],
     ) -> None:
         self._page, self._charts, self._content, self._title, self._draw = page, charts, content, title, draw
+        self._about = about
         self.button = pmui.FileDownload(
             callback=self._file,
             filename="numbers.zip",
@@ -76,7 +80,7 @@ class SavedNumbers:
         panes = (part for part in in_sight(self._content) if isinstance(part, pn.pane.HTML))
         texts = [str(pane.object) for pane in panes if pane.object]
         self.button.filename = f"{slug(self._title()) or 'scenario'}-{slug(self._page)}.zip"
-        return await asyncio.to_thread(archive, figures, texts)
+        return await asyncio.to_thread(archive, figures, texts, self._about())
 
 
 def in_sight(part: Viewable) -> Iterator[Viewable]:
@@ -87,9 +91,9 @@ def in_sight(part: Viewable) -> Iterator[Viewable]:
             yield from in_sight(inner)
 
 
-def archive(figures: Sequence[tuple[str, Any, Any]], texts: Sequence[str]) -> io.BytesIO:
-    """Return a ZIP file with the numbers of figures, and with the tables and drawings of pieces of HTML."""
-    files: dict[str, str] = {}
+def archive(figures: Sequence[tuple[str, Any, Any]], texts: Sequence[str], about: str) -> io.BytesIO:
+    """Return a ZIP file with the numbers of figures, the tables and drawings of pieces of HTML, and their origin."""
+    files: dict[str, str] = {"about.txt": about}
 
     def add(name: str, kind: str, text: str) -> None:
         stem, number = slug(name), 2

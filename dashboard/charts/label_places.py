@@ -23,7 +23,8 @@ CLEAR_PX = 14.0
 """A name that is this far from other lines cannot be taken for theirs; more distance gains nothing."""
 LINE_PX = 15.0
 """Height of a line of text of 12 px."""
-END_GAP_PX = 6.0
+END_GAP_PX, END_SHIFT_PX, END_STEP_PX = 6.0, 46.0, 1.0
+"""Between the end of a line and its name; how far up or down from it the name may be, and in which steps."""
 BOX_GAP_PX = 2.0
 AROUND_PX = (10.0, 18.0, 30.0, 44.0)
 """How far beside a point its name may stand."""
@@ -87,11 +88,7 @@ def text_width_px(text: str, size_px: float = 12.0) -> float:
 
 
 def place_labels(
-    lines: Sequence[Polyline],
-    labels: Sequence[Label],
-    width_px: float,
-    height_px: float,
-    taken: Sequence[Box] = (),
+    lines: Sequence[Polyline], labels: Sequence[Label], width_px: float, height_px: float, taken: Sequence[Box] = ()
 ) -> list[Box | None]:
     """Return the box of each label, or None where there is no free place.
 
@@ -104,26 +101,33 @@ def place_labels(
     width_px, height_px : float
         Size of the frame.
     taken : sequence of Box
-        What else stands in the figure.
+        Boxes of other texts and marks in the figure.
     """
-    if width_px < 2 * COLUMN_PX or height_px < LINE_PX or not labels:
-        return [None] * len(labels)
+    result: list[Box | None] = [None] * len(labels)
+    if width_px < 2 * COLUMN_PX or height_px < LINE_PX:
+        return result
     low, high = envelopes(lines, width_px)
     boxes = list(taken)
-    result: list[Box | None] = [None] * len(labels)
-    for k, box in _at_ends(lines, labels, low, high, width_px, height_px, boxes):
-        result[k] = box
-        boxes.append(box)
-    rest = [k for k in range(len(labels)) if result[k] is None]
-    find = {True: _along, False: _around}
-    candidates = {k: find[labels[k].point is None](labels[k], low, high, width_px, height_px) for k in rest}
-    # who has least choice chooses first
-    for k in sorted(rest, key=lambda k: (len(candidates[k]), k)):
-        free = candidates[k][_clear_of(candidates[k], boxes)]
+
+    def place(k: int, candidates: FloatArray) -> None:
+        free = candidates[_clear_of(candidates, boxes)]
         if len(free):
             left, bottom, right, top = free[0].tolist()
             result[k] = (left, bottom, right, top)
             boxes.append((left, bottom, right, top))
+
+    for k, label in enumerate(labels):
+        if label.at_end and len(lines[label.line][0]):
+            place(k, _free(_beside(label, lines[label.line], height_px), low, high, width_px, height_px))
+    rest: dict[int, FloatArray] = {}
+    for k, label in enumerate(labels):
+        if result[k] is None and label.point is not None:
+            rest[k] = _free(_around(label, *label.point), low, high, width_px, height_px)
+        elif result[k] is None:
+            rest[k] = _along(label, low, high, width_px, height_px)
+    # labels with the least choice choose first
+    for k in sorted(rest, key=lambda k: (len(rest[k]), k)):
+        place(k, rest[k])
     return result
 
 
@@ -155,53 +159,12 @@ def envelopes(lines: Sequence[Polyline], width_px: float) -> tuple[FloatArray, F
     return low, high
 
 
-def spread_within(preferred: Sequence[float], gap: float, bottom: float, top: float) -> list[float]:
-    """Return places between `bottom` and `top` that lie at least `gap` apart, as near to them as possible.
-
-    The order stays, and the sum of squares of the distances is least: groups that touch stand around the mean of what
-    they come from. There must be room for all.
-    """
-    order = np.argsort(preferred, kind="stable")
-    groups: list[tuple[float, int]] = []
-    for place, k in enumerate(order):
-        # less the gaps before it, a place need only not be below the one before: pool adjacent violators
-        groups.append((preferred[k] - place * gap, 1))
-        while len(groups) > 1 and groups[-2][0] >= groups[-1][0]:
-            (one, n), (other, m) = groups.pop(-2), groups.pop()
-            groups.append(((one * n + other * m) / (n + m), n + m))
-    free = np.repeat([place for place, _ in groups], [count for _, count in groups])
-    placed = np.clip(free, bottom, top - gap * (len(preferred) - 1)) + gap * np.arange(len(preferred))
-    result = np.empty(len(preferred))
-    result[order] = placed
-    return [float(place) for place in result]
-
-
-def _at_ends(
-    lines: Sequence[Polyline],
-    labels: Sequence[Label],
-    low: FloatArray,
-    high: FloatArray,
-    width_px: float,
-    height_px: float,
-    taken: Sequence[Box],
-) -> list[tuple[int, Box]]:
-    """Return the labels that stand beside the ends of their lines, and their boxes."""
-    wanted = [k for k, label in enumerate(labels) if label.at_end and len(lines[label.line][0])]
-    if not wanted:
-        return []
-    pitch = max(labels[k].height_px for k in wanted)
-    # no more than fit: `spread_within` needs room for all
-    wanted = wanted[: int(height_px // pitch)]
-    ends = {k: (float(lines[labels[k].line][0][-1]), float(lines[labels[k].line][1][-1])) for k in wanted}
-    places = spread_within([ends[k][1] for k in wanted], pitch, 0.5 * pitch, height_px - 0.5 * pitch)
-    result: list[tuple[int, Box]] = []
-    for k, place in zip(wanted, places, strict=True):
-        left, half = ends[k][0] + END_GAP_PX, 0.5 * labels[k].height_px
-        box = left, place - half, left + labels[k].width_px, place + half
-        others = [*taken, *(other for _, other in result)]
-        if box[2] <= width_px and not _crossed(box, low, high) and _clear_of(np.array([box]), others, 0.0)[0]:
-            result.append((k, box))
-    return result
+def _beside(label: Label, line: Polyline, height_px: float) -> FloatArray:
+    """Return the boxes beside the end of a label's line, the nearest first; shape (boxes, 4)."""
+    half, left = 0.5 * label.height_px, float(line[0][-1]) + END_GAP_PX
+    shifts = np.concatenate([(shift, -shift) for shift in np.arange(0.0, END_SHIFT_PX, END_STEP_PX)])
+    middle = np.clip(float(line[1][-1]) + shifts, half, height_px - half)
+    return np.stack(np.broadcast_arrays(left, middle - half, left + label.width_px, middle + half), axis=1)
 
 
 def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
@@ -235,41 +198,35 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     return boxes[best]
 
 
-def _around(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
-    """Return the boxes around a point that lie on no line, the nearest first; shape (boxes, 4)."""
-    assert label.point is not None
-    (x, y), width, height = label.point, label.width_px, label.height_px
+def _around(label: Label, x: float, y: float) -> FloatArray:
+    """Return the boxes around a point, the nearest first; shape (boxes, 4)."""
+    width, height = label.width_px, label.height_px
     boxes = []
     for away in AROUND_PX:
         sides = (x + away, x - away - width, x - 0.5 * width)
         levels = (y - 0.5 * height, y + 0.7 * away, y - 0.7 * away - height)
-        boxes += [
-            (left, bottom, left + width, bottom + height)
-            for bottom in levels
-            for left in sides
-            if left != sides[2] or bottom != levels[0]
-        ]
-    free = [box for box in boxes if _inside(box, width_px, height_px) and not _crossed(box, low, high)]
-    return np.array(free).reshape(-1, 4)
+        places = [(left, bottom) for bottom in levels for left in sides][:2]
+        places += [(left, bottom) for bottom in levels[1:] for left in sides]
+        boxes += [(left, bottom, left + width, bottom + height) for left, bottom in places]
+    return np.array(boxes)
 
 
-def _inside(box: Box, width_px: float, height_px: float) -> bool:
-    return box[0] >= 0 and box[1] >= 0 and box[2] <= width_px and box[3] <= height_px
+def _free(boxes: FloatArray, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
+    """Return the boxes within the frame that no line comes near."""
+    free = (boxes[:, :2] >= 0).all(axis=1) & (boxes[:, 2] <= width_px) & (boxes[:, 3] <= height_px)
+    # boxes above each other meet the same columns
+    for left in np.unique(boxes[free, 0]):
+        among = np.flatnonzero(free & (boxes[:, 0] == left))
+        columns = slice(int(left // COLUMN_PX), int(boxes[among[0], 2] // COLUMN_PX) + 1)
+        below, above = boxes[among, 3, None] + 1, boxes[among, 1, None] - 1
+        free[among] = ~((low[:, columns].ravel() < below) & (high[:, columns].ravel() > above)).any(axis=1)
+    return boxes[free]
 
 
-def _crossed(box: Box, low: FloatArray, high: FloatArray) -> bool:
-    """Return whether any line comes near a box."""
-    left, bottom, right, top = box
-    columns = slice(int(left // COLUMN_PX), int(right // COLUMN_PX) + 1)
-    return bool(((low[:, columns] < top + 1) & (high[:, columns] > bottom - 1)).any())
-
-
-def _clear_of(
-    boxes: FloatArray, taken: Sequence[Box], gap: float = BOX_GAP_PX
-) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
+def _clear_of(boxes: FloatArray, taken: Sequence[Box]) -> "np.ndarray[tuple[int], np.dtype[np.bool_]]":
     """Return which boxes touch none of those taken."""
     clear = np.ones(len(boxes), dtype=np.bool_)
     for left, bottom, right, top in taken:
-        beside = (boxes[:, 0] >= right + gap) | (boxes[:, 2] <= left - gap)
+        beside = (boxes[:, 0] >= right + BOX_GAP_PX) | (boxes[:, 2] <= left - BOX_GAP_PX)
         clear &= beside | (boxes[:, 1] >= top) | (boxes[:, 3] <= bottom)
     return clear

@@ -30,6 +30,15 @@ class Frame:
         """Return how far values lie above the lower edge [px]."""
         return (np.asarray(y, dtype=float) - self.y[0]) * (self.height_px / (self.y[1] - self.y[0]))
 
+    def point_px(self, x: float, y: float) -> tuple[float, float]:
+        """Return the place of a point, from the lower left corner [px]."""
+        return float(self.x_px(np.array(x))), float(self.y_px(np.array(y)))
+
+    def from_px(self, x_px: float, y_px: float) -> tuple[float, float]:
+        """Return the point of a place [px], in the units of the axes."""
+        (x, right), (y, top) = self.x, self.y
+        return x + x_px * (right - x) / max(self.width_px, 1.0), y + y_px * (top - y) / max(self.height_px, 1.0)
+
     def upright(self, x: float) -> tuple[FloatArray, FloatArray]:
         """Return an upright line through the frame, in the units of the axes."""
         return np.full(2, x), np.array(self.y)
@@ -49,7 +58,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Name:
-    """What is written of a line, or of a point.
+    """The name of a line, or of a point.
 
     Parameters
     ----------
@@ -74,21 +83,11 @@ class Name:
 
 def rows_of(spans: Sequence[tuple[float, float]], gap_px: float = 6.0) -> list[int]:
     """Return for each span [px] the first row in which it overlaps none of those before it."""
-    rows: list[list[tuple[float, float]]] = []
-    result = []
+    result: list[int] = []
     for left, right in spans:
-        row = next(
-            (
-                k
-                for k, taken in enumerate(rows)
-                if all(right + gap_px <= start or left >= end + gap_px for start, end in taken)
-            ),
-            len(rows),
-        )
-        if row == len(rows):
-            rows.append([])
-        rows[row].append((left, right))
-        result.append(row)
+        near = zip(spans, result, strict=False)
+        full = {row for (start, end), row in near if right + gap_px > start and left < end + gap_px}
+        result.append(next(row for row in range(len(spans)) if row not in full))
     return result
 
 
@@ -116,33 +115,19 @@ def placed_names(
     names : sequence of Name
         The most important first.
     taken : sequence of Box
-        What else is written in the figure.
+        Boxes of other texts in the figure.
     size : float
         Of the letters [px].
     """
     order = {key: k for k, key in enumerate(lines)}
     pixels = [(frame.x_px(x), frame.y_px(y)) for x, y in lines.values()]
-    points = [
-        None
-        if name.point is None
-        else (float(frame.x_px(np.array(name.point[0]))), float(frame.y_px(np.array(name.point[1]))))
-        for name in names
-    ]
+    points = [None if one.point is None else frame.point_px(*one.point) for one in names]
     labels = [
-        Label(
-            order.get(name.line, 0),
-            text_width_px(name.text, size),
-            LINE_HEIGHT * size,
-            name.at_end,
-            name.preferred,
-            point,
-        )
-        for name, point in zip(names, points, strict=True)
+        Label(order.get(one.line, 0), text_width_px(one.text, size), LINE_HEIGHT * size, one.at_end, one.preferred, at)
+        for one, at in zip(names, points, strict=True)
     ]
-    columns: dict[str, list[object]] = {column: [] for column in COLUMNS}
     boxes = place_labels(pixels, labels, frame.width_px, frame.height_px, taken)
-    scale_x = (frame.x[1] - frame.x[0]) / max(frame.width_px, 1.0)
-    scale_y = (frame.y[1] - frame.y[0]) / max(frame.height_px, 1.0)
+    rows = []
     for name, label, box in zip(names, labels, boxes, strict=True):
         if box is None:
             continue
@@ -151,15 +136,7 @@ def placed_names(
         beside = abs(box[0] - end - END_GAP_PX) < 1e-6
         middle = 0.5 * (box[0] + box[2])
         x = end if beside else middle if label.point is None else label.point[0]
-        row = (
-            frame.x[0] + x * scale_x,
-            frame.y[0] + 0.5 * (box[1] + box[3]) * scale_y,
-            name.text,
-            name.colour,
-            "left" if beside else "center",
-            END_GAP_PX if beside else middle - x,
-            name.line,
-        )
-        for column, value in zip(COLUMNS, row, strict=True):
-            columns[column].append(value)
-    return columns
+        align, dx = ("left", END_GAP_PX) if beside else ("center", middle - x)
+        place = frame.from_px(x, 0.5 * (box[1] + box[3]))
+        rows.append((*place, name.text, name.colour, align, dx, name.line))
+    return {column: [row[k] for row in rows] for k, column in enumerate(COLUMNS)}

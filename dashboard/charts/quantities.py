@@ -67,7 +67,7 @@ def read_cells(attribute: str, divisor: float = 1.0) -> Callable[[Any], FloatArr
 POSITION = Quantity("position", "Distance, m", "m", 0, read("position_m"))
 TIME = Quantity("time", "Time, s", "s", 1, read("time_s"))
 SPEED = Quantity("speed", "Speed, km/h", "km/h", 1, read("speed_ms", MS_PER_KMH))
-ENERGY = Quantity("energy", "Energy drawn so far, kWh", "kWh", 2, read("supply_energy_j", J_PER_KWH))
+ENERGY = Quantity("energy", "Energy from the supply so far, kWh", "kWh", 2, read("supply_energy_j", J_PER_KWH))
 EFFORT = Quantity(
     "effort", "Tractive (+) and braking (\u2212) effort, kN", "kN", 0, read_cells("effort_n", N_PER_KN), stepped=True
 )

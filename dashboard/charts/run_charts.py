@@ -161,7 +161,7 @@ def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
 
 
 class EnergyChart(RunChart):
-    """Energy drawn so far."""
+    """Energy from the supply so far."""
 
     names_in = "ends"
 
@@ -181,7 +181,7 @@ class EnergyChart(RunChart):
         """Return in words what it shows, for who cannot see it."""
         energies = ((words.STRATEGY_WORDS[name], words.energy(run.energy_kwh)) for name, run in scene.runs.items())
         ends = ", ".join(f"{name} {energy}" for name, energy in energies)
-        return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
+        return f"Energy from the supply so far over distance; at the end, in kWh: {ends}."
 
     def draw(self, scene: RunScene) -> None:
         """Draw the energies with their names at the ends."""

@@ -14,6 +14,7 @@ from railjoule.core.written import write_text, written
 from railjoule.dashboard.command.arguments import REPORT_SUFFIXES
 from railjoule.dashboard.command.values import shortened
 from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.provenance import file_attributes
 
 if TYPE_CHECKING:
     import argparse
@@ -139,7 +140,7 @@ def write_labelled_table(table: "xarray.Dataset", path: Path) -> None:
         return
     with failures_named(path), written(path) as place:
         # scipy is there anyway; the default engine would need one of netCDF's own libraries
-        table.to_netcdf(place, engine="scipy")
+        table.assign_attrs(file_attributes()).to_netcdf(place, engine="scipy")
 
 
 def write(path: Path, text: str) -> None:

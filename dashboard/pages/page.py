@@ -22,6 +22,7 @@ from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.programs import about_numbers
 from railjoule.dashboard.state.workbench import Workbench
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
@@ -73,6 +74,7 @@ class PageView:
             content,
             lambda: state.scenario.edited.title,
             self.queue.draw_waiting,
+            lambda: about_numbers(state),
         )
         self.view = parts.stack(self._error, content, self.numbers.button, css=PAGE_CSS)
         # after `make`, in which the page names its parts

@@ -334,7 +334,7 @@ def account(run: Trajectory) -> Markup:
     rows = [bar("Drawn from the supply", 0, taken, "supply")]
     if energy.recuperated_j > small:
         rows.append(bar("Recuperated", taken, -energy.recuperated_j, "back"))
-    rows += [bar("Net from the supply", 0, energy.net_j, "supply", strong=True), Markup("<span class=gap></span>")]
+    rows += [bar("Energy from the supply", 0, energy.net_j, "supply", strong=True), Markup("<span class=gap></span>")]
     rows += [bar(word, 0, joules) for word, joules in gains]
     place = 0.0
     for word, joules in uses:

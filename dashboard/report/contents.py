@@ -1,4 +1,4 @@
-"""What a report shall tell: which sections, who has written it, and a note by the author."""
+"""Contents of a report: its sections, its author, and a note by the author."""
 
 import unicodedata
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ from railjoule.dashboard.limits import LONGEST_AUTHOR, LONGEST_NOTE
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 LONGEST_SHOWN = 40
-# beside them, control characters and halves of characters are no text of a page
 BLANKS = "\n\t"
+"""The only control characters that a text of a page may have."""
 
 
 class ContentsError(RailjouleError):
@@ -18,21 +18,21 @@ class ContentsError(RailjouleError):
 
 @dataclass(frozen=True)
 class Contents:
-    """What a report shall tell, beside what it finds out.
+    """Contents of a report.
 
     Parameters
     ----------
     sections : tuple of str
-        Keys of `SECTION_TITLES`; whatever their order here, a report has its own.
+        Keys of `SECTION_TITLES` in any order; a report has its own.
     author : str
-        Who has written it; a name of one line, at most `LONGEST_AUTHOR` characters, empty where nobody is named.
+        A name of one line, at most `LONGEST_AUTHOR` characters; may be empty.
     note : str
-        What the author says, as plain text of at most `LONGEST_NOTE` characters; an empty line begins a new paragraph.
+        Plain text of at most `LONGEST_NOTE` characters; an empty line begins a new paragraph.
 
     Raises
     ------
     ContentsError
-        If a section is not known or none is chosen, or if a text is too long or has characters that are no text.
+        If a section is not known or none is chosen, or if a text is too long or has control characters.
     """
 
     sections: tuple[str, ...] = tuple(SECTION_TITLES)
@@ -41,12 +41,19 @@ class Contents:
 
     def __post_init__(self) -> None:
         possible = ", ".join(SECTION_TITLES)
-        if unknown := [name for name in self.sections if name not in SECTION_TITLES]:
-            raise ContentsError(f"sections: {_shown(unknown[0])} is no section of a report; choose of {possible}.")
+        for name in self.sections:
+            if name not in SECTION_TITLES:
+                shown = repr(name if len(name) <= LONGEST_SHOWN else f"{name[: LONGEST_SHOWN - 3]}...")
+                raise ContentsError(f"sections: {shown} is no section of a report; choose of {possible}.")
         if not self.sections:
             raise ContentsError(f"sections: a report has at least one of {possible}.")
-        _check("author", self.author, LONGEST_AUTHOR)
-        _check("note", self.note, LONGEST_NOTE)
+        for field, text, longest in (("author", self.author, LONGEST_AUTHOR), ("note", self.note, LONGEST_NOTE)):
+            if len(text) > longest:
+                raise ContentsError(f"{field}: has {len(text):,} characters, at most {longest:,} are allowed.")
+            for place, sign in enumerate(text.replace("\r\n", "\n"), 1):
+                # control characters, and halves of characters that could not be written as UTF-8
+                if unicodedata.category(sign) in {"Cc", "Cs"} and sign not in BLANKS:
+                    raise ContentsError(f"{field}: character {place:,} is U+{ord(sign):04X}, which is no text.")
         if "\n" in self.author.strip():
             raise ContentsError("author: must be one line.")
 
@@ -57,20 +64,5 @@ class Contents:
     @property
     def paragraphs(self) -> tuple[str, ...]:
         """The paragraphs of the note."""
-        lines = [line.rstrip() for line in self.note.splitlines()]
-        return tuple(text for part in "\n".join(lines).split("\n\n") if (text := part.strip("\n")))
-
-
-def _check(name: str, text: str, longest: int) -> None:
-    """Refuse a text that is too long, or that has characters which are no text."""
-    if len(text) > longest:
-        raise ContentsError(f"{name}: has {len(text):,} characters, at most {longest:,} are allowed.")
-    plain = text.replace("\r\n", "\n")
-    for place, character in enumerate(plain, 1):
-        if unicodedata.category(character) in {"Cc", "Cs"} and character not in BLANKS:
-            raise ContentsError(f"{name}: character {place:,} is U+{ord(character):04X}, which is no text.")
-
-
-def _shown(text: str) -> str:
-    """Return a text in quotes, of a long one its beginning."""
-    return repr(text if len(text) <= LONGEST_SHOWN else f"{text[: LONGEST_SHOWN - 3]}...")
+        text = "\n".join(line.rstrip() for line in self.note.splitlines())
+        return tuple(paragraph for part in text.split("\n\n") if (paragraph := part.strip("\n")))

@@ -1,8 +1,8 @@
-"""The report's file: sections, figures, style, Bokeh's own script once, the embedded scenario."""
+"""The report's file: the template with sections, figures, style, Bokeh's own script once, the embedded scenario."""
 
 import base64
 import hashlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 from datetime import datetime
 from functools import cache
 from importlib.resources import files
@@ -10,45 +10,17 @@ from pathlib import Path
 from typing import Any
 
 import bokeh
-import numpy as np
 from jinja2 import Environment, StrictUndefined, Template
 
-from railjoule.core import Trajectory
-from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.charts.quantities import (
-    EFFORT,
-    ENERGY,
-    LARGEST_EFFORT,
-    MOTOR_CURRENT,
-    POSITION,
-    POWER,
-    SPEED,
-    TIME,
-)
 from railjoule.dashboard.keep.embedded import embedded
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.markup import Markup, joined
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import report_css
-from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
-from railjoule.dashboard.report.section_names import SECTION_TITLES
-
-SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
-    "result": sections.result,
-    "energy": sections.energy,
-    "pinned": sections.pinned,
-    "trade-off": sections.trade_off,
-    "proof": sections.proof,
-    "reality": sections.reality,
-    "robustness": sections.robustness,
-    "scenario": sections.scenario,
-    "file": sections.about_file,
-}
-"""What a report tells, by the names of `SECTION_TITLES`; a section without content returns an empty text."""
+from railjoule.dashboard.report.sections import run_texts, sections
 
 
 def report_html(findings: Findings, made_at: datetime) -> str:
@@ -61,147 +33,85 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     made_at : datetime
         When the report was made, with its time zone.
     """
-    scenario, run, contents = findings.scenario, findings.run, findings.contents
+    scenario, run = findings.scenario, findings.run
     figures = Figures(findings)
-    chosen = (SECTIONS[name](findings, figures) for name in SECTION_TITLES if contents.has(name))
-    charts = figures.handles()
     # without figures, the library's two megabytes would draw nothing
-    draws = bool(figures.places)
-    library = [bokeh_script()] if draws else []
-    scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
+    draws = any(figures.charts.values())
+    turns = findings.contents.has("trade-off") and findings.enoc_map is not None
+    texts = [*([bokeh_script()] if draws else []), source("report"), *([source("surface")] if turns else [])]
+    scripts = [Markup(text) for text in texts]
     # assets/scripts/report.js reads these by their names
     data = {
-        **figures.paints(),
-        "charts": charts,
-        "draws": draws,
-        "optimum": figures.optimum,
-        "spare": figures.spare_texts(),
-        "distance": max(run.distance_m for run in findings.runs.runs.values()),
-        "phases": _phases(run),
+        **figures.data(),
+        "distance": max(one.distance_m for one in findings.runs.runs.values()),
+        "own": findings.own,
         "optima": optima_data(findings, figures),
-        "words": words.PHASE_WORDS,
     }
     return frame().render(
         title=words.title(scenario.title),
         subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
-        made_at=moment(made_at),
+        made_at=f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip(),
         css=Markup(report_css()),
-        author=contents.author.strip(),
-        content=joined([sections.foreword(findings), *chosen]),
-        scenario=Markup(embedded(format_scenario(scenario))),
-        figures=figures.embedding(),
+        contents=findings.contents,
+        remark=findings.note,
+        sections=sections(findings, figures),
+        embedded=Markup(embedded(format_scenario(scenario))),
+        embedding=figures.embedding,
         data=data,
-        surfaces={name: surface.data for name, surface in figures.surfaces.items()},
         scripts=scripts,
         policy=Markup(policy(scripts, draws=draws)),
     )
 
 
+def optima_data(findings: Findings, figures: Figures) -> list[dict[str, Any]]:
+    """Return texts and figures of all optima; none without a slider, which belongs to the result."""
+    optima = findings.optima
+    if len(optima) < 2 or not findings.contents.has("result"):
+        return []
+    # at the timetable's own time the report shows its first run
+    shown = [(findings.run, None) if k == findings.own else (run, run) for k, run in enumerate(optima)]
+    return [
+        {
+            "time": f"{words.time(run.travel_time_s)} s",
+            "texts": run_texts(findings, run),
+            **figures.moved(optimum),
+        }
+        for run, optimum in shown
+    ]
+
+
 @cache
 def frame() -> Template:
-    """Return the template of the file; it escapes whatever is not marked as HTML, and misses no name in silence."""
+    """Return the template of the file, which escapes all texts that are not marked as HTML."""
     made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
-    # NaN is no JSON: a browser would refuse all of the data
+    made.globals.update(words=words, comparisons=comparisons)
+    # a browser would refuse all of the data because of one NaN
     made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
     return made.from_string(template)
 
 
 def policy(scripts: Iterable[str], draws: bool) -> str:
-    """Return what a browser may do for the file: run these scripts and no others, and ask for nothing.
+    """Return the content security policy of the file: it may run its own scripts, and request nothing.
 
     Parameters
     ----------
     scripts : iterable of str
-        The scripts as they stand in their elements.
+        The texts of its script elements.
     draws : bool
-        Whether Bokeh is among them, which makes functions of the texts that its models carry.
+        Whether Bokeh is among them, which makes functions of the texts in its models.
     """
     hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
     allowed = " ".join([*(f"'sha256-{one}'" for one in hashes), *(["'unsafe-eval'"] if draws else [])])
-    return "; ".join(
-        [
-            "default-src 'none'",
-            f"script-src {allowed}",
-            "style-src 'unsafe-inline'",
-            "img-src data: blob:",
-            "font-src data:",
-            "base-uri 'none'",
-            "form-action 'none'",
-        ]
+    return (
+        f"default-src 'none'; script-src {allowed}; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
+        "base-uri 'none'; form-action 'none'"
     )
 
 
 def bokeh_script() -> str:
-    """Return Bokeh's own script, without what other packages in this process add to its resources."""
+    """Return Bokeh's own script, without the additions of other packages in this process."""
     folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
     texts = ((folder / f"{name}.min.js").read_text(encoding="utf-8") for name in ("bokeh", "bokeh-widgets"))
-    # it would end the element in which the script stands
+    # it would end the element that contains the script
     return "\n".join(text.replace("</script", "<\\/script") for text in texts)
-
-
-def moment(made_at: datetime) -> str:
-    """Return date and time as people read them."""
-    return f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip()
-
-
-def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
-    """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
-    optima = findings.optima
-    # a single one leaves the slider nowhere to go, and the slider is the result's
-    if len(optima) < 2 or not findings.contents.has("result"):
-        return {"own": 0, "runs": []}
-    own = sections.own_index(findings)
-    # at its own place of the slider the report shows what it has drawn
-    moved = [findings.runs.runs["optimal"] if k == own else run for k, run in enumerate(optima)]
-    shown = [findings.run if k == own else run for k, run in enumerate(optima)]
-    runs = [
-        {
-            **_texts(findings, run),
-            "lines": {} if k == own else _lines(optimum),
-            "names": names,
-            "point": _point(optimum),
-        }
-        for k, (run, optimum, names) in enumerate(zip(shown, optima, figures.names_of(moved), strict=True))
-    ]
-    return {"own": own, "runs": runs}
-
-
-def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
-    """Return what is told of a run."""
-    return {
-        "time": f"{words.time(run.travel_time_s)} s",
-        "shown": sections.shown_words(run),
-        "phases": _phases(run),
-        "numbers": sections.numbers(findings, run),
-        "advice": parts.advice(run, stale=False),
-        "account": parts.account(run),
-        "table": parts.phase_table(run),
-    }
-
-
-def _phases(run: Trajectory) -> list[list[Any]]:
-    """Return name, start [m], end [m] and the speed that is aimed at of the phases of a run."""
-    return [
-        [phase.phase, phase.start_m, phase.end_m, "" if told.to_kmh is None else words.tenths(told.to_kmh)]
-        for phase, told in zip(run.phases, run.advice, strict=True)
-    ]
-
-
-def _point(run: Trajectory) -> list[float]:
-    return [run.travel_time_s, run.energy_kwh]
-
-
-def _lines(run: Trajectory) -> dict[str, list[float]]:
-    """Return the columns of an optimum that the figures draw."""
-    known = [MOTOR_CURRENT] if run.current_a is not None else []
-    drawn = [POSITION, TIME, SPEED, ENERGY, EFFORT, LARGEST_EFFORT, POWER, *known]
-    return {quantity.name: _rounded(quantity.values(run)) for quantity in drawn}
-
-
-def _rounded(values: FloatArray) -> list[float]:
-    """Return values with about five digits, which no figure can tell from all."""
-    size = float(np.max(np.abs(values), initial=0.0))
-    # of a greatest value from 100 on, five digits leave two decimals: 4 less the power of ten
-    digits = 5 - int(np.floor(np.log10(size))) if size > 0 else 0
-    return [float(value) for value in np.round(values, digits - 1)]

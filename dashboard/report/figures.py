@@ -1,15 +1,18 @@
-"""The report's figures: those of the page, drawn once, with what a browser needs to repaint and to move them."""
+"""The figures of a report: those of the pages, drawn once, and their changes with theme and travel time."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from bokeh.document import Document
+from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
-from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, nice_range, points, same, style_of, xy
 from railjoule.dashboard.charts.driven import DrivenEffortChart, DrivenSpeedChart
+from railjoule.dashboard.charts.line_names import Name, placed_names
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
     EffortChart,
@@ -18,7 +21,6 @@ from railjoule.dashboard.charts.run_charts import (
     PhaseStrip,
     power_chart,
 )
-from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.insides import written_down
@@ -26,241 +28,226 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.report.findings import Findings
-from railjoule.dashboard.report.frontier import TimeChart
-from railjoule.dashboard.report.surfaces import surfaces_of
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
-COLOUR_COLUMNS = ("colour", "fill", "ink")
+ANY_WIDTH_PX = 1e6
+"""Of the phases, whose words assets/scripts/report.js shortens to the room that there is."""
+STEEPEST_SHARE = 1.03
+"""The scale of the frontier ends with the optimum at this multiple of the first time: nearer to it, energy rises out of
+any scale."""
+SPARE = {"energy": "ends", "line": "signs"}
+"""Sources of words that have no room in narrow figures, by figure."""
+State = Mapping[str, Mapping[str, Any]]
+"""Columns by their names, by the ids of their sources."""
 
 
 @dataclass(frozen=True)
-class Plot:
-    """One figure in the file: the place where it goes, its caption, and what it shows in words."""
+class Place:
+    """The place of a figure in the file."""
 
     name: str
-    place: str
+    element: str
     height: int
     caption: str
-    alternative: str
+
+
+class TimeChart(DistanceChart):
+    """The least energy over travel time, with the run of each strategy as a point."""
+
+    unit, digits = "kWh", 2
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=True, digits=1)
+        f.xaxis.axis_label = "Travel time, s"
+        self.palette.paint(f.xaxis[0], axis_line_color="line2")
+        self.line("optimal", "optimal", **style_of("optimal"))
+        self.source("runs", "x", "y", "colour")
+        self.glyphs("scatter", "runs", "x", "y", paint={}, size=7, fill_color="colour", line_color="colour")
+        self.add_names()
+        self.dots("point", size=11, line_width=2)
+
+    def draw(self, optima: Sequence[Trajectory], runs: Mapping[str, Trajectory]) -> None:
+        """Draw the optima as a line, the runs as points."""
+        times, energies = (np.array([getattr(run, name) for run in optima]) for name in ("travel_time_s", "energy_kwh"))
+        # the optimum is on the line, and the fastest run needs more than the scale shows
+        others = {name: run for name, run in runs.items() if name not in {"optimal", "fastest"}}
+        room = 0.02 * float(times[-1] - times[0])
+        start, end = float(times[0]) - room, float(times[-1]) + room
+        # not by `fit`, which begins at zero
+        self.axis.range.update(bounds=(start, end), reset_start=start, reset_end=end, start=start, end=end)
+        steepest = float(np.interp(STEEPEST_SHARE * times[0], times, energies))
+        levels = [steepest, float(energies.min()), *(run.energy_kwh for run in others.values())]
+        ends = nice_range(min(levels), max(levels))
+        self.y_range.update(start=ends[0], end=ends[1])
+        self.put("optimal", **xy(times, energies))
+        self.follow_line("optimal")
+        places = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
+        tokens, own = self.palette.tokens, (runs["optimal"].travel_time_s, runs["optimal"].energy_kwh)
+        self.put("runs", **points(places.values()), colour=[tokens[name] for name in others])
+        self.put("point", **points([own]))
+        frame = self.frame_over((start, end), ends)
+        dots = [frame.dot(*place) for place in (*places.values(), own)]
+        names = [Name(name, words.STRATEGY_WORDS[name], tokens[name], point=places[name]) for name in others]
+        self.put("names", **placed_names(frame, {"optimal": (times, energies)}, names, dots))
 
 
 class Figures:
-    """All figures of a report, in light colours, and what is needed to change them."""
+    """The figures of a report by section, and what its script needs to change them."""
 
     def __init__(self, findings: Findings) -> None:
-        self.findings = findings
-        self.palette = Palette(dark=False)
-        self.surfaces = surfaces_of(findings)
-        has = findings.contents.has
-        self.groups: dict[str, list[DistanceChart]] = {
-            "runs": self._run_charts() if has("result") else [],
-            "frontier": self._frontier() if has("trade-off") else [],
-            "reality": self._reality() if has("reality") else [],
-        }
-        charts = [chart for group in self.groups.values() for chart in group]
-        self.document = Document()
+        self.findings, self.palette = findings, Palette(dark=False)
+        self.charts = {section: self._charts(section) for section in ("result", "trade-off", "reality")}
+        for chart in self._all():
+            chart.build()
+        self._draw_reality()
+        self.draw()
+        document = Document()
         # the library searches the document at each root; frozen, it does so once
-        with self.document.models.freeze():
-            for chart in charts:
-                if chart.figure is not None:
-                    chart.figure.html_attributes = {"role": "figure", "aria-label": self.alternative(chart)}
+        with document.models.freeze():
+            for chart in self._all():
                 assert chart.content is not None
-                self.document.add_root(chart.content.object)
-        # before the charts are drawn in other colours and over other times, which the file has as data
-        self.docs, self.item = written_down(self.document)
-        # the roots stand there in the order in which they were added
-        # without figures there are no roots
-        roots = self.item.to_json().get("roots", {}).values()
-        self.places: dict[Chart, str] = dict(zip(charts, roots, strict=True))
+                assert chart.figure is not None
+                chart.figure.html_attributes = {"role": "figure", "aria-label": self._alternative(chart)}
+                document.add_root(chart.content.object)
+        # before the charts are drawn with other optima, which the file has as data
+        docs, item = written_down(document)
+        self.embedding = {"docs": docs, "items": [item.to_json()]}
+        self._elements = list(item.to_json().get("roots", {}).values())
+        self._sources = [model for model in document.models if isinstance(model, ColumnDataSource)]
+        # from now on columns have the names of colours: the browser puts in those of the theme
+        light = self._state()
+        self.palette.tokens = {name: name for name in self.palette.tokens}
+        self._draw_reality()
+        self.draw()
+        self._own = self._state()
+        self.colours = _changes(light, self._own)
+
+    def _all(self) -> Iterator[DistanceChart]:
+        for charts in self.charts.values():
+            yield from charts
 
     # ---- drawing
 
-    def _run_charts(self) -> list[DistanceChart]:
-        axis, run = Axis(self.palette), self.findings.run
-        common = (axis, self.palette)
-        charts: list[SceneChart] = [
-            SpeedChart(270, *common),
-            PhaseStrip(26, *common),
-            LineStrip(104, *common),
-            EnergyChart(160, *common),
-            EffortChart(120, *common),
-            *([CurrentChart(120, *common)] if run.current_a is not None else []),
-            power_chart(150, *common),
-        ]
-        scene = self._scene()
-        axis.fit(scene.end, roomy=True)
-        for chart in charts:
-            chart.build()
-        self._draw(charts)
-        axis.settle("m", 0)
-        return list(charts)
+    def _charts(self, section: str) -> list[DistanceChart]:
+        """Return the charts of a section that there are results for; none is built yet."""
+        findings, reality = self.findings, self.findings.reality
+        missing = {"result": False, "trade-off": len(findings.optima) < 2, "reality": reality is None}
+        if missing[section] or not findings.contents.has(section):
+            return []
+        axis = Axis(self.palette)
+        if section == "trade-off":
+            caption = "Least energy, kWh, over travel time, s"
+            return [TimeChart("frontier", caption, 300, axis, self.palette)]
+        if section == "result":
+            axis.fit(self._scene(None).end, roomy=True)
+            kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
+            kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
+            return [make(height, axis, self.palette) for make, height in [*kinds, (power_chart, 150)]]
+        assert reality is not None
+        axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
+        return [DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)]
 
-    def _scene(self) -> RunScene:
+    def _scene(self, optimum: Trajectory | None) -> RunScene:
         runs = self.findings.runs.runs
         chosen = next(name for name, run in runs.items() if run is self.findings.run)
+        if optimum is not None:
+            chosen, runs = "optimal", {**runs, "optimal": optimum}
         return RunScene(
             chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest")
         )
 
-    def _draw(self, charts: Iterable[DistanceChart]) -> None:
-        scene = self._scene()
-        for chart in charts:
-            if isinstance(chart, SceneChart):
-                chart.draw(scene)
+    def draw(self, optimum: Trajectory | None = None) -> None:
+        """Draw the runs, with another optimum in the place of the timetable's where one is given."""
+        scene = self._scene(optimum)
+        for chart in self.charts["result"]:
+            assert isinstance(chart, SceneChart)
+            chart.draw(replace(scene, width_px=ANY_WIDTH_PX) if isinstance(chart, PhaseStrip) else scene)
+            chart.axis.settle("m", 0)
+        for chart in self.charts["trade-off"]:
+            assert isinstance(chart, TimeChart)
+            chart.draw(self.findings.optima, scene.runs)
+            chart.axis.settle("s", 1)
 
-    def _frontier(self) -> list[DistanceChart]:
-        findings = self.findings
-        if len(findings.optima) < 2:
-            return []
-        axis = Axis(self.palette)
-        chart = TimeChart(300, axis, self.palette)
-        chart.build()
-        self._draw_frontier(chart)
-        axis.settle("s", 1)
-        return [chart]
-
-    def _draw_frontier(self, chart: TimeChart) -> None:
-        findings = self.findings
-        chart.draw(findings.optima, findings.runs.runs, findings.runs.runs["optimal"])
-
-    def _reality(self) -> list[DistanceChart]:
-        reality = self.findings.reality
-        if reality is None:
-            return []
-        axis = Axis(self.palette)
-        axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
-        speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
-        for chart in (speed, effort):
-            chart.build()
-        self._draw_reality(speed, effort)
-        axis.settle("m", 0)
-        return [speed, effort]
-
-    def _draw_reality(self, speed: DistanceChart, effort: DistanceChart) -> None:
-        assert isinstance(speed, DrivenSpeedChart)
-        assert isinstance(effort, DrivenEffortChart)
+    def _draw_reality(self) -> None:
         # all kinds of reality have the two runs that these charts draw
         reality: Any = self.findings.reality
         in_closed_loop = isinstance(reality, FieldOrientedRun)
-        speed.draw(reality, "in closed loop" if in_closed_loop else "under the disturbance")
-        effort.draw(reality)
+        for chart in self.charts["reality"]:
+            if isinstance(chart, DrivenSpeedChart):
+                chart.draw(reality, "in closed loop" if in_closed_loop else "under the disturbance")
+            elif isinstance(chart, DrivenEffortChart):
+                chart.draw(reality)
+            chart.axis.settle("m", 0)
 
-    # ---- words
+    # ---- contents of the file
 
-    def alternative(self, chart: DistanceChart) -> str:
+    def places(self, section: str) -> list[Place]:
+        """Return the places of the figures of a section in their order."""
+        elements = dict(zip(self._all(), self._elements, strict=True))
+        return [Place(one.name, elements[one], one.height, one.caption) for one in self.charts[section]]
+
+    def _alternative(self, chart: DistanceChart) -> str:
         """Return in words what a figure shows."""
         if isinstance(chart, SceneChart):
-            return chart.alternative(self._scene())
+            return chart.alternative(self._scene(None))
         if isinstance(chart, TimeChart):
-            first, last = self.findings.optima[0], self.findings.optima[-1]
-            return (
-                f"Least energy over travel time: {words.energy(first.energy_kwh)} kWh at "
-                f"{words.number(first.travel_time_s)} s, {words.energy(last.energy_kwh)} kWh at "
-                f"{words.number(last.travel_time_s)} s; a table follows."
-            )
+            ends = (self.findings.optima[0], self.findings.optima[-1])
+            told = (f"{words.energy(run.energy_kwh)} kWh at {words.number(run.travel_time_s)} s" for run in ends)
+            return f"Least energy over travel time: {', '.join(told)}; a table follows."
         return f"{chart.caption}, over distance, as planned and as driven."
 
-    def plots(self, group: str) -> list[Plot]:
-        """Return the figures of a group in their order."""
-        return [
-            Plot(chart.name, self.places[chart], chart.height, chart.caption, self.alternative(chart))
-            for chart in self.groups[group]
+    def data(self) -> dict[str, Any]:
+        """Return the names of the models that assets/scripts/report.js changes, and their colours."""
+        figures = {one.name: one.figure.id for one in self._all() if one.figure is not None}
+        phases = next((one.sources["phases"].id for one in self.charts["result"] if one.name == "phases"), "")
+        spare = [
+            renderer.id
+            for one in self.charts["result"]
+            if one.figure is not None and one.name in SPARE
+            for renderer in one.figure.renderers
+            if renderer.data_source is one.sources[SPARE[one.name]]
         ]
-
-    # ---- what a browser needs
-
-    def embedding(self) -> dict[str, Any]:
-        """Return what Bokeh's own script needs to build the figures."""
-        return {"docs": self.docs, "items": [self.item.to_json()]}
-
-    def paints(self) -> dict[str, Any]:
-        """Return how the figures change with the theme: attributes by token, and columns of colours."""
-        # colours in columns follow no token of the theme: they are drawn in both, and both go into the file
-        light = self._colour_columns()
-        self.palette.switch(dark=True)
-        self._draw_all()
-        dark = self._colour_columns()
-        self.palette.switch(dark=False)
         return {
+            "figures": figures,
+            "phases": phases,
+            "spare": spare,
             "tokens": THEMES,
             "worn": [[model.id, attribute, token] for model, attribute, token in self.palette.worn],
-            "columns": [[*key, light[key], dark[key]] for key in light],
+            "colours": self.colours,
         }
 
-    def _draw_all(self) -> None:
-        self._draw(self.groups["runs"])
-        for chart in self.groups["frontier"]:
-            assert isinstance(chart, TimeChart)
-            self._draw_frontier(chart)
-        if self.groups["reality"]:
-            self._draw_reality(*self.groups["reality"])
+    def moved(self, optimum: Trajectory | None) -> dict[str, Any]:
+        """Return the columns that differ once an optimum is drawn in the place of the own one, and the ends of axes."""
+        self.draw(optimum)
+        ends = {one.y_range.id: [float(one.y_range.start), float(one.y_range.end)] for one in self._all()}
+        return {"sources": _changes(self._own, self._state()), "ends": ends}
 
-    def _colour_columns(self) -> dict[tuple[str, str], list[str]]:
-        return {
-            (source.id, column): list(source.data[column])
-            for chart in self.places
-            for source in chart.sources.values()
-            for column in COLOUR_COLUMNS
-            if column in source.data and len(source.data[column])
+    def _state(self) -> State:
+        return {source.id: dict(source.data) for source in self._sources}
+
+
+def _changes(before: State, after: State) -> dict[str, dict[str, list[Any]]]:
+    """Return the columns that differ."""
+    found = {
+        key: {
+            name: _plain(column)
+            for name, column in columns.items()
+            if name not in before[key] or not same(before[key][name], column)
         }
+        for key, columns in after.items()
+    }
+    return {key: columns for key, columns in found.items() if columns}
 
-    def handles(self) -> dict[str, Any]:
-        """Return the models that move with the travel time, by the names of their charts."""
-        return {
-            chart.name: {
-                "figure": chart.figure.id,
-                "caption": chart.told["caption"].id,
-                "range": chart.y_range.id,
-                "fits": isinstance(chart, SceneChart) and chart.fits,
-                "room": chart.form.room if isinstance(chart, RunLines) else 0.0,
-                "names": chart.names_in if isinstance(chart, SceneChart) else "names",
-                "lines": self._lines(chart),
-                "sources": {name: source.id for name, source in chart.sources.items()},
-            }
-            for group in self.groups.values()
-            for chart in group
-            if chart.figure is not None
-        }
 
-    @property
-    def optimum(self) -> str:
-        """The source of the optimum, whose columns all charts over the distance draw; empty without such charts."""
-        charts = self.groups["runs"]
-        return str(charts[0].axis.columns("optimal").source.id) if charts else ""
-
-    def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
-        """Return source and column of all lines that a chart shows."""
-        shown = []
-        if isinstance(chart, RunLines):
-            shown = [(drawn.data_source.id, chart.quantity.name) for drawn in chart.renderers.values() if drawn.visible]
-        return shown + [(chart.sources[name].id, "y") for name in ("largest",) if name in chart.sources]
-
-    def names_of(self, optima: Sequence[Trajectory]) -> list[dict[str, dict[str, list[object]]]]:
-        """Return for each optimum the columns of the names in the charts of speed and energy, by chart."""
-        charts = [chart for chart in self.groups["runs"] if isinstance(chart, SpeedChart | EnergyChart)]
-        scene, result = self._scene(), []
-        for run in optima:
-            runs = {**scene.runs, "optimal": run}
-            told = {}
-            for chart in charts:
-                chart.draw(replace(scene, runs=runs))
-                source = chart.sources[chart.names_in]
-                # without colours, of which the file has those of both themes: see `paints`
-                told[chart.name] = {key: list(values) for key, values in source.data.items() if key != "colour"}
-            result.append(told)
-        self._draw(charts)
-        return result
-
-    def spare_texts(self) -> list[str]:
-        """Return the words that have no room in narrow figures."""
-        spare = [(EnergyChart, "ends"), (LineStrip, "signs")]
-        return [
-            renderer.id
-            for chart in self.groups["runs"]
-            if chart.figure is not None
-            for kind, name in spare
-            if isinstance(chart, kind)
-            for renderer in chart.figure.renderers
-            if renderer.data_source is chart.sources[name]
-        ]
+def _plain(column: Any) -> list[Any]:
+    """Return a column as JSON, numbers with about five digits, which no figure can tell from all."""
+    if not len(column) or isinstance(column[0], str):
+        return list(column)
+    values = np.asarray(column, dtype=float)
+    size = float(np.nanmax(np.abs(values), initial=0.0))
+    # of a maximum from 100 on, five digits leave two decimals: 4 less the power of ten
+    digits = 5 - int(np.floor(np.log10(size))) if size > 0 else 0
+    # JSON has no NaN
+    return [None if np.isnan(value) else float(value) for value in np.round(values, digits - 1)]

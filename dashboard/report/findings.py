@@ -1,6 +1,6 @@
-"""Everything that a report tells: the runs, optima over other travel times, reality, the table of loads and errors."""
+"""The results in a report: the runs, optima over other travel times, the actual run, the table of loads and errors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -25,35 +25,29 @@ from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tight
 
 OPTIMA_COUNT = 40
 MAX_CELLS = 500
-"""Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
+"""A mesh with more cells gets longer ones for the optima: all of them are in the report's file."""
 Reality = DisturbedRun | Following | FieldOrientedRun
 RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
-"""How much of the work is done after each step, about."""
+"""Share of the work after each step, about."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ReportRequest:
-    """What a report is to tell.
+    """A requested report: results that none of its sections shows are not computed.
 
     Parameters
     ----------
-    scenario : Scenario
-    strategy : str or None
-        Whose numbers come first; the scenario's own where None.
     bound : Bound or None
-        What is already proven of the scenario's plan.
+        A lower bound of the scenario's plan that is known already.
     prove_seconds : float or None
         As for `railjoule.core.solve`.
     note : str
-        What its reader must know of the page that it comes from; empty where there is nothing.
+        A remark on the page that the report comes from; may be empty.
     pinned : tuple of (str, Trajectory)
-        Runs that stand beside those of the scenario, with their names.
-    contents : Contents
-        Which sections it shall have: what none of them tells is not computed.
+        Runs beside those of the scenario, with their names.
     """
 
     scenario: Scenario
-    strategy: str | None = None
     bound: Bound | None = None
     prove_seconds: float | None = None
     note: str = ""
@@ -61,99 +55,85 @@ class ReportRequest:
     contents: Contents = field(default_factory=Contents)
 
 
-@dataclass(frozen=True, eq=False)
-class Findings:
-    """Everything that a report tells.
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Findings(ReportRequest):
+    """A request with its results.
 
     Parameters
     ----------
-    scenario : Scenario
-        What was asked for.
-    runs : Runs
-        Of all strategies that take the scenario.
     optima : tuple of Trajectory
         Optima over rising travel times, that of the timetable among them; empty where there is none.
     reality : DisturbedRun or Following or FieldOrientedRun or None
-        What becomes of the plan under the scenario's disturbance, if it has one, or in closed loop, if it asks so.
-    reality_refusal : str
-        Why it could not be computed; empty where it could or was not asked for.
+        The run under the scenario's disturbance, if it has one, or in closed loop, if it requests it.
     table : StudyTable or None
-        Overconsumption over load and coordinate error.
-    table_refusal : str
-        Why there is no table.
-    enoc_map : EnocMap or None
-        ENOC's energy over travel time and acceleration time, where it takes the scenario.
+        Extra energy over load and position error.
+    refusals : mapping of str to str
+        Reasons for missing results, by section.
     share : float
-        How much of the work is done, 0 to 1.
-    note, pinned, contents
-        As of the request.
+        Share of the work that is done, 0 to 1.
     """
 
-    scenario: Scenario
     runs: Runs
     optima: tuple[Trajectory, ...] = ()
     reality: Reality | None = None
-    reality_refusal: str = ""
     table: StudyTable | None = None
-    table_refusal: str = ""
+    refusals: Mapping[str, str] = field(default_factory=dict)
     enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE
-    note: str = ""
-    pinned: tuple[tuple[str, Trajectory], ...] = ()
-    contents: Contents = field(default_factory=Contents)
 
     @property
     def run(self) -> Trajectory:
         """The run whose numbers come first: that of the scenario's strategy, else the best one."""
         return self.runs.runs.get(self.scenario.strategy, self.runs.best)
 
+    @property
+    def own(self) -> int:
+        """Index of the timetable's own optimum; 0 where there are no optima."""
+        # the nearest: an optimum that gains nothing by waiting takes less time than it is allowed
+        times = np.array([run.travel_time_s for run in self.optima])
+        return int(np.argmin(np.abs(times - self.scenario.travel_time_s))) if len(times) else 0
+
+    def refused(self, section: str, refusal: RailjouleError, share: float) -> "Findings":
+        """Return the findings with the reason for a missing result: it costs one section, not the report."""
+        return replace(self, refusals={**self.refusals, section: str(refusal)}, share=share)
+
 
 def compute_findings(request: ReportRequest) -> Iterator[Findings]:
-    """Yield what a report tells as it becomes complete; the last one has all of it.
+    """Yield the results as they become complete; the last ones have all.
 
     Raises
     ------
     RailjouleError
         If the timetable cannot be kept, or the line not be run over.
     """
-    scenario = request.scenario
-    if request.strategy is not None and request.strategy != scenario.strategy:
-        scenario = scenario.replace(strategy=request.strategy)
+    scenario, contents = request.scenario, request.contents
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
-    contents = request.contents
     enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
-    findings = Findings(scenario, runs, enoc_map=enoc_map, note=request.note, pinned=request.pinned, contents=contents)
+    findings = Findings(**vars(request), runs=runs, enoc_map=enoc_map)
     yield findings
-    # the slider of the result goes over them, too
+    # the slider of the result moves over them, too
     if contents.has("result", "trade-off"):
-        # one by one, as the work can be stopped between two steps alone
+        # one by one, as the work can only be stopped between two steps
         for optima, share in _optima(findings):
             findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
             yield findings
     if contents.has("reality"):
         try:
             findings = replace(findings, reality=_reality(scenario), share=REALITY_SHARE)
-        # it costs this section, not the report
         except RailjouleError as refusal:
-            findings = replace(findings, reality_refusal=str(refusal), share=REALITY_SHARE)
+            findings = findings.refused("reality", refusal, REALITY_SHARE)
         yield findings
-    if contents.has("robustness"):
-        yield from _with_table(findings)
-    else:
+    if not contents.has("robustness"):
         yield replace(findings, share=1.0)
-
-
-def _with_table(findings: Findings) -> Iterator[Findings]:
-    """Yield findings with as much of the table of loads and errors as there is."""
+        return
     try:
-        with named_refusals(findings.scenario):
-            for table in sensitivity_steps(findings.scenario):
+        with named_refusals(scenario):
+            for table in sensitivity_steps(scenario):
                 done = table.done / table.energy_kwh.size
-                findings = replace(findings, table=table, share=REALITY_SHARE + (1 - REALITY_SHARE) * done)
-                yield findings
+                yield replace(findings, table=table, share=REALITY_SHARE + (1 - REALITY_SHARE) * done)
     except RailjouleError as refusal:
-        yield replace(findings, table=None, table_refusal=str(refusal), share=1.0)
+        yield findings.refused("robustness", refusal, 1.0)
 
 
 def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]]:
@@ -169,9 +149,9 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
             run = run_strategy(replace(task, running_time_s=time - task.dwell_s), "optimal")
         except RailjouleError:
             continue
-        # asked for another time, it is not late
+        # a run that was computed for another time is not late
         run = replace(run, scenario=run.scenario.replace(**{"timetable.travel_time_s": time}))
-        # what is proven of the timetable's own time holds for all that take no longer
+        # the bound of the timetable's own time holds for all runs that take no longer
         optima = (*optima, run if bound is None else with_tighter_bound(run, bound))
         yield optima, k / len(times)
 
@@ -181,7 +161,7 @@ def optima_times(task: Task) -> FloatArray:
     # the own time lies within, with a tenth beyond it
     share = max(2.0, 1.1 * task.running_time_s / task.shortest_time_s)
     own = task.running_time_s + task.dwell_s
-    # the own time besides, as it is seldom one of the frontier's: the report's slider begins there
+    # the own time is rarely one of the frontier's, and the report's slider begins there
     return np.union1d(frontier_times(task, OPTIMA_COUNT - 1, share), [own])
 
 

@@ -1,23 +1,21 @@
-"""The scenario as tables, with its fields named as in the editor; every text of a user is escaped."""
+"""The scenario as tables, with its fields named as in the editor."""
 
-from collections.abc import Iterator, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.scenario import Line, Vehicle
+from railjoule.core.scenario import Line
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.scenario.line import NeutralSection, PassingPoint, Section, SpeedLimit, Station
+from railjoule.core.scenario.line import Section
 from railjoule.dashboard.editor.fields_of import Field, Table, describe
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import words_of
-from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.parts.html import table
 
 MAX_ROWS = 40
-"""A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
+"""A table with more rows ends with how many are left out; all of them are in the embedded scenario."""
 PARTS = {
     "resistance": "Running resistance",
     "traction": "Traction",
@@ -25,99 +23,85 @@ PARTS = {
     "adhesion": "Adhesion",
     "drive": "Powertrain",
 }
-EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
 OF_LINE = ("limits_hold_for", "head_wind_kmh", "rail_condition")
-Row = tuple[str, str, str]
+LISTS = ("speed_limits", "neutral_sections", "stations", "passing_points")
+EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
 
 
-def scenario_tables(scenario: Scenario) -> Markup:
-    """Return vehicle, line, timetable and what goes otherwise as tables."""
-    vehicle = scenario.vehicle
-    return joined(
-        (
-            _fields_table(f"Vehicle: {vehicle.name}", [*_fields(vehicle), *_masses(scenario)]),
-            *(_fields_table(title, _fields(getattr(vehicle, part))) for part, title in PARTS.items()),
-            _machine_table(vehicle),
-            _fields_table("Timetable and mesh", _timetable(scenario)),
-            *_line_tables(scenario.line),
-            *_disturbance_tables(scenario.disturbance),
-        )
-    )
+class FieldRow(NamedTuple):
+    """A quantity with its value, its unit and its meaning."""
+
+    quantity: str
+    value: str
+    unit: str
+    meaning: str = ""
+
+    @property
+    def says_more(self) -> bool:
+        """Whether the meaning says more than the name."""
+        return self.meaning.rstrip(".").lower() not in {"", self.quantity.lower()}
 
 
-def _machine_table(vehicle: Vehicle) -> Markup:
-    """Return the induction machine of a drive that has one beside its own loss model."""
-    machine = getattr(vehicle.drive, "machine", None)
-    return Markup() if machine is None else _fields_table("Induction machine", _fields(machine))
+class ScenarioTable(NamedTuple):
+    """Fields, or entries under a head; entries are shortened where they are many."""
+
+    title: str
+    rows: Sequence[Any]
+    head: Sequence[str] = ()
+    left_out: int = 0
 
 
-def _fields(part: BaseModel) -> Iterator[Row]:
-    """Yield what the fields of a part are called and mean, their values and their units."""
-    # what is chosen, not typed, is no field of the editor
-    chosen = part.model_dump(include={"preset", "model"}, exclude_none=True)
-    yield from ((words_of(key), words_of(value) if key == "model" else value, "") for key, value in chosen.items())
+def scenario_tables(scenario: Scenario) -> list[ScenarioTable]:
+    """Return vehicle, line, timetable and disturbances as tables; none is empty."""
+    vehicle, line, disturbance = scenario.vehicle, scenario.line.in_running_order(), scenario.disturbance
+    masses = [
+        FieldRow("Mass with passengers", words.number(vehicle.total_mass_kg, 0), "kg"),
+        FieldRow("Effective mass, with rotating parts", words.number(vehicle.total_inertia_kg, 0), "kg"),
+    ]
+    timetable = [
+        *_fields(scenario.timetable),
+        FieldRow("Length of the track", words.distance(line.length_m), "km"),
+        *_fields(line, OF_LINE),
+        *_fields(scenario.solver),
+    ]
+    tables = [
+        ScenarioTable(f"Vehicle: {vehicle.name}", [*_fields(vehicle), *masses]),
+        *(ScenarioTable(title, _fields(getattr(vehicle, part))) for part, title in PARTS.items()),
+        # of a drive that has an induction machine beside its own loss model
+        ScenarioTable("Induction machine", _fields(getattr(vehicle.drive, "machine", None))),
+        ScenarioTable("Timetable and mesh", timetable),
+        _track(line),
+        *(_entries(words_of(name), getattr(line, name)) for name in LISTS),
+    ]
+    if disturbance != Disturbance():
+        tables.append(ScenarioTable("Disturbances", _fields(disturbance)))
+        tables += [_entries(f"Disturbances: {words_of(name).lower()}", getattr(disturbance, name)) for name in EVENTS]
+    return [table for table in tables if table.rows]
+
+
+def _fields(part: BaseModel | None, keys: Sequence[str] = ()) -> list[FieldRow]:
+    """Return the fields of a part that have a value, all or those of some keys."""
+    if part is None:
+        return []
+    # a choice is no field of the editor
+    chosen = {} if keys else part.model_dump(include={"preset", "model"}, exclude_none=True)
+    rows = [FieldRow(words_of(key), words_of(value) if key == "model" else value, "") for key, value in chosen.items()]
     for field in describe(type(part)):
         value = getattr(part, field.key)
-        # the name stands in the title, events have tables of their own
-        if value is None or value == () or field.key in {"name", *EVENTS}:
+        # the name is in the title, events have tables of their own
+        if value is None or value == () or field.key in {"name", *EVENTS} or (keys and field.key not in keys):
             continue
         if isinstance(field, Table):
-            yield _named(field.label, field.help), f"{len(value)} entries", ""
+            rows.append(FieldRow(field.label, f"{len(value)} entries", "", field.help))
         else:
-            yield _row(field, value)
+            rows.append(FieldRow(field.quantity, _shown(value, field), field.unit, field.meaning))
+    return rows
 
 
-def _row(field: Field, value: Any) -> Row:
-    shown = words_of(value) if field.kind == "choice" else _shown(value)
-    return _named(field.quantity, field.meaning), shown, field.unit
-
-
-def _named(quantity: str, meaning: str) -> Markup:
-    """Return what a quantity is called, and beneath it what it means where that says more."""
-    if meaning.rstrip(".").lower() in {"", quantity.lower()}:
-        return markup("{}", quantity)
-    return markup('{} <small class="meaning">{}</small>', quantity, meaning)
-
-
-def _shown(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, int | float):
-        return _number(value)
-    if isinstance(value, tuple):
-        return "; ".join(_number(each) for each in value)
-    return str(value)
-
-
-def _number(value: float) -> str:
-    """Return a number with as many digits as it was given with."""
-    text = f"{value:.10g}"
-    if "e" in text:
-        return text.replace("-", words.MINUS)
-    return words.number(value, len(text.partition(".")[2]))
-
-
-def _masses(scenario: Scenario) -> Iterator[Row]:
-    vehicle = scenario.vehicle
-    yield "Mass with passengers", words.number(vehicle.total_mass_kg, 0), "kg"
-    yield "Effective mass, with rotating parts", words.number(vehicle.total_inertia_kg, 0), "kg"
-
-
-def _timetable(scenario: Scenario) -> Iterator[Row]:
-    yield from _fields(scenario.timetable)
-    yield "Length of the track", words.distance(scenario.line.length_m), "km"
-    for field in describe(Line):
-        value = getattr(scenario.line, field.key)
-        if field.key in OF_LINE and isinstance(field, Field) and value is not None:
-            yield _row(field, value)
-    yield from _fields(scenario.solver)
-
-
-def _line_tables(line: Line) -> Iterator[Markup]:
-    """Yield sections, limits and stations in running order."""
-    running = line.in_running_order()
-    borders = section_borders(running)
-    sections = [
+def _track(line: Line) -> ScenarioTable:
+    """Return the sections of a line in running order."""
+    borders = section_borders(line)
+    rows = [
         (
             words.number(start, 0),
             words.number(end, 0),
@@ -126,59 +110,42 @@ def _line_tables(line: Line) -> Iterator[Markup]:
             words.number(section.curve_radius_m, 0) if section.curve_radius_m else "",
             "" if section.tunnel_factor == 1 else _number(section.tunnel_factor),
         )
-        for section, start, end in zip(running.sections, borders[:-1], borders[1:], strict=True)
+        for section, start, end in zip(line.sections, borders[:-1], borders[1:], strict=True)
     ]
-    _, *labels = _labels(Section)
-    # columns of nothing would not leave the others room enough on paper
-    columns = [
-        (label, *cells) for label, *cells in zip(("From, m", "To, m", *labels), *sections, strict=True) if any(cells)
-    ]
-    head, *rows = zip(*columns, strict=True)
-    yield _rows_table(f"Track{f': {line.name}' if line.name else ''}", head, rows)
-    for title, kind, entries in (
-        ("Speed limits", SpeedLimit, running.speed_limits),
-        ("Neutral sections", NeutralSection, running.neutral_sections),
-        ("Stations", Station, running.stations),
-        ("Passing points", PassingPoint, running.passing_points),
-    ):
-        # what no entry names has no column, as most timetables give no arrivals
-        fields = [field for field in describe(kind) if any(getattr(entry, field.key) is not None for entry in entries)]
-        cells = [[_cell(getattr(entry, field.key)) for field in fields] for entry in entries]
-        yield _rows_table(title, [field.label for field in fields], cells)
+    _, *labels = (field.label for field in describe(Section))
+    # empty columns would not leave the others room enough on paper
+    columns = [column for column in zip(("From, m", "To, m", *labels), *rows, strict=True) if any(column[1:])]
+    head, *cells = zip(*columns, strict=True)
+    return _shortened(f"Track{f': {line.name}' if line.name else ''}", head, cells)
 
 
-def _cell(value: Any) -> str:
-    return words.UNKNOWN if value is None or value == "" else _shown(value)
+def _entries(title: str, entries: Sequence[BaseModel]) -> ScenarioTable:
+    """Return entries of one kind, without columns for fields that none of them has."""
+    kind = describe(type(entries[0])) if entries else ()
+    fields = [field for field in kind if any(getattr(entry, field.key) is not None for entry in entries)]
+    rows = [[_shown(getattr(entry, field.key), field) for field in fields] for entry in entries]
+    return _shortened(title, [field.label for field in fields], rows)
 
 
-def _labels(kind: type[BaseModel]) -> list[str]:
-    return [field.label for field in describe(kind)]
+def _shortened(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> ScenarioTable:
+    return ScenarioTable(title, rows[:MAX_ROWS], head, max(len(rows) - MAX_ROWS, 0))
 
 
-def _disturbance_tables(disturbance: Disturbance) -> Iterator[Markup]:
-    """Yield what goes otherwise than planned; nothing where all goes as planned."""
-    if disturbance == Disturbance():
-        return
-    yield _fields_table("Disturbances", _fields(disturbance))
-    events = [(number, kind, event) for kind in EVENTS for number, event in enumerate(getattr(disturbance, kind), 1)]
-    for number, kind, event in events[:MAX_ROWS]:
-        yield _fields_table(f"Event: {words_of(kind).lower().removesuffix('s')} {number}", _fields(event))
+def _shown(value: Any, field: Field | Table) -> str:
+    if value is None or value == "":
+        return words.UNKNOWN
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return _number(value)
+    if isinstance(value, tuple):
+        return "; ".join(map(_number, value))
+    return words_of(value) if isinstance(field, Field) and field.kind == "choice" else str(value)
 
 
-def _fields_table(title: str, rows: Iterator[Row] | Sequence[Row]) -> Markup:
-    """Return a table of names, values and units; nothing without rows."""
-    cells = list(rows)
-    return table(title, ("Quantity", "Value", "Unit"), ((row, False) for row in cells)) if cells else Markup()
-
-
-def _rows_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> Markup:
-    """Return a table, shortened where it is long; nothing without rows."""
-    if not rows:
-        return Markup()
-    left_out = len(rows) - MAX_ROWS
-    more = (
-        markup('<p class="note">{} more rows in the scenario that this file carries.</p>', left_out)
-        if left_out > 0
-        else Markup()
-    )
-    return table(title, head, ((row, False) for row in rows[:MAX_ROWS])) + more
+def _number(value: float) -> str:
+    """Return a number with as many digits as it was given with."""
+    text = f"{value:.10g}"
+    if "e" in text:
+        return text.replace("-", words.MINUS)
+    return words.number(value, len(text.partition(".")[2]))

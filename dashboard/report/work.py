@@ -1,54 +1,60 @@
-"""The work behind the button Report: what is asked for, and where the file goes."""
+"""The work behind the button Report: the request, the progress and the file."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
+import param
+
 from railjoule.core import RailjouleError
 from railjoule.dashboard.look.words import slug
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
-from railjoule.dashboard.report.model import ReportingModel
+from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.programs import page_recipe
 from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 FINDINGS_SHARE = 0.9
-"""How much of the work is done once all is found; the rest is writing it down."""
+"""Share of the work once all results are there; the rest is the file."""
 
 
-@dataclass(frozen=True)
-class Draft:
-    """A report on its way: how much is done, and the whole file at the end."""
+class ReportingModel(PageModel):
+    """A report of one open page: whether it is requested, its progress, and the file."""
 
-    share: float
-    text: str = ""
+    wanted = param.Event(doc="The user requests a report.")
+    unwanted = param.Event(doc="The user stops the report.")
+    contents = param.ClassSelector(class_=Contents, default=Contents(), doc="Sections, author and note.")
+    busy = param.Boolean(default=False, doc="Whether a report is being made.")
+    share = param.Magnitude(default=0.0, doc="Share of the work that is done.")
+    name_of_file = param.String(default="report.html", doc="Name of the file.")
+    text = param.String(default="", doc="The report, until the browser has it.")
 
 
-def draft_report(request: ReportRequest) -> Iterator[Draft]:
-    """Yield how far a report is, and at last the report; errors as `compute_findings`."""
+def draft_report(request: ReportRequest) -> Iterator[tuple[float, str]]:
+    """Yield the share that is done, and at last the whole file with it; errors as `compute_findings`."""
     findings = None
     for findings in compute_findings(request):
-        yield Draft(FINDINGS_SHARE * findings.share)
+        yield FINDINGS_SHARE * findings.share, ""
     assert findings is not None
-    yield Draft(1.0, report_html(findings, datetime.now().astimezone()))
+    yield 1.0, report_html(findings, datetime.now().astimezone())
 
 
 def file_name(title: str) -> str:
-    """Return what a report of a scenario is called: letters and digits of its title, and a hyphen between words."""
+    """Return the file name of a report: letters and digits of the scenario's title, and hyphens between words."""
     return f"railjoule-{slug(title) or 'report'}.html"
 
 
 def _note(recipe: Recipe) -> str:
-    """Return what a report says of a page whose numbers no scenario gives."""
-    told = recipe.untold and recipe.program.of_scenario
-    return f"{recipe.untold} The numbers of this report are those of its scenario." if told else ""
+    """Return the remark on a page whose numbers no scenario file gives."""
+    differs = recipe.untold and recipe.program.of_scenario
+    return f"{recipe.untold} The numbers of this report are those of its scenario." if differs else ""
 
 
 class Reporting(PageWork[ReportingModel]):
-    """Makes the report of one page when it is asked for."""
+    """Makes the report of one page on request."""
 
     at_rest = {"busy": False}  # noqa: RUF012
 
@@ -65,14 +71,14 @@ class Reporting(PageWork[ReportingModel]):
         self.model.busy = False
 
     def _forgive(self, *_: Any) -> None:
-        """Say no more why there was no report, as there are new runs."""
+        """Forget the failure, as there are new runs."""
         self.model.failure = None
 
     def _ask(self, *_: Any) -> None:
         try:
             recipe = page_recipe(self.state)
             scenario = recipe.scenario
-            # what Drive has proven by now need not be proven once more
+            # the bound that Drive has proven need not be proven once more
             known = self.state.proof.of(scenario)
             request = ReportRequest(
                 scenario,
@@ -90,7 +96,7 @@ class Reporting(PageWork[ReportingModel]):
         )
         self.report.ask(request)
 
-    def _take(self, draft: Draft, last: bool) -> None:
-        self.model.share = draft.share
+    def _take(self, draft: tuple[float, str], last: bool) -> None:
+        self.model.share, text = draft
         if last:
-            self.model.param.update(busy=False, text=draft.text)
+            self.model.param.update(busy=False, text=text)

@@ -6,11 +6,15 @@ Share, the report and the copied command line read it here, so that none of them
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from railjoule.core import RailjouleError
+from railjoule.core.citation import bibtex
 from railjoule.core.scenario import to_document
 from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.pages.learn.model import LESSONS
+from railjoule.dashboard.provenance import about_text
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
-from railjoule.dashboard.state.recipes import Recipe
+from railjoule.dashboard.state.recipes import Recipe, as_command
 from railjoule.dashboard.state.workbench import Workbench
 
 ACTUAL_RUN = simulation("actual_run", "actual_run")
@@ -37,6 +41,16 @@ def page_recipe(state: Workbench) -> Recipe:
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]
     return Recipe(scenario.preset, scenario.opened, changes, program=computed.program, untold=computed.untold)
+
+
+def about_numbers(state: Workbench) -> str:
+    """Return the text of a file that goes with the numbers of the page in sight."""
+    try:
+        command = as_command(page_recipe(state))
+    except RailjouleError as error:
+        command = f"# {error}"
+    source = STRATEGIES[state.chosen].source
+    return about_text(command, bibtex([source] if source else []))
 
 
 def _has(document: Mapping[str, Any], path: str) -> bool:

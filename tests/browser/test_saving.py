@@ -85,6 +85,8 @@ def test_the_toolbar_is_reached_by_the_tab_key(user: User) -> None:
 def test_the_numbers_of_figures_and_tables(user: User) -> None:
     name, texts = user.save_numbers()
     assert name == "metro-profile-ii-i-drive.zip"
+    assert "railjoule solve" in texts["about.txt"]
+    assert "@software{railjoule" in texts["about.txt"]
     rows = list(csv.DictReader(texts["speed-km-h.csv"].splitlines()))
     optimal = [(float(row["Distance, m"]), float(row["Speed, km/h"])) for row in rows if row["series"] == "optimal"]
     # the line of the scenario is 2300 m long; the highest speed stands above the charts

@@ -34,7 +34,10 @@ def drawn(shown: hv.Layout | hv.Overlay) -> list[figure]:
 
 def test_values_are_those_of_the_run_in_the_units_of_its_caption(run: Trajectory) -> None:
     speed, energy, effort = to_holoviews(run)
-    assert [str(curve.vdims[0].label) for curve in (speed, energy)] == ["Speed, km/h", "Energy drawn so far, kWh"]
+    assert [str(curve.vdims[0].label) for curve in (speed, energy)] == [
+        "Speed, km/h",
+        "Energy from the supply so far, kWh",
+    ]
     np.testing.assert_array_equal(speed.dimension_values("position"), run.position_m)
     np.testing.assert_allclose(speed.dimension_values("speed"), 3.6 * run.speed_ms)
     np.testing.assert_allclose(energy.dimension_values("energy"), run.supply_energy_j / 3.6e6)

@@ -173,7 +173,7 @@ class Teller:
         """Read a report; its figures and optima over other times have their own tests."""
         # as `compute_findings` makes them, whatever the page has proven
         runs = tightened_runs(compute_runs(RunsRequest(self.runs.scenario, tuple(STRATEGIES))))
-        page = report_html(Findings(self.runs.scenario, runs), datetime(2026, 1, 1, tzinfo=UTC))
+        page = report_html(Findings(self.runs.scenario, runs=runs), datetime(2026, 1, 1, tzinfo=UTC))
         shown = page[: page.index('id="scenario"')]
         self.head("report", self.first, shown)
         self.runs_table("report's table", shown)

@@ -163,12 +163,12 @@ def end_of_run(run: Trajectory, over_time: bool) -> float:
 
 
 # its own name, as the energy has the column of that name in the same source
-DIFFERENCE = replace(ENERGY, name="difference", words="Energy drawn vs reference, kWh")
+DIFFERENCE = replace(ENERGY, name="difference", words="Energy from the supply vs reference, kWh")
 PLOTS = (
     ComparedPlot(
         "compared_speed", SPEED, LINES, (290, 360, 240), ticks=5, caption="Speed, km/h", names="along", has_limits=True
     ),
-    ComparedPlot("compared_energy", ENERGY, LINES, (170, 210, 150), caption="Energy drawn, kWh"),
+    ComparedPlot("compared_energy", ENERGY, LINES, (170, 210, 150), caption="Energy from the supply, kWh"),
     ComparedPlot(
         "compared_difference",
         DIFFERENCE,

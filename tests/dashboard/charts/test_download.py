@@ -18,9 +18,10 @@ def test_each_figure_table_and_drawing_has_a_file_of_its_own() -> None:
     drawing = '<svg xmlns="" data-figure="Energy, kWh"><path d="M0 0"/></svg>'
     tables = [str(parts.table("Runs", ("Run",), [(("=1+1",), False)])), str(parts.table("Runs", (), ()))]
     texts = [tables[0], f"<div>{drawing}</div>", tables[1]]
-    with zipfile.ZipFile(archive(figures, texts)) as packed:
+    with zipfile.ZipFile(archive(figures, texts, "railjoule 1.0")) as packed:
         found = {name: packed.read(name).decode() for name in packed.namelist()}
     assert found == {
+        "about.txt": "railjoule 1.0",
         "speed-km-h.csv": 'series,x,"Speed, km/h"\noptimal,0,1\n',
         "runs.csv": "Run\n'=1+1\n",
         "energy-kwh.svg": drawing,

@@ -1,7 +1,6 @@
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,7 +10,6 @@ from railjoule.dashboard.charts.label_places import (
     Label,
     Polyline,
     place_labels,
-    spread_within,
 )
 
 WIDTH, HEIGHT = 800.0, 200.0
@@ -93,20 +91,6 @@ def test_what_is_taken_stays_free() -> None:
     (box,) = place_labels([line], [Label(0, 60.0)], WIDTH, HEIGHT, [free])
     assert box is not None
     assert not overlap(box, free)
-
-
-@given(st.lists(st.floats(0, 100), min_size=1, max_size=8))
-def test_spread_keeps_order_distance_and_ends(preferred: list[float]) -> None:
-    places = spread_within(preferred, 10.0, 0.0, 100.0)
-    ordered = sorted(places)
-    assert min(places) >= -1e-9
-    assert max(places) <= 100 + 1e-9
-    assert all(after - before >= 10 - 1e-9 for before, after in pairwise(ordered))
-    assert [places[k] for k in np.argsort(preferred, kind="stable")] == ordered
-
-
-def test_spread_leaves_alone_what_is_apart() -> None:
-    assert spread_within([50.0, 10.0, 30.0], 10.0, 0.0, 100.0) == pytest.approx([50.0, 10.0, 30.0])
 
 
 @settings(max_examples=60, deadline=None)

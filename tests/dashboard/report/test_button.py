@@ -1,57 +1,64 @@
-import pytest
-
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.report.button import ReportButton
-from railjoule.dashboard.report.contents import Contents, ContentsError
-from railjoule.dashboard.report.form import contents_of
-from railjoule.dashboard.report.model import ReportingModel
+from railjoule.dashboard.report.button import ReportButton, ReportForm
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import SECTION_TITLES
+from railjoule.dashboard.report.work import ReportingModel
 
 
 class Asked:
-    """The button of a page, and how often a report was asked for."""
+    """The button of a page, and how many reports were requested."""
 
     def __init__(self) -> None:
         self.model, self.count = ReportingModel(), 0
         self.button = ReportButton(self.model, Browser(), lambda *_: None)
         self.model.param.watch(self._note, "wanted")
-        self.button.button.clicks += 1
 
     def _note(self, *_: object) -> None:
         self.count += 1
 
-    def send(self, **message: object) -> None:
-        self.button.form._handle_msg(message)
+    def open(self) -> ReportForm:
+        self.button.button.clicks += 1
+        form = self.button.form
+        assert form is not None
+        assert form.dialog.open
+        return form
 
 
-def test_a_report_is_made_as_it_was_asked_for() -> None:
+def test_a_page_has_no_form_before_it_is_opened() -> None:
+    button = Asked().button
+    assert button.form is None
+    assert not button.place.objects
+
+
+def test_a_report_is_made_as_it_was_requested() -> None:
     asked = Asked()
-    asked.send(what="make", sections=list(SECTION_TITLES), author="", note="")
+    form = asked.open()
+    form.make.clicks += 1
     assert asked.model.contents == Contents(tuple(SECTION_TITLES))
+    assert not form.dialog.open
     asked.button.small.clicks += 1
-    asked.send(what="make", sections=["proof"], author="A.", note="One")
-    assert asked.model.contents == Contents(("proof",), "A.", "One")
+    assert asked.button.form is form
+    form.sections.value, form.author.value, form.note.value = ["proof"], " A. ", "\nOne\n\nTwo\n"
+    form.make.clicks += 1
+    assert asked.model.contents == Contents(("proof",), "A.", "One\n\nTwo")
     assert asked.count == 2
-    assert not asked.button.form.open
 
 
-def test_a_refusal_keeps_the_form_open_until_it_is_mended() -> None:
+def test_a_refusal_keeps_the_form_open() -> None:
     asked = Asked()
-    asked.send(what="make", sections=["proof"], author="", note="x" * 2001)
-    assert asked.button.form.refusal == "note: has 2,001 characters, at most 2,000 are allowed."
-    assert asked.button.form.open
+    form = asked.open()
+    form.sections.value, form.note.value = ["proof"], "x" * 2001
+    form.make.clicks += 1
+    refusal = form.refusal.object.replace("<b>", "").replace("</b>", "")
+    assert "note: has 2,001 characters, at most 2,000 are allowed." in refusal
+    assert form.refusal.visible
+    assert form.dialog.open
+    form.sections.value, form.note.value = [], ""
+    form.make.clicks += 1
+    assert "a report has at least one of" in form.refusal.object
     assert asked.count == 0
-    asked.send(what="make", sections=["proof"], author="", note="x")
-    assert asked.button.form.refusal == ""
+    form.sections.value = ["proof"]
+    form.make.clicks += 1
     assert asked.count == 1
-
-
-def test_a_message_becomes_contents() -> None:
-    message = {"what": "make", "sections": ["proof", "file"], "author": " A. ", "note": "\nOne\n\nTwo\n"}
-    assert contents_of(message) == Contents(("proof", "file"), "A.", "One\n\nTwo")
-
-
-@pytest.mark.parametrize("sections", [None, 3, "result", [], [["result"]], [None]])
-def test_a_message_with_other_sections_is_refused(sections: object) -> None:
-    with pytest.raises(ContentsError, match=r"^sections: "):
-        contents_of({"sections": sections, "author": None, "note": None})
+    asked.open()
+    assert not form.refusal.visible

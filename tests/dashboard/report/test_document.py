@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 from datetime import UTC, datetime
+from html import escape
 from html.parser import HTMLParser
 
 import pytest
@@ -13,10 +14,10 @@ from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look import words
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.document import SECTIONS, report_html
+from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import Findings, ReportRequest, compute_findings
 from railjoule.dashboard.report.section_names import SECTION_TITLES
-from railjoule.dashboard.report.sections import bound_sentences
+from railjoule.dashboard.report.sections import MAKERS, bound_sentences, report_command, sensitivity
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
@@ -76,7 +77,7 @@ def test_no_text_of_a_user_becomes_markup(page: str) -> None:
         assert sign not in shown
     assert shown.count("&lt;img src=x") >= 5  # both titles, vehicle, line, station
     # what scripts read: no text in it ends their element
-    for name in ("figures", "data", "surfaces"):
+    for name in ("figures", "data"):
         assert "<" not in page.partition(f'id="{name}">')[2].partition("</script>")[0]
 
 
@@ -95,7 +96,7 @@ def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
 def test_date_versions_and_refusals_are_told(page: str, findings: Findings) -> None:
     assert "9 March 2026, 14:05 UTC" in page
     for package in ("railjoule", "numpy", "numba", "Python"):
-        assert f"<th scope=col>{package}" in page
+        assert f'<th scope="col">{package}' in page
     assert findings.runs.refused
     for reason in findings.runs.refused.values():
         assert reason in page
@@ -107,15 +108,64 @@ def test_reality_is_told(page: str, findings: Findings) -> None:
 
 
 def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
-    values = data(page)["optima"]
-    assert len(values["runs"]) == len(findings.optima)
+    values = data(page)
+    assert len(values["optima"]) == len(findings.optima)
     for k in (0, 20, -1):
-        run, told = findings.optima[k], values["runs"][k]
-        assert told["point"] == pytest.approx([run.travel_time_s, run.energy_kwh])
-        assert f">{words.energy(run.energy_kwh)}<span>kWh" in told["numbers"]
-        assert max(told["lines"]["speed"]) == pytest.approx(run.max_speed_kmh, rel=1e-4)
-        assert [phase[0] for phase in told["phases"]] == [phase.phase for phase in run.phases]
-    assert values["runs"][values["own"]]["lines"] == {}
+        run, moved = findings.optima[k], values["optima"][k]
+        assert f">{words.energy(run.energy_kwh)}<span>kWh" in moved["texts"]["numbers"]
+        speeds = [columns["speed"] for columns in moved["sources"].values() if "speed" in columns]
+        assert len(speeds) == 1
+        assert max(speeds[0]) == pytest.approx(run.max_speed_kmh, rel=1e-4)
+        assert len(moved["sources"][values["phases"]]["left"]) == len(run.phases)
+        points = [
+            one for one in moved["sources"].values() if one.get("x") == [pytest.approx(run.travel_time_s, rel=1e-4)]
+        ]
+        assert [one["y"] for one in points] == [[pytest.approx(run.energy_kwh, rel=1e-4)]]
+    assert values["optima"][values["own"]]["sources"] == {}
+
+
+@pytest.mark.parametrize("sections", [("result",), ("trade-off",), ("reality",), tuple(SECTION_TITLES)])
+def test_all_painted_models_are_in_the_file(findings: Findings, sections: tuple[str, ...]) -> None:
+    for found in (findings, replace(findings, reality=None, optima=())):
+        made = chosen(found, *sections)
+        figures = made.partition('id="figures">')[2].partition("</script>")[0]
+        values = data(made)
+        ids = {model for model, *_ in values["worn"]} | values["colours"].keys()
+        assert all(f'"id":"{one}"' in figures for one in ids)
+
+
+def test_columns_have_names_of_colours(page: str) -> None:
+    values = data(page)
+    colours = {
+        name
+        for columns in [*values["colours"].values(), *(c for run in values["optima"] for c in run["sources"].values())]
+        for column in ("colour", "fill", "ink")
+        for name in columns.get(column, ())
+    }
+    assert colours >= {"optimal", "bellman", "full_power", "on_full_power"}
+    assert colours <= values["tokens"]["light"].keys()
+
+
+def test_the_current_has_a_figure(page: str) -> None:
+    assert {"speed", "energy", "effort", "current", "power"} <= data(page)["figures"].keys()
+
+
+def test_the_file_has_its_command_and_citation(page: str, findings: Findings) -> None:
+    assert report_command(Contents()) == "railjoule report scenario.toml -o report.html"
+    some = Contents(("proof", "file"), "A. Author", "One")
+    assert report_command(some) == (
+        "railjoule report scenario.toml --sections proof,file --author 'A. Author' --note note.txt -o report.html"
+    )
+    shown = without_scripts(page)
+    assert report_command(Contents()) in shown
+    assert escape(findings.run.cite()) in shown
+
+
+def test_extra_energy_is_shaded_from_none_to_most(findings: Findings) -> None:
+    assert findings.table is not None
+    cells = [cell for _, row in sensitivity(findings.table)["rows"] for cell in row]
+    assert max(share for _, share in cells) == 100
+    assert all(share == 0 for text, share in cells if text.startswith(words.MINUS) or text in {"late", "0.00"})
 
 
 def test_the_bound_is_stated() -> None:
@@ -144,7 +194,7 @@ def chosen(findings: Findings, *sections: str, **texts: str) -> str:
 
 
 def test_every_section_that_can_be_chosen_is_made() -> None:
-    assert SECTIONS.keys() == SECTION_TITLES.keys()
+    assert MAKERS.keys() == SECTION_TITLES.keys()
 
 
 def test_the_sections_that_are_chosen_stand_in_the_report_s_order(page: str, findings: Findings) -> None:
@@ -160,7 +210,7 @@ def test_each_section_stands_alone(findings: Findings, section: str) -> None:
     # without pinned runs
     assert len(headings(made)) == (section != "pinned")
     has_figures = section in {"result", "trade-off", "reality"}
-    assert bool(data(made)["charts"]) == has_figures
+    assert bool(data(made)["figures"]) == has_figures
     assert (len(made.encode()) > FIGURES_BYTES) == has_figures
     assert parse_scenario(scenario_in_report(made, "report.html")) == findings.scenario
 
@@ -169,7 +219,7 @@ def test_author_and_note_are_texts(page: str, findings: Findings) -> None:
     made = without_scripts(chosen(findings, "file", author=CANARY, note=f"{CANARY}\nOne\n\nTwo"))
     assert "<img" not in made
     assert ", by &lt;/style&gt;" in made
-    assert "&#x27;window.pwned=true&#x27;&gt;&quot;&amp;\nOne</p><p>Two</p>" in made
+    assert "&#39;window.pwned=true&#39;&gt;&#34;&amp;\nOne</p><p>Two</p>" in made
     assert headings(made) == ["Note by the author", "About this file"]
     assert "Note by the author" not in page
     assert re.search("UTC<.p><.header>", page)

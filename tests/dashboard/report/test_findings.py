@@ -59,7 +59,7 @@ def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
 
 
 def test_the_requested_strategy_comes_first() -> None:
-    findings = next(compute_findings(ReportRequest(load_scenario("liashenko-0"), "fastest")))
+    findings = next(compute_findings(ReportRequest(load_scenario("liashenko-0", {"strategy": "fastest"}))))
     assert findings.run.strategy == "fastest"
     assert findings.scenario.strategy == "fastest"
 

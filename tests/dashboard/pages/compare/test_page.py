@@ -173,10 +173,10 @@ def test_the_fastest_run_does_not_press_the_energies_of_others_together(session:
     most = max(run.supply_energy_j.max() / J_PER_KWH for name, run in runs.items() if name != "fastest")
     assert most < chart.y_range.end < 1.5 * most
     assert len(sent(chart, "fastest")[0]) == 0
-    assert caption(chart) == "Energy drawn, kWh (Fastest off the scale)"
+    assert caption(chart) == "Energy from the supply, kWh (Fastest off the scale)"
     page.reference = "fastest"
     assert len(sent(chart, "fastest")[0]) > 0
-    assert caption(chart) == "Energy drawn, kWh"
+    assert caption(chart) == "Energy from the supply, kWh"
 
 
 def test_differences_are_those_to_the_reference(session: Session, page: Compare) -> None:
