@@ -5,9 +5,11 @@ import {KMH_PER_MS, figures_of, with_sign} from "./played.js";
 const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limit", "accent", "brake", "coast", "full_power", "overline", "over"];
 // as far as two lines of words reach
 const NEAR_LIMIT_MS = 4;
+const COMMANDS = ["power", "coast", "brake"], COMMAND_PX = 62;
 
 // Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
-export const figure_on = (canvas, mesh) => {
+// `again` draws it when its size or its colours have changed.
+export const figure_on = (canvas, mesh, signal, again) => {
   const {position, limit, gradient, length} = mesh, end = position.at(-1);
   const heights = [0];
   // per newton of weight: only the shape is drawn
@@ -20,8 +22,8 @@ export const figure_on = (canvas, mesh) => {
     ink = Object.fromEntries(INKS.map((name) => [name, style.getPropertyValue(`--rj-${name.replace("_", "-")}`).trim()]));
   };
   const LEFT = 34, edges = () => ({right: canvas.clientWidth - 8, bottom: 0.6 * canvas.clientHeight});
-  // `drawn` is a speed that is asked for; `at` and `speed` tell where the mark stands
-  const draw = ({speeds, commands, at, speed, verdict, drawn = null}) => {
+  // `drawn` is a speed that is asked for; `at` and `speed` are the place of the mark, as those of a `ghost` are of another
+  const draw = ({speeds, commands, at, speed, verdict, drawn = null, ghost = null}) => {
     const ratio = window.devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
     if (!wide) { return; }
     if (canvas.width !== Math.round(wide * ratio)) { canvas.width = Math.round(wide * ratio); }
@@ -68,40 +70,62 @@ export const figure_on = (canvas, mesh) => {
       if (ms !== before) { text(`limit ${Math.round(ms * KMH_PER_MS)}`, x_of(position[i]) + 4, y_of(ms) - 4, ink.limit); }
       before = ms;
     });
-    // commands so far
+    // commands so far, and what their colours mean
     const fills = [ink.full_power, ink.coast, ink.brake];
+    COMMANDS.forEach((word, k) => {
+      const x = right - COMMAND_PX * (COMMANDS.length - k);
+      pen.fillStyle = fills[k];
+      pen.fillRect(x, 3, 10, 10);
+      pen.strokeStyle = ink.line2;
+      pen.strokeRect(x, 3, 10, 10);
+      text(word, x + 15, 11, ink.ink2);
+    });
     pen.fillStyle = ink.line;
     pen.fillRect(left, strip + 8, right - left, 2);
-    for (let i = 0; i < commands.length; i++) {
+    for (let i = 0, from = 0; i < commands.length; i++) {
+      // as one, since borders within would be seen
+      if (commands[i + 1] === commands[i]) { continue; }
       pen.fillStyle = fills[commands[i]];
-      pen.fillRect(x_of(position[i]), strip, x_of(position[i + 1]) - x_of(position[i]) + 0.5, 18);
+      pen.fillRect(x_of(position[from]), strip, x_of(position[i + 1]) - x_of(position[from]) + 0.5, 18);
+      from = i + 1;
     }
+    // the track, and over it what the run costs beyond the best
+    const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
+    pen.fillStyle = ink.ground;
+    pen.beginPath();
+    pen.moveTo(left, floor);
+    heights.forEach((joule, i) => pen.lineTo(x_of(position[i]), level(joule)));
+    pen.lineTo(right, floor);
+    pen.fill();
     if (verdict) {
       const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
-      const level = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
-      text("You above the best possible so far, kWh", left, track - 4, ink.ink2);
+      const rise = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
+      text("Your energy above the best possible so far, kWh; grey: track", left, track - 4, ink.ink2);
       pen.fillStyle = ink.over;
+      pen.globalAlpha = 0.75;
       pen.beginPath();
-      pen.moveTo(left, level(0));
-      above.forEach((kwh, i) => pen.lineTo(x_of(position[i]), level(kwh)));
-      pen.lineTo(right, level(0));
+      pen.moveTo(left, rise(0));
+      above.forEach((kwh, i) => pen.lineTo(x_of(position[i]), rise(kwh)));
+      pen.lineTo(right, rise(0));
       pen.fill();
-      line((i) => x_of(position[i]), above.map(level), ink.overline, 1.4);
+      pen.globalAlpha = 1;
+      line((i) => x_of(position[i]), above.map(rise), ink.overline, 1.4);
       text(with_sign(above.at(-1), 2), right, track - 4, ink.overline, "right");
       line((i) => x_of(position[i]), verdict.best_ms.map(y_of), ink.accent, 2.6);
     } else {
-      const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
       text("Track, height", left, track - 4, ink.ink2);
-      pen.fillStyle = ink.ground;
-      pen.beginPath();
-      pen.moveTo(left, floor);
-      heights.forEach((joule, i) => pen.lineTo(x_of(position[i]), level(joule)));
-      pen.lineTo(right, floor);
-      pen.fill();
-      let node = position.findIndex((place) => place >= at);
-      if (node < 0) { node = position.length - 1; }
-      pen.fillStyle = ink.ink;
-      pen.fillRect(Math.max(x_of(at) - 26, left), level(heights[node]) - 8, 26, 7);
+      const train = (place, colour) => {
+        const node = position.findIndex((one) => one >= place);
+        pen.fillStyle = colour;
+        pen.fillRect(Math.max(x_of(place) - 26, left), level(heights.at(node)) - 8, 26, 7);
+      };
+      if (ghost) {
+        train(ghost.at, ink.accent);
+        pen.beginPath();
+        pen.arc(x_of(ghost.at), y_of(ghost.speed), 4, 0, 7);
+        pen.fill();
+      }
+      train(at, ink.ink);
     }
     if (drawn) {
       pen.setLineDash([4, 3]);
@@ -141,5 +165,9 @@ export const figure_on = (canvas, mesh) => {
       speed: (top * (bottom - (clientY - box.top))) / (bottom - 20),
     };
   };
+  const fresh = () => { recolour(); again(); };
+  recolour();
+  new ResizeObserver(fresh).observe(canvas);
+  window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(fresh), {signal});
   return {draw, recolour, place_of};
 };
