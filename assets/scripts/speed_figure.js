@@ -100,7 +100,7 @@ export const figure_on = (canvas, mesh, signal, again) => {
     if (verdict) {
       const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
       const rise = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
-      text("Your energy above the best possible so far, kWh; grey: track", left, track - 4, ink.ink2);
+      text("Energy above the best, kWh; grey: track", left, track - 4, ink.ink2);
       pen.fillStyle = ink.over;
       pen.globalAlpha = 0.75;
       pen.beginPath();

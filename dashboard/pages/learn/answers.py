@@ -29,7 +29,7 @@ NUMBERS: Mapping[str, Callable[[LessonResult], float]] = {
     "multiplier": lambda result: _difference_j(result) / J_PER_WH,
     "recuperation": lambda result: off_m(next(iter(result.runs.values()))),
     "gradient": lambda result: 100 * result.saved_share,
-    "load": lambda result: 100 * share_above(*(run.energy_kwh for run in reversed(result.runs.values()))),
+    "load": lambda result: 100 * share_above(*(run.energy_kwh for run in reversed(tuple(result.runs.values())))),
 }
 """The answers, each in the unit of its guess."""
 

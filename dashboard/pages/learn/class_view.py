@@ -27,8 +27,8 @@ from railjoule.dashboard.parts.choices import box, menu
 if TYPE_CHECKING:
     from railjoule.dashboard.pages.learn.page import Learn
 
-NODES_APART, BINS = 10, 20
-"""Of a run that is drawn every tenth node, 20 m apart; classes of the histogram."""
+NODES_APART, BINS, LEAST_HEIGHT = 10, 20, 5
+"""Of a run that is drawn every tenth node, 20 m apart; classes of the histogram, and guesses up to which its axis reaches."""
 HIGHEST_KMH = 85.0
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 CLASS_RUNS = Plot(
@@ -120,7 +120,7 @@ class ClassView:
 def draw_histogram(chart: CurveChart, lesson: Lesson, guesses: list[float], answer: float) -> None:
     """Draw how many guesses lie where, and the answer; NaN for none."""
     edges, counts = histogram(guesses, lesson)
-    ends = (0.0, float(counts.max() + 1))
+    ends = (0.0, float(max(counts.max() + 1, LEAST_HEIGHT)))
     chart.draw({"guesses": as_steps(edges, counts)}, {"answer": answer}, lesson.guess_ends, ends)
     assert chart.figure is not None
     chart.figure.xaxis.axis_label = f"Guess, {lesson.guess_unit}"
