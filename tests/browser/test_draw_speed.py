@@ -48,7 +48,7 @@ def test_by_mouse_to_drive(chromium: Browser, server: Server) -> None:
         found = re.search(r"learn\.drawn=([\d,]+)", user.page.url)
         assert found is not None
         verdict = judge(found[1])
-        assert (used, bound) == (f"{verdict.kwh:.2f}", f"{verdict.bound_kwh:.2f}")
+        assert {used, bound} == {f"{verdict.kwh:.2f}", f"{verdict.bound_kwh:.2f}"}
         expect(draw.locator("li")).to_have_count(len(verdict.sentences))
         draw.get_by_role("button", name="Open on Drive").click()
         expect(user.scenario("Metro, profile III")).to_be_visible()

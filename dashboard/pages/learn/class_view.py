@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from railjoule.dashboard.pages.learn.page import Learn
 
 NODES_APART, BINS, LEAST_HEIGHT = 10, 20, 5
-"""Of a run that is drawn every tenth node, 20 m apart; classes of the histogram, and guesses up to which its axis reaches."""
+"""Every tenth node of a run is drawn, 20 m apart; classes of the histogram, and the least end of its axis."""
 HIGHEST_KMH = 85.0
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 CLASS_RUNS = Plot(
@@ -46,10 +46,7 @@ CLASS_GUESSES = Plot(
     x_title="Guess, %",
     uprights={"answer": "optimal"},
 )
-INVITATION = (
-    "Teach with this page: students open a link on their phones, drive lesson 1 and guess in lessons 4 to 8, and "
-    "their runs and guesses appear here."
-)
+INVITATION = "Students join with their phones; their runs and guesses appear here, beside the best."
 ONLY_HERE = "This address works only on this computer: start the server for others, and open its page by that address."
 MEMBER = "You are in a class: your runs of lesson 1 and your guesses appear on the lecturer\u2019s screen."
 HEADER = ("Student", "Tries", "Best, kWh", "Arrival", "Above the bound, %")
