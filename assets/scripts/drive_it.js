@@ -168,7 +168,7 @@ export function render({model}) {
         tried = 0;
         ghost = null;
         best_note.textContent = "";
-        model.send_msg({what: "anew"});
+        model.send_msg({what: "reset"});
       }
       begin();
       come();

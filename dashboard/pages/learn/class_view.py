@@ -27,8 +27,8 @@ from railjoule.dashboard.parts.choices import box, menu
 if TYPE_CHECKING:
     from railjoule.dashboard.pages.learn.page import Learn
 
-NODES_APART, BINS, LEAST_HEIGHT = 10, 20, 5
-"""Every tenth node of a run is drawn, 20 m apart; classes of the histogram, and the least end of its axis."""
+NODE_STEP, BINS, LEAST_HEIGHT = 10, 20, 5
+"""Every tenth node of a run is drawn, that is every 20 m; bins of the histogram, and the least end of its axis."""
 HIGHEST_KMH = 85.0
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 CLASS_RUNS = Plot(
@@ -62,7 +62,9 @@ class ClassView:
 
     def __init__(self, page: "Learn") -> None:
         self.page = page
-        self.told, self.link, self.table = (parts.html_pane(stylesheets=[parts_css(), lesson_css()]) for _ in range(3))
+        self.notice, self.link, self.table = (
+            parts.html_pane(stylesheets=[parts_css(), lesson_css()]) for _ in range(3)
+        )
         self.open = pmui.Button(label="Open a class", size="small", margin=(6, 16, 6, 0), on_click=page.open_class)
         self.close = pmui.Button(label="Close the class", size="small", margin=(6, 16, 6, 0), on_click=page.close_class)
         self.name = pmui.TextInput(
@@ -79,7 +81,7 @@ class ClassView:
         )
         # what has a grid of its own cannot be hidden
         self.results = parts.stack(figures, self.table)
-        head = pn.Row(self.open, self.close, self.told, margin=0, sizing_mode="stretch_width")
+        head = pn.Row(self.open, self.close, self.notice, margin=0, sizing_mode="stretch_width")
         self.view = parts.stack(head, self.name, self.link, self.results, css=lesson_css(), css_classes=["classroom"])
 
     def show(self) -> None:
@@ -87,7 +89,7 @@ class ClassView:
         page = self.page
         taught, joined = page.taught, bool(page.class_token)
         sentence = MEMBER if joined and not page.class_refusal else "" if taught or joined else INVITATION
-        self.told.object = markup("<p class=class role=status>{} {}</p>", sentence, page.class_refusal)
+        self.notice.object = markup("<p class=class role=status>{} {}</p>", sentence, page.class_refusal)
         self.open.visible = not taught and not joined
         self.close.visible = self.results.visible = taught is not None
         self.name.visible = joined
@@ -109,7 +111,7 @@ class ClassView:
         lesson = next(one for one in LESSONS if one.name == page.class_lesson)
         result = (page.lessons or {}).get(lesson.name)
         answer = answer_of(lesson, result).number if result is not None and page.class_best else np.nan
-        guesses = guesses_of(classroom, lesson, float(getattr(page, lesson.name)))
+        guesses = list_guesses(classroom, lesson, float(getattr(page, lesson.name)))
         chart = page.host.plots[CLASS_GUESSES.name]
         chart.show(partial(draw_histogram, chart, lesson, guesses, answer))
 
@@ -166,13 +168,13 @@ def class_curve(classroom: Classroom) -> Curve:
     """Return all runs of a class as one line with gaps."""
     runs = [run.driven for student in classroom.students.values() for run in student.runs if run.driven is not None]
     places, speeds = (
-        np.concatenate([np.append(run[k][::NODES_APART], np.nan) for run in runs]) if runs else np.empty(0)
+        np.concatenate([np.append(run[k][::NODE_STEP], np.nan) for run in runs]) if runs else np.empty(0)
         for k in (0, 1)
     )
     return places.astype(np.float32), speeds.astype(np.float32)
 
 
-def guesses_of(classroom: Classroom, lesson: Lesson, at: float) -> list[float]:
+def list_guesses(classroom: Classroom, lesson: Lesson, at: float) -> list[float]:
     """Return the guesses that were made for a value of the lesson's slider."""
     given = (student.guesses.get(lesson.name) for student in classroom.students.values())
     return [one[1] for one in given if one is not None and one[0] == at]

@@ -20,7 +20,7 @@ from railjoule.dashboard.limits import (
 from railjoule.dashboard.pages.learn.verdict import Verdict
 
 REFRESH_MS = 500
-"""The lecturer's page draws so long after the first new result, and with it all that have come meanwhile."""
+"""The lecturer's page draws so long after the first new result, together with all that have come since."""
 NO_CLASS = "There is no such class on this server: it is closed, or another server has it. Ask for a new link."
 FULL = f"This class is full: it has {MOST_STUDENTS} students. You can play all lessons, but your results are not sent."
 TOO_FAST = f"Not sent: the class takes one result in {RESULT_REST_S:g} s."
@@ -105,7 +105,8 @@ class Classroom:
     """
 
     def __init__(self, now: Callable[[], float]) -> None:
-        self.token, self.key = secrets.token_urlsafe(9), secrets.token_urlsafe(18)
+        self.token = secrets.token_urlsafe(9)
+        self.key = f"{self.token}.{secrets.token_urlsafe(18)}"
         self.students: dict[str, Student] = {}
         self.watchers: list[Watcher] = []
         self._now, self._seen_s = now, now()
@@ -125,7 +126,7 @@ class Classroom:
 
     def join(self, student: str, name: str) -> None:
         """Take a student in, or another name of one; raises ClassError where there is no room."""
-        if student not in self.students and len(self.students) >= MOST_STUDENTS:
+        if student not in self.students and (len(self.students) >= MOST_STUDENTS or len(student) > LONGEST_NAME):
             raise ClassError(FULL)
         self.students.setdefault(student, Student()).name = clean_name(name)
         self.tell()
@@ -161,42 +162,40 @@ class Classes:
     """
 
     def __init__(self, now: Callable[[], float] = time.monotonic) -> None:
-        self._now, self._open = now, list[Classroom]()
+        self._now, self._open = now, dict[str, Classroom]()
 
     def open(self) -> Classroom:
         """Open a class; raises ClassError where there are too many."""
         self._drop_left()
         if len(self._open) >= MOST_CLASSES:
             raise ClassError(TOO_MANY)
-        self._open.append(Classroom(self._now))
-        return self._open[-1]
+        made = Classroom(self._now)
+        self._open[made.token] = made
+        return made
 
     def find(self, token: str) -> Classroom:
         """Return the class of a link; raises ClassError where there is none."""
-        return self._find(lambda one: secrets.compare_digest(one.token.encode(), token.encode()))
+        self._drop_left()
+        if token not in self._open:
+            raise ClassError(NO_CLASS)
+        return self._open[token]
 
-    def find_taught(self, key: str) -> Classroom:
-        """Return the class of a lecturer's page; raises ClassError where there is none."""
-        return self._find(lambda one: secrets.compare_digest(one.key.encode(), key.encode()))
+    def find_taught(self, key: str) -> Classroom | None:
+        """Return the class of a lecturer's page, if there is one."""
+        self._drop_left()
+        found = self._open.get(key.partition(".")[0])
+        return found if found is not None and found.key == key else None
 
     def close(self, classroom: Classroom) -> None:
         """Close a class: all that was sent to it is gone."""
-        if classroom in self._open:
-            self._open.remove(classroom)
-
-    def _find(self, is_it: Callable[[Classroom], bool]) -> Classroom:
-        self._drop_left()
-        found = next(filter(is_it, self._open), None)
-        if found is None:
-            raise ClassError(NO_CLASS)
-        return found
+        self._open.pop(classroom.token, None)
 
     def _drop_left(self) -> None:
-        self._open = [one for one in self._open if not one.is_left]
+        self._open = {token: one for token, one in self._open.items() if not one.is_left}
 
 
 CLASSES = Classes()
-"""Those of this server. All its pages take their turns in one thread, so that no lock is needed."""
+"""The classes of this server. All its pages take their turns in one thread, so that no lock is needed."""
 
 
 def clean_name(name: str) -> str:

@@ -66,9 +66,9 @@ class GuessedLesson:
         self.asked = parts.stack(self.control)
         self.explored = parts.stack(self.text, NumberField(page, lesson.name, **SLIDER), self.attempt, note, open_it)
         self.along = parts.stack(self.place, self.energies)
-        # the answer appears beneath the button that was pressed
+        # the answer appears below the button that was pressed
         left = parts.stack(heading, self.question, self.asked, self.button, self.outcome, self.explored)
-        # two charts more are side by side beneath: one column of three would leave half of the page empty
+        # two further charts are side by side below: one column of three would leave half of the page empty
         beside, lower = (hosts, []) if len(hosts) < 3 else (hosts[:1], hosts[1:])
         right = parts.stack(self.figures, beside[0], self.along, *beside[1:], self.stretches)
         self.view = parts.stack(

@@ -62,7 +62,7 @@ class Learn(Page):
     asked = param.Tuple(default=None, allow_None=True, length=3, doc="What is to be judged: field, text, count.")
     verdict = result(Verdict, "The last verdict.")
     class_token = param.String(default="", doc="The class of the link that opened the page.")
-    class_student = param.String(default="", doc="By which that class knows this page.")
+    class_student = param.String(default="", doc="The name of this page in that class.")
     class_name = param.String(default="", doc="The name of the student.")
     class_key = param.String(default="", doc="The class that is taught from this page.")
     class_lesson = param.Selector(default=NAMES[0], objects=list(NAMES), doc="The lesson whose guesses are shown.")
@@ -97,7 +97,7 @@ class Learn(Page):
 
     @cached_property
     def linked(self) -> Mapping[str, str]:
-        """What a link has of the lessons that are played, before anything is played here."""
+        """The texts of a link for the lessons that are played, before anything is played here."""
         return {field: getattr(self, field) for field in PLAYED}
 
     # the page waits for the first runs: once kernels are compiled, they come
@@ -113,7 +113,7 @@ class Learn(Page):
         """Take what the browser reports of a lesson that is played."""
         if what == "done":
             self.asked = (field, text, 1 + (self.asked[2] if self.asked else 0))
-        elif what == "anew":
+        elif what == "reset":
             self.tries = []
         elif what == "open":
             self._open(field, text)
@@ -133,9 +133,9 @@ class Learn(Page):
         desk = self.desk
         try:
             if field == "driven":
+                run = driven_run(text)
                 desk.scenario.choose(PRESET)
-                recipe = Recipe(PRESET, None, dict(LESSON_CHANGES), "optimal")
-                desk.pin_lesson(driven_run(text), text, best_run(), recipe)
+                desk.pin_lesson(run, text, best_run(), Recipe(PRESET, None, dict(LESSON_CHANGES), "optimal"))
             else:
                 # as a file: an edit of the time would be rounded to what its slider shows
                 title = WORDS[field]["title"].partition(". ")[2].partition(":")[0]
@@ -150,10 +150,7 @@ class Learn(Page):
     @property
     def taught(self) -> Classroom | None:
         """The class that is taught from this page."""
-        try:
-            return CLASSES.find_taught(self.class_key) if self.class_key else None
-        except ClassError:
-            return None
+        return CLASSES.find_taught(self.class_key)
 
     def open_class(self, *_: Any) -> None:
         """Open a class, or tell why there is none."""

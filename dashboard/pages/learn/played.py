@@ -19,7 +19,7 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.numbers import clock
 
 PLAYED: Mapping[str, Any] = {"driven": by_hand, "drawn": drawing, "shared": slack}
-"""What begins and judges each lesson, by the field of the page that holds what was played last; the slowest is last."""
+"""The modules that begin and judge, by the field of the page that holds the last play; the slowest is last."""
 WORDS = TEXTS["played"]
 Begun = dict[str, Any]
 
@@ -36,7 +36,7 @@ def begin_all(texts: Mapping[str, str]) -> Iterator[Begun]:
 
 
 def judge(field: str, text: str, _count: int) -> Verdict:
-    """Return the verdict on what was played in a lesson; the count tells equal requests apart."""
+    """Return the verdict on what was played in a lesson; the count makes equal requests differ."""
     verdict: Verdict = PLAYED[field].judge(text)
     return verdict
 
@@ -78,7 +78,7 @@ class Played(Form):
             "details": str(verdict_details(verdict, tries)),
             "tried": len(tries),
             "note": f"best of your tries {words.energy(best.kwh)}" if best else "",
-            # the same may be judged twice, and the browser hears only of what differs
+            # the same may be judged twice, and only a difference is sent to the browser
             "count": self.verdict.get("count", 0) + 1,
         }
 
@@ -149,7 +149,7 @@ def _buttons(verdict: Verdict, tries: Sequence[Verdict]) -> list[tuple[str, str,
 
 
 def verdict_details(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
-    """Return where the energy went, sentences on what was played, and the tries."""
+    """Return the tries, sentences on the play, and a table of the extra energy."""
     columns = []
     if verdict.field == "driven":
         best = best_try(tries)
@@ -159,7 +159,7 @@ def verdict_details(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
                 Markup(" class=best") if one is best else "",
                 number,
                 words.number(one.kwh, 2),
-                # the bound holds for runs on time, and says nothing of a late one
+                # the bound holds only for runs on time
                 words.share_difference(one.share) if one.counts else words.UNKNOWN,
                 _arrival(one),
             )

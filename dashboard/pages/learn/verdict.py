@@ -34,7 +34,7 @@ class Verdict:
     time_s, allowed_s, late_s : float
         Its time, the time that the bound is for, and its delay against the timetable.
     curves : mapping
-        What the browser draws.
+        Curves for the browser.
     driven : tuple of array or None
         Places [m] and speeds [km/h] of a run.
     sentences : tuple of str

@@ -87,7 +87,7 @@ def test_the_energies_close_at_every_place_and_are_those_of_the_run_at_its_end()
         assert at["Kinetic"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_energies_of_the_compared_run_stand_alone_before_a_guess() -> None:
+def test_energies_of_the_compared_run_stand_by_themselves_before_a_guess() -> None:
     runs = result("coasting", 115.0).runs
-    alone = energy_table(BY_NAME["coasting"], {"constant speed": runs["constant speed"]}, 750.0)
-    assert ("optimum" in alone, "constant speed" in alone, alone.count("<tr>")) == (False, True, 7)
+    table = energy_table(BY_NAME["coasting"], {"constant speed": runs["constant speed"]}, 750.0)
+    assert ("optimum" in table, "constant speed" in table, table.count("<tr>")) == (False, True, 7)

@@ -11,7 +11,7 @@ from railjoule.dashboard.app import Session
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.limits import MOST_STUDENTS
 from railjoule.dashboard.pages.learn import page as learn_page
-from railjoule.dashboard.pages.learn.class_view import class_curve, class_link, guesses_of, histogram, students_table
+from railjoule.dashboard.pages.learn.class_view import class_curve, class_link, histogram, list_guesses, students_table
 from railjoule.dashboard.pages.learn.classroom import Classes, Classroom
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
@@ -96,7 +96,7 @@ def test_runs_and_guesses_come_to_the_page_of_the_lecturer(lecturer: Any) -> Non
     assert len(chart.sources["best"].data["x"]) > 0
     lecturer.class_best = False
     assert len(chart.sources["best"].data["x"]) == 0
-    assert guesses_of(taught(lecturer), LESSONS[0], 115.0) == [10.0]
+    assert list_guesses(taught(lecturer), LESSONS[0], 115.0) == [10.0]
     edges, counts = histogram([10.0, 10.5, 40.0], LESSONS[0])
     assert (counts.sum(), counts.max(), edges[0], edges[-1]) == (3, 2, 0.0, 40.0)
 
@@ -108,8 +108,8 @@ def test_students_begin_with_the_sliders_of_the_lecturer_and_none_of_the_results
     assert (student.gradient, student.driven, student.coasting_guess) == (20.0, "", None)
     student.gradient_guess = 35.0
     # guesses for another slope would be those of another question
-    assert guesses_of(taught(learn), LESSONS[3], 20.0) == [35.0]
-    assert guesses_of(taught(learn), LESSONS[3], 15.0) == []
+    assert list_guesses(taught(learn), LESSONS[3], 20.0) == [35.0]
+    assert list_guesses(taught(learn), LESSONS[3], 15.0) == []
 
 
 def test_a_hostile_name_is_text(lecturer: Any) -> None:
@@ -137,22 +137,22 @@ def test_a_student_who_loads_the_page_again_is_the_same_one(lecturer: Any) -> No
     assert len(found.runs) == 2
 
 
-def test_a_closed_class_is_told_in_a_sentence_and_the_lessons_go_on(lecturer: Any) -> None:
+def test_a_closed_class_is_reported_in_a_sentence_and_the_lessons_go_on(lecturer: Any) -> None:
     token, student = taught(lecturer).token, joined(lecturer)
     lecturer.close_class()
     assert not lecturer.classroom.results.visible
     student.hear("driven", "done", COMMANDS)
-    assert "There is no such class on this server" in student.classroom.told.object
+    assert "There is no such class on this server" in student.classroom.notice.object
     assert student.played["driven"].verdict["tried"] == 1
     late = opened(class_token=token)
-    assert "There is no such class on this server" in late.classroom.told.object
+    assert "There is no such class on this server" in late.classroom.notice.object
 
 
-def test_a_full_class_is_told_in_a_sentence(lecturer: Any) -> None:
+def test_a_full_class_is_reported_in_a_sentence(lecturer: Any) -> None:
     for number in range(MOST_STUDENTS):
         taught(lecturer).join(str(number), "")
     student = joined(lecturer)
-    assert f"This class is full: it has {MOST_STUDENTS} students." in student.classroom.told.object
+    assert f"This class is full: it has {MOST_STUDENTS} students." in student.classroom.notice.object
     student.hear("driven", "done", COMMANDS)
     assert student.played["driven"].verdict["tried"] == 1
     assert len(taught(lecturer).students) == MOST_STUDENTS

@@ -39,7 +39,7 @@ def test_each_lesson_has_a_slider_and_a_figure() -> None:
 
 
 def saved(lesson: str, value: float) -> float:
-    """Return what the first run saves [%]."""
+    """Return the share that the first run saves [%]."""
     return 100 * result(lesson, value).saved_share
 
 

@@ -42,7 +42,7 @@ def test_a_try_is_judged_kept_and_counted(learn: Any) -> None:
         assert (lesson.verdict["tried"], lesson.verdict["count"]) == (number, number)
     assert learn.driven == COMMANDS
     assert "Begin again with three tries" in lesson.verdict["head"]
-    learn.hear("driven", "anew", "")
+    learn.hear("driven", "reset", "")
     learn.hear("driven", "done", POWER)
     assert lesson.verdict["tried"] == 1
     assert "Drive again (2 left)" in lesson.verdict["head"]
