@@ -13,7 +13,7 @@ CASES = {
     "dashboard/pages/motor/page.py": {SMOKE, "tests/browser/test_motor.py", "tests/dashboard/pages/motor/test_view.py"},
     "tests/browser/user.py": {SMOKE, "tests/browser/test_motor.py"},
     "tests/browser/conftest.py": {SMOKE, "tests/browser/test_motor.py"},
-    "assets/scripts/share_out.js": {SMOKE, "tests/browser/test_share_out.py", "tests/browser/test_scripts.py"},
+    "assets/scripts/navigation.js": {SMOKE, "tests/browser/test_navigation.py", "tests/browser/test_scripts.py"},
     "assets/scenarios/ftorek-300s.toml": {"tests/core/check/test_check.py"},
     "tests/browser/test_motor.py": {"tests/browser/test_motor.py"},
     "README.md": {"tests/test_readme.py"},

@@ -1,8 +1,10 @@
 // The lesson that is drawn: a speed over the distance, snapped to what the train can do, then the best run in its time.
 
-import {life_of, make, redraw_on} from "./dom.js";
+import {life_of, make} from "./dom.js";
 import {BRAKE, COAST, POWER, between_points, drive_drawn, force_between, net_energy} from "./driving.js";
-import {KMH_PER_MS, clock_of, energy_bars, figures_of, kwh_of, pressing, verdict_of} from "./played.js";
+import {
+  KMH_PER_MS, clock_of, dials, energy_bars, figures_of, frame_meter, kwh_of, listen_to, pressing, verdict_of,
+} from "./played.js";
 import {figure_on} from "./speed_figure.js";
 
 // of the greatest effort: a train that needs less coasts, as everybody would say
@@ -14,10 +16,9 @@ export function render({model}) {
   const canvas = make("canvas", {
     role: "slider", tabindex: "0", "aria-label": "Drawn speed over distance", "aria-orientation": "vertical",
   });
-  const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small");
+  const told = make("p", {role: "status"}), {element: clocks, one: clock, other: used} = dials("Time", "Energy"), note = frame_meter(root);
   const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
   let mesh = null, figure = null, points = [], chosen = 0, run = null, verdict = null, asked = false, due = false, held = null;
-  const frames = [];
 
   const place_of = (k) => (mesh.position.at(-1) * k) / (points.length - 1);
   const kinds = () => {
@@ -34,16 +35,15 @@ export function render({model}) {
     figure.draw({
       speeds: run.speed2.map(Math.sqrt), commands: kinds(), at: place_of(chosen), speed: speed / KMH_PER_MS, verdict, drawn,
     });
-    clock.textContent = clock_of(sum.time);
-    clock_note.textContent = `${figures_of(Math.abs(spare), 1)} s ${spare < 0 ? "late" : "to spare"}`;
-    clock_note.classList.toggle("late", spare < 0);
-    used.textContent = `${kwh_of(net_energy(sum))} kWh`;
+    clock.value.textContent = clock_of(sum.time);
+    clock.note.textContent = `${figures_of(Math.abs(spare), 1)} s ${spare < 0 ? "late" : "to spare"}`;
+    clock.note.classList.toggle("late", spare < 0);
+    used.value.textContent = `${kwh_of(net_energy(sum))} kWh`;
     show_bars(sum);
     canvas.setAttribute("aria-valuenow", String(speed));
     canvas.setAttribute("aria-valuetext", `${speed} km/h at ${Math.round(place_of(chosen))} m`);
     reveal.disabled = asked || Boolean(verdict);
-    frames.push(performance.now() - begun);
-    root.dataset.frameMs = String(frames.toSorted((one, other) => one - other)[Math.floor(frames.length / 2)]);
+    note(begun);
   };
   // once a frame, however often a pointer moves in it
   const soon = () => {
@@ -123,9 +123,7 @@ export function render({model}) {
   };
 
   root.append(make("h2", {}, model.title), make("p", {}, model.text), told, result.head,
-    make("div", {class: "stage"}, canvas, make("div", {},
-      make("div", {class: "clocks"}, make("div", {}, "Time", clock, clock_note), make("div", {}, "Energy", used)),
-      make("h3", {}, "Where it goes, kWh"), bars)),
+    make("div", {class: "stage"}, canvas, make("div", {}, clocks, make("h3", {}, "Where it goes, kWh"), bars)),
     make("div", {class: "row"}, reveal, clear), result.details);
   told.textContent = "Opening";
   reveal.disabled = true;
@@ -139,9 +137,6 @@ export function render({model}) {
     told.textContent = "Press on the figure and draw.";
     picture();
   };
-  redraw_on(model, ["given"], prepare);
-  redraw_on(model, ["verdict"], () => { if (model.verdict.head && asked) { judge(); } });
-  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; told.textContent = ""; picture(); } });
-  prepare();
+  listen_to(model, {prepare, judge, refuse: () => { asked = false; told.textContent = ""; picture(); }, asked: () => asked});
   return root;
 }

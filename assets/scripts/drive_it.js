@@ -2,7 +2,9 @@
 
 import {life_of, make, redraw_on} from "./dom.js";
 import {BRAKE, COAST, POWER, net_energy, next_speed2, nothing_yet, with_cell, written} from "./driving.js";
-import {KMH_PER_MS, clock_of, energy_bars, kwh_of, lead_to, pressing, verdict_of} from "./played.js";
+import {
+  KMH_PER_MS, clock_of, dials, energy_bars, frame_meter, kwh_of, lead_to, listen_to, pressing, verdict_of,
+} from "./played.js";
 import {figure_on} from "./speed_figure.js";
 
 const RATES = [1, 4, 10];
@@ -64,10 +66,10 @@ export const place_at = ({position}, {times, speeds}, time) => {
 export function render({model}) {
   const signal = life_of(model), root = make("section", {class: "played drive-it", "aria-label": "Drive it"});
   const canvas = make("canvas", {role: "img", "aria-label": "Speed over distance, your commands and the track"});
-  const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small"), best_note = make("small");
+  const told = make("p", {role: "status"}), {element: clocks, one: clock, other: used} = dials("Clock", "Used so far"), note = frame_meter(root);
   const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
   let mesh = null, figure = null, trip = null, command = COAST, rate = 4, driving = false, watched = null;
-  let verdict = null, ghost = null, tried = 0, last = 0, frames = [], asked = false;
+  let verdict = null, ghost = null, tried = 0, last = 0, asked = false;
 
   const give = (next) => {
     if (!mesh || asked || watched || (!driving && (next !== POWER || trip.state.arrived))) { return; }
@@ -98,10 +100,10 @@ export function render({model}) {
       speeds: driving ? [...trip.state.speeds, speed] : trip.state.speeds, commands: trip.state.commands, at, speed, verdict,
       ghost: ghost && !verdict && place_at(mesh, ghost, sum.time),
     });
-    clock.textContent = clock_of(sum.time);
-    used.textContent = `${kwh_of(net_energy(sum))} kWh`;
+    clock.value.textContent = clock_of(sum.time);
+    used.value.textContent = `${kwh_of(net_energy(sum))} kWh`;
     const to_go = mesh.position.at(-1) - at, left = model.given.timetable_s - sum.time;
-    clock_note.textContent = trip.state.arrived ? `timetable ${clock_of(model.given.timetable_s)}`
+    clock.note.textContent = trip.state.arrived ? `timetable ${clock_of(model.given.timetable_s)}`
       : `${Math.round(to_go)} m to go` + (left > 0 ? `, ${Math.round((to_go / left) * KMH_PER_MS)} km/h on average needed` : ", late");
     show_bars(sum);
   };
@@ -113,11 +115,10 @@ export function render({model}) {
     if (watched && command !== trip.state.commands.at(-1)) { command = trip.state.commands.at(-1); press(); }
     if (trip.state.arrived) { arrive(); } else { requestAnimationFrame(frame); }
     picture();
-    frames.push(performance.now() - begun);
+    note(begun);
   };
   const set_off = () => {
     driving = true;
-    frames = [];
     told.textContent = watched ? "Your run again" : `Try ${tried + 1} of ${model.given.tries}: on the way`;
     requestAnimationFrame((time) => { last = time; frame(time); });
   };
@@ -138,8 +139,6 @@ export function render({model}) {
   };
   const arrive = () => {
     driving = false;
-    const sorted = frames.toSorted((one, other) => one - other);
-    root.dataset.frameMs = String(sorted[Math.floor(sorted.length / 2)] ?? 0);
     press();
     if (watched) {
       watched = null;
@@ -156,7 +155,7 @@ export function render({model}) {
     tried = verdict.tried;
     ghost = {times: verdict.best_s, speeds: verdict.best_ms};
     told.textContent = `Arrived: try ${tried} of ${model.given.tries}.`;
-    best_note.textContent = verdict.note;
+    used.note.textContent = verdict.note;
     root.classList.remove("ready");
     result.show();
     picture();
@@ -167,7 +166,7 @@ export function render({model}) {
       if (tried >= model.given.tries) {
         tried = 0;
         ghost = null;
-        best_note.textContent = "";
+        used.note.textContent = "";
         model.send_msg({what: "reset"});
       }
       begin();
@@ -186,8 +185,7 @@ export function render({model}) {
     make("div", {class: "head"}, told, result.head), canvas,
     make("div", {class: "account"}, make("h3", {}, "Where the energy is now, kWh"), bars),
     make("div", {class: "foot"},
-      make("div", {class: "clocks"}, make("div", {}, "Clock", clock, clock_note), make("div", {}, "Used so far", used, best_note)),
-      make("div", {class: "commands", role: "group", "aria-label": "Commands"}, ...commands)),
+      clocks, make("div", {class: "commands", role: "group", "aria-label": "Commands"}, ...commands)),
     make("div", {class: "row", role: "group", "aria-label": "Clock"}, make("span", {}, "Clock"), ...rates)), result.details);
   root.addEventListener("keydown", (event) => {
     const other = event.target.closest?.("button") && !commands.includes(event.target);
@@ -211,11 +209,8 @@ export function render({model}) {
   const lead = () => { if (model.lead) { lead_to(model.lead); } };
   told.textContent = "Opening";
   press();
-  redraw_on(model, ["given"], prepare);
-  redraw_on(model, ["verdict"], () => { if (model.verdict.head && asked) { judge(); } });
-  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; begin(); } });
+  listen_to(model, {prepare, judge, refuse: () => { asked = false; begin(); }, asked: () => asked});
   redraw_on(model, ["lead"], lead);
-  prepare();
   lead();
   return root;
 }

@@ -1,6 +1,6 @@
 // What the lessons that are played share: numbers in words, bars of energy, buttons, and the verdict of the server.
 
-import {make, until} from "./dom.js";
+import {make, redraw_on, until} from "./dom.js";
 import {deep} from "./page.js";
 
 const J_PER_KWH = 3.6e6;
@@ -39,6 +39,32 @@ export const energy_bars = () => {
     }
   };
   return {bars, show};
+};
+
+// Two large numbers with a note each.
+export const dials = (first, second) => {
+  const [one, other] = [first, second].map((label) => ({label, value: make("b"), note: make("small")}));
+  const element = make("div", {class: "clocks"}, ...[one, other].map(({label, value, note}) => make("div", {}, label, value, note)));
+  return {element, one, other};
+};
+
+// Calls back with what the server sends: what the lesson begins with, a verdict that was asked for, or a refusal.
+export const listen_to = (model, {prepare, judge, refuse, asked}) => {
+  redraw_on(model, ["given"], prepare);
+  redraw_on(model, ["verdict"], () => { if (model.verdict.head && asked()) { judge(); } });
+  redraw_on(model, ["refusals"], () => { if (asked()) { refuse(); } });
+  prepare();
+};
+
+// Notes on the element how long the last frames took, in the middle [ms].
+const MEASURED = 100;
+export const frame_meter = (root) => {
+  const frames = [];
+  return (begun) => {
+    frames.push(performance.now() - begun);
+    if (frames.length > MEASURED) { frames.shift(); }
+    root.dataset.frameMs = String(frames.toSorted((one, other) => one - other)[Math.floor(frames.length / 2)]);
+  };
 };
 
 export const pressing = (signal) => (label, act, name = "") => {

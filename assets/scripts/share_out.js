@@ -1,7 +1,7 @@
 // The lesson on the supplement: seconds dragged from leg to leg until a second more saves alike everywhere.
 
-import {life_of, make, redraw_on} from "./dom.js";
-import {figures_of, pressing, verdict_of, with_sign} from "./played.js";
+import {life_of, make} from "./dom.js";
+import {figures_of, listen_to, pressing, verdict_of, with_sign} from "./played.js";
 
 const KEY_STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 5, PageDown: -5, Home: -1e3, End: 1e3};
 const NEXT = {uneven: "even", even: "uneven"};
@@ -130,9 +130,6 @@ export function render({model}) {
   told.textContent = "Opening";
   reveal.disabled = true;
   const prepare = () => { if (!line && model.given.lines) { lay(model.given.line, model.given.seconds); } };
-  redraw_on(model, ["given"], prepare);
-  redraw_on(model, ["verdict"], () => { if (model.verdict.head && asked) { judge(); } });
-  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; clear(); } });
-  prepare();
+  listen_to(model, {prepare, judge, refuse: () => { asked = false; clear(); }, asked: () => asked});
   return root;
 }

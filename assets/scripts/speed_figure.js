@@ -46,6 +46,24 @@ export const figure_on = (canvas, mesh, signal, again) => {
       for (let i = 0; i < ys.length; i++) { pen.lineTo(xs(i), ys[i]); }
       pen.stroke();
     };
+    // between a line over the nodes and a level
+    const area = (xs, ys, level, colour, alpha = 1) => {
+      pen.fillStyle = colour;
+      pen.globalAlpha = alpha;
+      pen.beginPath();
+      pen.moveTo(xs(0), level);
+      ys.forEach((y, i) => pen.lineTo(xs(i), y));
+      pen.lineTo(xs(ys.length - 1), level);
+      pen.fill();
+      pen.globalAlpha = 1;
+    };
+    const dot = (x, y, radius, colour) => {
+      pen.fillStyle = colour;
+      pen.beginPath();
+      pen.arc(x, y, radius, 0, 7);
+      pen.fill();
+    };
+    const node_x = (i) => x_of(position[i]);
     pen.font = "11px Inter, sans-serif";
     text("Speed, km/h", left, 11, ink.ink2);
     for (let kmh = 0; kmh < top * KMH_PER_MS; kmh += 20) {
@@ -54,17 +72,9 @@ export const figure_on = (canvas, mesh, signal, again) => {
       text(String(kmh), left - 6, y + 4, ink.ink3, "right");
     }
     // what lies above the limit, and its edge
-    pen.fillStyle = ink.ground;
-    pen.strokeStyle = ink.limit;
-    pen.lineWidth = 1.2;
-    pen.beginPath();
-    limit.forEach((ms, i) => { pen.lineTo(x_of(position[i]), y_of(ms)); pen.lineTo(x_of(position[i + 1]), y_of(ms)); });
-    pen.stroke();
-    pen.lineTo(right, 16);
-    pen.lineTo(left, 16);
-    pen.globalAlpha = 0.5;
-    pen.fill();
-    pen.globalAlpha = 1;
+    const edge_x = (i) => node_x((i + 1) >> 1), edge = limit.flatMap((ms) => [y_of(ms), y_of(ms)]);
+    area(edge_x, edge, 16, ink.ground, 0.5);
+    line(edge_x, edge, ink.limit, 1.2);
     let before = null;
     limit.forEach((ms, i) => {
       if (ms !== before) { text(`limit ${Math.round(ms * KMH_PER_MS)}`, x_of(position[i]) + 4, y_of(ms) - 4, ink.limit); }
@@ -91,27 +101,15 @@ export const figure_on = (canvas, mesh, signal, again) => {
     }
     // the track, and over it what the run costs beyond the best
     const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
-    pen.fillStyle = ink.ground;
-    pen.beginPath();
-    pen.moveTo(left, floor);
-    heights.forEach((joule, i) => pen.lineTo(x_of(position[i]), level(joule)));
-    pen.lineTo(right, floor);
-    pen.fill();
+    area(node_x, heights.map(level), floor, ink.ground);
     if (verdict) {
       const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
       const rise = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
       text("Energy above the best, kWh; grey: track", left, track - 4, ink.ink2);
-      pen.fillStyle = ink.over;
-      pen.globalAlpha = 0.75;
-      pen.beginPath();
-      pen.moveTo(left, rise(0));
-      above.forEach((kwh, i) => pen.lineTo(x_of(position[i]), rise(kwh)));
-      pen.lineTo(right, rise(0));
-      pen.fill();
-      pen.globalAlpha = 1;
-      line((i) => x_of(position[i]), above.map(rise), ink.overline, 1.4);
+      area(node_x, above.map(rise), rise(0), ink.over, 0.75);
+      line(node_x, above.map(rise), ink.overline, 1.4);
       text(with_sign(above.at(-1), 2), right, track - 4, ink.overline, "right");
-      line((i) => x_of(position[i]), verdict.best_ms.map(y_of), ink.accent, 2.6);
+      line(node_x, verdict.best_ms.map(y_of), ink.accent, 2.6);
     } else {
       text("Track, height", left, track - 4, ink.ink2);
       const train = (place, colour) => {
@@ -121,33 +119,25 @@ export const figure_on = (canvas, mesh, signal, again) => {
       };
       if (ghost) {
         train(ghost.at, ink.accent);
-        pen.beginPath();
-        pen.arc(x_of(ghost.at), y_of(ghost.speed), 4, 0, 7);
-        pen.fill();
+        dot(x_of(ghost.at), y_of(ghost.speed), 4, ink.accent);
       }
       train(at, ink.ink);
     }
     if (drawn) {
       pen.setLineDash([4, 3]);
-      line((i) => x_of(position[i]), drawn.map(y_of), ink.ink3, 1.4);
+      line(node_x, drawn.map(y_of), ink.ink3, 1.4);
       pen.setLineDash([]);
     }
-    line((i) => x_of(position[i]), speeds.map(y_of), ink.ink, 1.8);
+    line(node_x, speeds.map(y_of), ink.ink, 1.8);
     if (verdict?.parting) {
       const x = x_of(verdict.parting.position);
       pen.setLineDash([2, 3]);
       line((i) => [x, x][i], [20, floor], ink.accent, 1);
       pen.setLineDash([]);
-      pen.fillStyle = ink.accent;
-      pen.beginPath();
-      pen.arc(x, y_of(verdict.best_ms[verdict.parting.node]), 5, 0, 7);
-      pen.fill();
+      dot(x, y_of(verdict.best_ms[verdict.parting.node]), 5, ink.accent);
     } else if (!verdict) {
       line((i) => [x_of(at), x_of(at)][i], [20, floor], ink.line2, 1);
-      pen.fillStyle = ink.ink;
-      pen.beginPath();
-      pen.arc(x_of(at), y_of(speed), 5, 0, 7);
-      pen.fill();
+      dot(x_of(at), y_of(speed), 5, ink.ink);
       const turned = x_of(at) > right - 70;
       // beneath the mark where the limit has its name
       const cell = Math.max(position.findIndex((place) => place > at) - 1, 0);

@@ -113,8 +113,8 @@ def _more_cells(lesson: Lesson, result: LessonResult, first: Trajectory, second:
         coasts = sum(phase.end_m - phase.start_m for phase in first.phases if phase.phase == "coast")
         return [parts.figure("Coasts", words.share(coasts / first.distance_m), "%", "of the distance")]
     if lesson.name == "multiplier":
-        check = f"Check: solved for {words.number(second.travel_time_s, 0)} s"
-        return [parts.figure(check, words.price(_difference_j(result)), "Wh", "saved by one more second")]
+        check = f"solved for {words.number(second.travel_time_s, 0)} s"
+        return [parts.figure("Check", words.price(_difference_j(result)), "Wh", check)]
     if lesson.name == "recuperation" and result.steady is not None:
         brakes = f"brakes at {words.speed(result.steady.brake_ms)} km/h"
         return [parts.figure("Motors off at", words.number(off_m(first), 0), "m", brakes)]

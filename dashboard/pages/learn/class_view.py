@@ -96,8 +96,10 @@ class ClassView:
         self.link.object = "" if taught is None else invitation(class_link(page, taught), taught)
         if taught is not None:
             self.table.object = students_table(taught)
-            self._draw_runs(taught)
             self._draw_guesses(taught)
+        # the best run is solved here, which takes minutes as long as the kernels are not compiled
+        if taught is not None and page.begun is not None:
+            self._draw_runs(taught)
 
     def _draw_runs(self, classroom: Classroom) -> None:
         best = best_run()

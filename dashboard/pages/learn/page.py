@@ -237,6 +237,6 @@ class Learn(Page):
         for lesson in self.guessed:
             lesson.show()
 
-    @shows("class_news", "class_key", "class_token", "class_lesson", "class_best", "class_refusal", "lessons")
+    @shows("begun", "class_news", "class_key", "class_token", "class_lesson", "class_best", "class_refusal", "lessons")
     def _show_class(self) -> None:
         self.classroom.show()
