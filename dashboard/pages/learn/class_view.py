@@ -48,7 +48,7 @@ CLASS_GUESSES = Plot(
 )
 INVITATION = "Students join with their phones; their runs and guesses appear here, beside the best."
 ONLY_HERE = "This address works only on this computer: start the server for others, and open its page by that address."
-MEMBER = "You are in a class: your runs of lesson 1 and your guesses appear on the lecturer\u2019s screen."
+MEMBER = "You are in a class: your runs of lesson 1 and your first guesses appear on the lecturer\u2019s screen."
 HEADER = ("Student", "Tries", "Best, kWh", "Arrival", "Above the bound, %")
 
 

@@ -138,7 +138,10 @@ class Classroom:
         self.tell()
 
     def take_guess(self, student: str, lesson: str, at: float, guess: float) -> None:
-        """Take a guess, for a value of the lesson's slider; errors as `take_run`."""
+        """Take the first guess for a value of the lesson's slider; errors as `take_run`."""
+        # a further one is made by a student who has seen the answer
+        if student in self.students and self.students[student].guesses.get(lesson, (None,))[0] == at:
+            return
         self._sender(student).guesses[lesson] = (at, guess)
         self.tell()
 

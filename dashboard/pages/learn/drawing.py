@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
-from railjoule.core.arrays import FloatArray
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.phases import PhaseName
 from railjoule.core.simulation.manual import drive_drawn
@@ -118,7 +117,7 @@ def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: fl
     """Return the sentence on one stretch of the best run."""
     start, end = words.number(start_m, 0), words.number(end_m, 0)
     stretch = STRETCH.format(start=start, end=end, phase=words.PHASE_WORDS[phase], reason=REASONS[phase])
-    mine, least = ((_mean_speed(one, start_m, end_m), _taken_kwh(one, start_m, end_m)) for one in (run, best))
+    mine, least = (_pace_and_energy(one, start_m, end_m) for one in (run, best))
     faster, more = (mine[0] - least[0]) / MS_PER_KMH, mine[1] - least[1]
     if abs(faster) < ALIKE_KMH and abs(more) < ALIKE_KWH:
         return DID_ALIKE.format(stretch=stretch)
@@ -131,15 +130,9 @@ def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: fl
     )
 
 
-def _growth(places: FloatArray, values: FloatArray, start_m: float, end_m: float) -> float:
-    """Return by how much a quantity grows over a stretch."""
-    first, last = np.interp([start_m, end_m], places, values)
-    return float(last - first)
-
-
-def _mean_speed(run: Trajectory, start_m: float, end_m: float) -> float:
-    return (end_m - start_m) / _growth(run.position_m, run.time_s, start_m, end_m)
-
-
-def _taken_kwh(run: Trajectory, start_m: float, end_m: float) -> float:
-    return _growth(run.position_m, run.supply_energy_j, start_m, end_m) / J_PER_KWH
+def _pace_and_energy(run: Trajectory, start_m: float, end_m: float) -> tuple[float, float]:
+    """Return mean speed [m/s] and energy [kWh] of a run over a stretch."""
+    time_s, energy_j = (
+        float(np.diff(np.interp([start_m, end_m], run.position_m, one))[0]) for one in (run.time_s, run.supply_energy_j)
+    )
+    return (end_m - start_m) / time_s, energy_j / J_PER_KWH

@@ -121,6 +121,15 @@ def test_a_student_sends_one_result_at_a_time_and_others_need_not_wait(clock: Cl
     ]
 
 
+def test_the_first_guess_counts_as_the_next_one_is_made_with_the_answer_in_sight(clock: Clock) -> None:
+    classroom = Classes(clock).open()
+    classroom.join("a", "")
+    for at, guess in ((115.0, 20.0), (115.0, 11.9), (140.0, 14.0)):
+        classroom.take_guess("a", "coasting", at, guess)
+        assert classroom.students["a"].guesses["coasting"] == ((115.0, 20.0) if at == 115.0 else (140.0, 14.0))
+        clock.now_s += RESULT_REST_S
+
+
 def test_only_the_last_runs_are_kept_and_the_best_on_time_counts(clock: Clock) -> None:
     classroom = Classes(clock).open()
     classroom.join("a", "")
