@@ -8,8 +8,10 @@ import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 import segno
+from panel.viewable import Viewable
 
 from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_lines import Curve, as_steps
@@ -67,10 +69,22 @@ class ClassView:
         )
         self.open = pmui.Button(label="Open a class", size="small", margin=(6, 16, 6, 0), on_click=page.open_class)
         self.close = pmui.Button(label="Close the class", size="small", margin=(6, 16, 6, 0), on_click=page.close_class)
-        self.name = pmui.TextInput(
+        # most pages belong to no class: its parts are made where they are needed
+        self.name = parts.stack(*([self._name_field()] if page.class_token else ()))
+        self.results = parts.stack(visible=False)
+        head = pn.Row(self.open, self.close, self.notice, margin=0, sizing_mode="stretch_width")
+        self.view = parts.stack(head, self.name, self.link, self.results, css=lesson_css(), css_classes=["classroom"])
+
+    def _name_field(self) -> Viewable:
+        page = self.page
+        field = pmui.TextInput(
             label="Your name (optional)", value=page.class_name, max_length=LONGEST_NAME, size="small", margin=(6, 0)
         )
-        self.name.param.watch(lambda event: page.param.update(class_name=event.new), "value")
+        field.param.watch(lambda event: page.param.update(class_name=event.new), "value")
+        return field
+
+    def _results(self) -> list[Viewable]:
+        page = self.page
         lessons = {f"Lesson {number}: {lesson.title}": lesson.name for number, lesson in enumerate(LESSONS, 4)}
         runs, guesses = (page.host.plots[plot.name].host for plot in (CLASS_RUNS, CLASS_GUESSES))
         figures = parts.stack(
@@ -79,10 +93,7 @@ class ClassView:
             css=lesson_css(),
             css_classes=["class"],
         )
-        # what has a grid of its own cannot be hidden
-        self.results = parts.stack(figures, self.table)
-        head = pn.Row(self.open, self.close, self.notice, margin=0, sizing_mode="stretch_width")
-        self.view = parts.stack(head, self.name, self.link, self.results, css=lesson_css(), css_classes=["classroom"])
+        return [figures, self.table]
 
     def show(self) -> None:
         """Show the class that is taught, the one that was joined, or how to open one."""
@@ -92,8 +103,10 @@ class ClassView:
         self.notice.object = markup("<p class=class role=status>{} {}</p>", sentence, page.class_refusal)
         self.open.visible = not taught and not joined
         self.close.visible = self.results.visible = taught is not None
-        self.name.visible = joined
         self.link.object = "" if taught is None else invitation(class_link(page, taught), taught)
+        if taught is not None and not list(self.results):
+            with added_to(self.results):
+                self.results[:] = self._results()
         if taught is not None:
             self.table.object = students_table(taught)
             self._draw_guesses(taught)

@@ -123,7 +123,7 @@ def test_a_hostile_name_is_text(lecturer: Any) -> None:
 def test_a_name_that_is_typed_later_is_shown(lecturer: Any) -> None:
     student = joined(lecturer)
     student.hear("driven", "done", COMMANDS)
-    student.classroom.name.value = "Ada"
+    student.classroom.name[0].value = "Ada"
     assert "Ada" in lecturer.classroom.table.object
     assert len(taught(lecturer).students) == 1
 
