@@ -25,6 +25,14 @@ LARGEST_STUDY_BYTES = 64_000_000
 """Of the file of a study: about 600,000 runs of five fields."""
 LONGEST_NOTE, LONGEST_AUTHOR = 2_000, 100
 """Characters of an author's note in a report, and of the author's name."""
+MOST_CLASSES, MOST_STUDENTS = 50, 200
+"""Open classes of a server, and students of each."""
+RUNS_KEPT, RESULT_REST_S = 3, 1.0
+"""Runs of a student that a class keeps, and the time between two results of a student [s]."""
+LONGEST_NAME = 40
+"""Characters of a student's name."""
+MOST_AWAY_S = 4 * 3600.0
+"""A class is closed when no page of its lecturer has been open for this time [s]."""
 NONE = "-"
 
 
@@ -64,6 +72,11 @@ def limits() -> tuple[Limit, ...]:
         Limit("Values of a link", NONE, f"{MAX_FIELDS:,}"),
         Limit("Keys of a table in a link", NONE, f"{MOST_KEYS:,}"),
         Limit("Tables and lists in each other in a link", NONE, f"{DEEPEST:,}"),
+        Limit("Open classes of a server", NONE, str(MOST_CLASSES)),
+        Limit("Students of a class", NONE, str(MOST_STUDENTS)),
+        Limit("Time between two results of a student, s", NONE, f"{RESULT_REST_S:g}"),
+        Limit("Characters of a student's name", NONE, str(LONGEST_NAME)),
+        Limit("Hours that a class stays without its lecturer's page", NONE, f"{MOST_AWAY_S / 3600:g}"),
         Limit("Steps back", NONE, f"{MAX_STEPS:,}"),
     )
 

@@ -14,7 +14,7 @@ CASES = {
     "dashboard/command/sweeps.py": {SMOKE, "tests/dashboard/test_one_value.py"},
     "tests/browser/user.py": {SMOKE, "tests/browser/test_motor.py"},
     "tests/browser/conftest.py": {SMOKE, "tests/browser/test_motor.py"},
-    "assets/scripts/guess.js": {SMOKE, "tests/browser/test_lessons.py", "tests/browser/test_scripts.py"},
+    "assets/scripts/navigation.js": {SMOKE, "tests/browser/test_navigation.py", "tests/browser/test_scripts.py"},
     "assets/scenarios/ftorek-300s.toml": {"tests/core/check/test_check.py"},
     "tests/browser/test_motor.py": {"tests/browser/test_motor.py"},
     "README.md": {"tests/test_readme.py"},

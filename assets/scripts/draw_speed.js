@@ -1,14 +1,12 @@
 // The lesson that is drawn: a speed over the distance, snapped to what the train can do, then the best run in its time.
 
-import {life_of, make, redraw_on} from "./dom.js";
+import {life_of, make} from "./dom.js";
 import {BRAKE, COAST, POWER, between_points, drive_drawn, force_between, net_energy} from "./driving.js";
 import {
-  KMH_PER_MS, clock_of, come_into_sight, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
+  KMH_PER_MS, clock_of, dials, energy_bars, figures_of, frame_meter, kwh_of, listen_to, pressing, verdict_of,
 } from "./played.js";
 import {figure_on} from "./speed_figure.js";
 
-// beyond the shortest time; with less, there is nothing to save with
-const LEAST_TIME_TO_SAVE_S = 0.5;
 // of the greatest effort: a train that needs less coasts, as everybody would say
 const COASTING_SHARE = 0.01;
 const TURNS = {ArrowUp: 1, ArrowDown: -1, PageUp: 5, PageDown: -5}, WALKS = {ArrowRight: 1, ArrowLeft: -1};
@@ -18,10 +16,9 @@ export function render({model}) {
   const canvas = make("canvas", {
     role: "slider", tabindex: "0", "aria-label": "Drawn speed over distance", "aria-orientation": "vertical",
   });
-  const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small");
-  const {bars, show: show_bars} = energy_bars(), button = pressing(signal), result = make("div", {hidden: true});
+  const told = make("p", {role: "status"}), {element: clocks, one: clock, other: used} = dials("Time", "Energy"), note = frame_meter(root);
+  const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
   let mesh = null, figure = null, points = [], chosen = 0, run = null, verdict = null, asked = false, due = false, held = null;
-  const frames = [];
 
   const place_of = (k) => (mesh.position.at(-1) * k) / (points.length - 1);
   const kinds = () => {
@@ -34,19 +31,19 @@ export function render({model}) {
   const picture = () => {
     const begun = performance.now(), drawn = between_points(mesh, points).map((kmh) => kmh / KMH_PER_MS);
     run = drive_drawn(mesh, drawn);
-    const sum = run.sums.at(-1), spare = sum.time - model.shortest_s, speed = points[chosen];
+    const sum = run.sums.at(-1), spare = model.given.target_s - sum.time, speed = points[chosen];
     figure.draw({
       speeds: run.speed2.map(Math.sqrt), commands: kinds(), at: place_of(chosen), speed: speed / KMH_PER_MS, verdict, drawn,
     });
-    clock.textContent = clock_of(sum.time);
-    clock_note.textContent = `${figures_of(spare, 1)} s more than the shortest time`;
-    used.textContent = `${kwh_of(net_energy(sum))} kWh`;
+    clock.value.textContent = clock_of(sum.time);
+    clock.note.textContent = `${figures_of(Math.abs(spare), 1)} s ${spare < 0 ? "late" : "to spare"}`;
+    clock.note.classList.toggle("late", spare < 0);
+    used.value.textContent = `${kwh_of(net_energy(sum))} kWh`;
     show_bars(sum);
     canvas.setAttribute("aria-valuenow", String(speed));
     canvas.setAttribute("aria-valuetext", `${speed} km/h at ${Math.round(place_of(chosen))} m`);
-    reveal.disabled = asked || Boolean(verdict) || spare < LEAST_TIME_TO_SAVE_S;
-    frames.push(performance.now() - begun);
-    root.dataset.frameMs = String(frames.toSorted((one, other) => one - other)[Math.floor(frames.length / 2)]);
+    reveal.disabled = asked || Boolean(verdict);
+    note(begun);
   };
   // once a frame, however often a pointer moves in it
   const soon = () => {
@@ -55,12 +52,13 @@ export function render({model}) {
     requestAnimationFrame(() => { due = false; picture(); });
   };
   const changed = () => {
-    if (verdict) { verdict = null; result.hidden = true; }
+    verdict = null;
+    result.hide();
     told.textContent = "";
     soon();
   };
   const set = (k, kmh) => {
-    const [least, most] = model.ends_kmh;
+    const [least, most] = model.given.ends_kmh;
     points[k] = Math.round(Math.min(Math.max(kmh, least), most));
   };
   const draw_to = (event) => {
@@ -103,66 +101,42 @@ export function render({model}) {
   }, {signal});
 
   const text = () => points.join(",");
-  const reveal = button("Show the best run in this time", () => {
+  const reveal = button("Show the best run", () => {
     asked = true;
     reveal.disabled = true;
-    told.textContent = "The best run in this time is being computed.";
-    model.send_msg({what: "done", drawn: text()});
+    told.textContent = "The best run is being computed.";
+    model.send_msg({what: "done", text: text()});
   }, "main");
-  const anew = button("Draw anew", () => {
-    points = points.map(() => model.ends_kmh[1]);
+  const clear = button("Clear the drawing", () => {
+    points = points.map(() => model.given.ends_kmh[1]);
     chosen = 0;
     changed();
     canvas.focus();
   });
-
+  const result = verdict_of(model, signal, {change: () => { changed(); canvas.focus(); }}, text);
   const judge = () => {
     asked = false;
     ({verdict} = model);
     told.textContent = "";
-    const more = verdict.kwh - verdict.bound_kwh;
-    const outcome = make("h2", {class: "outcome", tabindex: "-1"},
-      `You use ${figures_of(verdict.kwh, 2)} kWh; in ${clock_of(verdict.time_s)} nobody can use less than ${figures_of(verdict.bound_kwh, 2)}.`);
-    const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (${with_sign((100 * more) / verdict.bound_kwh, 0)} %). Blue is the best run, the thinner line is yours.`);
-    result.replaceChildren(outcome, words, make("div", {class: "stage"},
-      make("div", {}, make("h3", {}, "What the best run does"), make("ul", {}, ...verdict.stretches.map((one) => make("li", {}, one)))),
-      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"),
-        table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))),
-    make("div", {class: "row"}, button("Change it", () => { verdict = null; result.hidden = true; picture(); canvas.focus(); }),
-      ...link_button(button, "Copy link", "learn.drawn"),
-      button("Open in the workbench", () => model.send_msg({what: "open", drawn: text()}), "main")));
-    result.hidden = false;
+    result.show();
     picture();
-    outcome.focus();
   };
 
-  root.append(make("h2", {}, "3. Draw the speed: how would you climb this line?"),
-    make("p", {}, "Draw a speed over the distance. The train follows it as well as it can: dashed is what you drew, the full line what it does. " +
-      "Spend some seconds, and use little energy. Keys: \u2190 \u2192 along the line, \u2191 \u2193 change the speed, with Shift draw on."),
-    told, make("div", {class: "stage"}, canvas, make("div", {},
-      make("div", {class: "clocks"}, make("div", {}, "Time", clock, clock_note), make("div", {}, "Energy", used)),
-      make("h3", {}, "Where it goes, kWh"), bars)),
-    make("div", {class: "row"}, reveal, anew), result);
+  root.append(make("h2", {}, model.title), make("p", {}, model.text), told, result.head,
+    make("div", {class: "stage"}, canvas, make("div", {}, clocks, make("h3", {}, "Where it goes, kWh"), bars)),
+    make("div", {class: "row"}, reveal, clear), result.details);
   told.textContent = "Opening";
   reveal.disabled = true;
   const prepare = () => {
-    if (mesh || !model.mesh.length || !model.begun.length) { return; }
-    ({mesh} = model);
-    points = [...model.begun];
-    canvas.setAttribute("aria-valuemin", String(model.ends_kmh[0]));
-    canvas.setAttribute("aria-valuemax", String(model.ends_kmh[1]));
-    figure = figure_on(canvas, mesh);
+    if (mesh || !model.given.mesh) { return; }
+    ({mesh} = model.given);
+    points = [...model.given.points];
+    canvas.setAttribute("aria-valuemin", String(model.given.ends_kmh[0]));
+    canvas.setAttribute("aria-valuemax", String(model.given.ends_kmh[1]));
+    figure = figure_on(canvas, mesh, signal, picture);
     told.textContent = "Press on the figure and draw.";
-    const again = () => { figure.recolour(); picture(); };
-    again();
-    if (model.linked) { come_into_sight(root); }
-    new ResizeObserver(again).observe(canvas);
-    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(again), {signal});
+    picture();
   };
-  redraw_on(model, ["mesh", "begun", "shortest_s", "linked"], prepare);
-  redraw_on(model, ["verdict"], () => { if (model.verdict.points && asked) { judge(); } });
-  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; told.textContent = ""; picture(); } });
-  prepare();
+  listen_to(model, {prepare, judge, refuse: () => { asked = false; told.textContent = ""; picture(); }, asked: () => asked});
   return root;
 }

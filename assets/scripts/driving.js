@@ -141,9 +141,3 @@ export const between_points = (mesh, points) => {
 const LETTERS = "pcb";
 export const written = (commands) =>
   commands.map((one, i) => (i && commands[i - 1] === one ? "" : `${LETTERS[one]}${i}`)).join("");
-export const read = (text, cells) => {
-  const changes = [...text.matchAll(/([pcb])(\d+)/g)].map(([, letter, from]) => [LETTERS.indexOf(letter), Number(from)]);
-  const commands = Array.from({length: cells}, () => POWER);
-  for (const [command, from] of changes) { commands.fill(command, from); }
-  return commands;
-};

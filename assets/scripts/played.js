@@ -1,13 +1,14 @@
-// What the lessons share: numbers in words, bars of energy, buttons, and the link to hand out.
+// What the lessons that are played share: numbers in words, bars of energy, buttons, and the verdict of the server.
 
-import {make, until} from "./dom.js";
+import {make, redraw_on, until} from "./dom.js";
+import {deep} from "./page.js";
 
 const J_PER_KWH = 3.6e6;
 export const KMH_PER_MS = 3.6;
-// Name, label and colour of what the account of a run consists of.
-export const PARTS = [
-  ["motion", "Motion", "accent"], ["height", "Height", "ink3"], ["resistance", "Resistance", "groundline"],
-  ["losses", "Losses", "costbar"], ["returned", "Returned", "good"], ["drawn", "Drawn from the supply", "ink"],
+// Name, label and colour of the parts of a run's energy.
+const PARTS = [
+  ["motion", "Kinetic", "accent"], ["height", "Potential", "ink3"], ["resistance", "Resistance", "groundline"],
+  ["losses", "Losses", "costbar"], ["returned", "Regenerated", "good"], ["drawn", "Drawn from the supply", "ink"],
 ];
 // What is rounded to zero has no sign.
 export const figures_of = (value, digits) => value.toFixed(digits).replace(/^-(?=0\.?0*$)/, "").replace("-", "\u2212");
@@ -21,7 +22,7 @@ export const with_sign = (value, digits) => {
   return /^\u2212|^0(\.0*)?$/.test(text) ? text : `+${text}`;
 };
 
-// Bars of the account [J], to be shown again with each change.
+// Bars of the energy [J], to be shown again with each change.
 export const energy_bars = () => {
   const bars = make("div", {class: "bars"}), fills = {}, values = {};
   for (const [name, label, colour] of PARTS) {
@@ -40,40 +41,59 @@ export const energy_bars = () => {
   return {bars, show};
 };
 
+// Two large numbers with a note each.
+export const dials = (first, second) => {
+  const [one, other] = [first, second].map((label) => ({label, value: make("b"), note: make("small")}));
+  const element = make("div", {class: "clocks"}, ...[one, other].map(({label, value, note}) => make("div", {}, label, value, note)));
+  return {element, one, other};
+};
+
+// Calls back with what the server sends: what the lesson begins with, a verdict that was asked for, or a refusal.
+export const listen_to = (model, {prepare, judge, refuse, asked}) => {
+  redraw_on(model, ["given"], prepare);
+  redraw_on(model, ["verdict"], () => { if (model.verdict.head && asked()) { judge(); } });
+  redraw_on(model, ["refusals"], () => { if (asked()) { refuse(); } });
+  prepare();
+};
+
+// Notes on the element how long the last frames took, in the middle [ms].
+const MEASURED = 100;
+export const frame_meter = (root) => {
+  const frames = [];
+  return (begun) => {
+    frames.push(performance.now() - begun);
+    if (frames.length > MEASURED) { frames.shift(); }
+    root.dataset.frameMs = String(frames.toSorted((one, other) => one - other)[Math.floor(frames.length / 2)]);
+  };
+};
+
 export const pressing = (signal) => (label, act, name = "") => {
   const made = make("button", {type: "button", class: name || null}, label);
   made.addEventListener("click", act, {signal});
   return made;
 };
 
-// An address without what lessons keep in it, but for one name: such a link opens at its lesson.
-export const lesson_address = (address, key) => {
-  const url = new URL(address);
-  // a long state stands behind the #
-  const long = url.hash.length > 1, before = new URLSearchParams(long ? url.hash.slice(1) : url.search);
-  const values = new URLSearchParams([...before].filter(([name]) => !name.startsWith("learn.") || name === key));
-  if (long) { url.hash = values; } else { url.search = values; }
-  return url.href;
+// The verdict of the server in two parts: its head, whose buttons act here or are for the server, and the details.
+export const verdict_of = (model, signal, acts, text) => {
+  const head = make("div", {hidden: true}), details = make("div", {hidden: true}), parts = [head, details];
+  head.addEventListener("click", (event) => {
+    const what = event.target.closest("[data-what]")?.dataset.what;
+    if (what) { (acts[what] ?? (() => model.send_msg({what, text: text()})))(); }
+  }, {signal});
+  const hide = () => { for (const part of parts) { part.hidden = true; } };
+  const show = () => {
+    head.innerHTML = model.verdict.head;
+    details.innerHTML = model.verdict.details;
+    for (const part of parts) { part.hidden = false; }
+    head.querySelector("h2").focus({preventScroll: true});
+  };
+  return {head, details, show, hide};
 };
 
-// Once it is there: what has just been made is not laid out yet, and the page may still be another one.
+// A link may lead to one of the lessons, once it is laid out.
 const LAID_OUT_WITHIN_MS = 10_000;
-export const come_into_sight = async (root) => {
-  await until(() => root.isConnected && root.getBoundingClientRect().height > 0, LAID_OUT_WITHIN_MS);
-  requestAnimationFrame(() => root.scrollIntoView());
+export const lead_to = async (name) => {
+  const place = () => deep(`.rj-lesson-${name}`)[0];
+  await until(() => place()?.getBoundingClientRect().height > 0, LAID_OUT_WITHIN_MS);
+  requestAnimationFrame(() => place()?.scrollIntoView());
 };
-
-export const link_button = (button, label, key) => {
-  const copied = make("span", {role: "status"});
-  return [button(label, async () => {
-    try {
-      await navigator.clipboard.writeText(lesson_address(window.location.href, key));
-      copied.textContent = "Copied.";
-    } catch { copied.textContent = "Copy the address of this page: it holds what you did."; }
-  }), copied];
-};
-
-// A table with a heading of its own; each row is its cells, the first of them on the left.
-export const table_of = (head, rows) => make("table", {},
-  ...(head.length ? [make("tr", {}, ...head.map((word) => make("th", {scope: "col"}, word)))] : []),
-  ...rows.map(({cells, name = null}) => make("tr", {class: name}, ...cells.map((cell) => make("td", {}, cell)))));

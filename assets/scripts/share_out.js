@@ -1,58 +1,63 @@
-// The lesson on slack: seconds dragged from leg to leg until a second more saves alike everywhere, then the best sharing.
+// The lesson on the supplement: seconds dragged from leg to leg until a second more saves alike everywhere.
 
-import {life_of, make, redraw_on} from "./dom.js";
-import {come_into_sight, figures_of, link_button, pressing, with_sign} from "./played.js";
-import {equal_share, moved, price_of, sharing_text, total_kwh} from "./slack.js";
+import {life_of, make} from "./dom.js";
+import {figures_of, listen_to, pressing, verdict_of, with_sign} from "./played.js";
 
-const KEY_STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 5, PageDown: -5};
+const KEY_STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 5, PageDown: -5, Home: -1e3, End: 1e3};
 const NEXT = {uneven: "even", even: "uneven"};
-const WORDS = {
-  even: "Next: a line with legs alike", uneven: "Back to the line with uneven legs",
+
+// The border behind leg k moves by some seconds, as far as both legs beside it keep the least.
+export const moved = (seconds, k, by, least) => {
+  const most = seconds[k + 1] - least, fewest = least - seconds[k], step = Math.min(Math.max(by, fewest), most);
+  return seconds.map((one, i) => (i === k ? one + step : i === k + 1 ? one - step : one));
 };
+// A table holds a value for each whole second from the least on.
+export const price_of = (line, seconds, k) => line.legs[k].price_wh_s[seconds[k] - line.min_s];
+export const total_kwh = (line, seconds) =>
+  line.legs.reduce((sum, leg, k) => sum + leg.energy_kwh[seconds[k] - line.min_s], line.standing_kwh);
+const equal_share = (line) => line.legs.map(() => line.slack_s / line.legs.length);
 
 export function render({model}) {
-  const signal = life_of(model), root = make("section", {class: "played share-out", "aria-label": "Share out the slack"});
+  const signal = life_of(model), root = make("section", {class: "played share-out", "aria-label": "Distribute the supplement"});
   const button = pressing(signal), told = make("p", {role: "status"}), split = make("div", {class: "split"});
   const legs = make("div", {class: "bars"}), total = make("b"), against = make("small"), steps = make("div", {class: "row"});
-  const result = make("div", {hidden: true});
   let name = "", line = null, seconds = [], asked = false, parts = null;
 
-  const text = () => sharing_text(name, seconds);
   const show = () => {
     // one scale as long as no price passes it, so that a bar's length can be compared with that before
     const widest = Math.max(...line.legs.flatMap((_, k) => [1.5 * price_of(line, equal_share(line), k), price_of(line, seconds, k)]));
-    const slack = line.slack_s;
     let before = 0;
     seconds.forEach((one, k) => {
       const price = price_of(line, seconds, k), {share, fill, value, own, border} = parts[k];
-      share.style.width = `${(100 * one) / slack}%`;
+      share.style.width = `${(100 * one) / line.slack_s}%`;
       share.firstChild.textContent = `${one} s`;
       fill.style.width = `${(100 * price) / widest}%`;
       value.textContent = figures_of(price, price < 100 ? 1 : 0);
       own.textContent = figures_of(line.legs[k].energy_kwh[one - line.min_s], 2);
       before += one;
-      if (border) {
-        border.style.left = `${(100 * before) / slack}%`;
-        border.setAttribute("aria-valuemin", String(before - one + line.min_s));
-        border.setAttribute("aria-valuemax", String(before + seconds[k + 1] - line.min_s));
-        border.setAttribute("aria-valuenow", String(before));
-        border.setAttribute("aria-valuetext", `${one} s for the leg before it, ${seconds[k + 1]} s for the leg after it`);
-      }
+      if (!border) { return; }
+      border.style.left = `${(100 * before) / line.slack_s}%`;
+      const words = `${one} s for the leg before it, ${seconds[k + 1]} s for the leg after it`, ends = {
+        valuemin: before - one + line.min_s, valuemax: before + seconds[k + 1] - line.min_s, valuenow: before, valuetext: words,
+      };
+      for (const [end, number] of Object.entries(ends)) { border.setAttribute(`aria-${end}`, String(number)); }
     });
     const kwh = total_kwh(line, seconds);
-    total.textContent = `${figures_of(kwh, 2)} kWh`;
-    against.textContent = `${with_sign(kwh - total_kwh(line, equal_share(line)), 2)} kWh against equal slack`;
+    total.textContent = `${figures_of(kwh, 3)} kWh`;
+    against.textContent = `${with_sign(kwh - total_kwh(line, equal_share(line)), 3)} kWh against an equal supplement`;
   };
   const move = (k, by) => {
-    if (asked) { return; }
     const next = moved(seconds, k, by, line.min_s);
-    if (next[k] === seconds[k]) { return; }
+    if (asked || next[k] === seconds[k]) { return; }
     seconds = next;
-    result.hidden = true;
+    clear();
+    show();
+  };
+  const clear = () => {
+    result.hide();
     reveal.disabled = false;
     for (const mark of split.querySelectorAll(".best")) { mark.remove(); }
     told.textContent = "";
-    show();
   };
   const held = (border, k) => {
     border.addEventListener("pointerdown", (event) => {
@@ -66,7 +71,7 @@ export function render({model}) {
       move(k, Math.round((line.slack_s * (event.clientX - box.left)) / box.width) - before);
     }, {signal});
     border.addEventListener("keydown", (event) => {
-      const ends = {Home: -line.slack_s, End: line.slack_s}, by = KEY_STEPS[event.key] ?? ends[event.key];
+      const by = KEY_STEPS[event.key];
       if (!by || event.ctrlKey || event.metaKey || event.altKey) { return; }
       event.preventDefault();
       move(k, by);
@@ -75,7 +80,7 @@ export function render({model}) {
   // A line's legs, with a border that is dragged behind each but the last.
   const lay = (which, begins) => {
     name = which;
-    line = model.lines[which];
+    line = model.given.lines[which];
     seconds = [...begins];
     const titles = line.legs.map((leg) => `${leg.from} \u2013 ${leg.to}`);
     parts = line.legs.map((leg, k) => ({
@@ -93,63 +98,38 @@ export function render({model}) {
     steps.replaceChildren(...line.legs.slice(0, -1).flatMap((leg, k) => [
       make("span", {}, `Arrive at ${leg.to}`), button("1 s earlier", () => move(k, -1)), button("1 s later", () => move(k, 1)),
     ]));
-    result.hidden = true;
-    reveal.disabled = true;
+    clear();
     told.textContent = "Drag a border between two legs, or press its arrow keys.";
     show();
   };
-  const reveal = button("Show the best sharing", () => {
+  const text = () => `${name}:${seconds.join(",")}`;
+  const reveal = button("Show the best distribution", () => {
     asked = true;
     reveal.disabled = true;
-    told.textContent = "The best sharing is being computed.";
-    model.send_msg({what: "done", sharing: text()});
+    told.textContent = "The best distribution is being computed.";
+    model.send_msg({what: "done", text: text()});
   }, "main");
-
+  const change = () => { clear(); parts[0].border.focus(); };
+  const other = () => { lay(NEXT[name], equal_share(model.given.lines[NEXT[name]])); parts[0].border.focus(); };
+  const result = verdict_of(model, signal, {change, other}, text);
   const judge = () => {
     asked = false;
-    const verdict = model.verdict, more = verdict.kwh - verdict.bound_kwh;
     told.textContent = "";
-    const outcome = make("h2", {class: "outcome", tabindex: "-1"},
-      `You need ${figures_of(verdict.kwh, 2)} kWh; no sharing needs less than ${figures_of(verdict.bound_kwh, 2)}.`);
-    const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 3)} kWh above the bound (${with_sign((100 * more) / verdict.bound_kwh, 2)} %). In the best sharing one more ` +
-      `second saves ${figures_of(verdict.price_wh_s, 0)} Wh on every leg: nothing is won by moving it.`);
-    const best = make("p", {}, `Best, as the dashed borders: ${verdict.best_s.map((one) => `${figures_of(one, 1)} s`).join(", ")}. `, make("b", {}, verdict.worth));
     let before = 0;
-    for (const one of verdict.best_s.slice(0, -1)) {
+    for (const one of model.verdict.best_s.slice(0, -1)) {
       before += one;
       split.append(make("i", {class: "best", style: `left: ${(100 * before) / line.slack_s}%`}));
     }
-    result.replaceChildren(outcome, words, make("ul", {}, ...verdict.sentences.map((one) => make("li", {}, one))), best,
-      make("div", {class: "row"},
-        button("Change it", () => { result.hidden = true; parts[0].border.focus(); }),
-        button(WORDS[NEXT[name]], () => {
-          lay(NEXT[name], equal_share(model.lines[NEXT[name]]));
-          parts[0].border.focus();
-        }),
-        ...link_button(button, "Copy link", "learn.shared"),
-        button("Open in the workbench", () => model.send_msg({what: "open", sharing: text()}), "main")));
-    result.hidden = false;
-    outcome.focus();
+    result.show();
   };
 
-  root.append(make("h2", {}, "2. Share out the slack: which leg should get the spare minute?"),
-    make("p", {}, "Three legs, and 60 s more than the train needs at least. On each leg it uses its seconds as well as can be. " +
-      "Give seconds to one leg and take them from the next: which sharing needs the least energy?"),
-    told, split, steps, make("div", {class: "stage"},
-      make("div", {}, make("h3", {}, "One more second would save, Wh"), legs),
+  root.append(make("h2", {}, model.title), make("p", {}, model.text), told, result.head, split, steps,
+    make("div", {class: "stage"}, make("div", {}, make("h3", {}, "One more second would save, Wh"), legs),
       make("div", {class: "clocks"}, make("div", {}, "Whole line", total, against))),
-    make("div", {class: "row"}, reveal), result);
+    make("div", {class: "row"}, reveal), result.details);
   told.textContent = "Opening";
   reveal.disabled = true;
-  const prepare = () => {
-    if (line || !model.begun.line || !model.lines[model.begun.line]) { return; }
-    lay(model.begun.line, model.begun.seconds);
-    if (model.begun.linked) { come_into_sight(root); }
-  };
-  redraw_on(model, ["lines", "begun"], prepare);
-  redraw_on(model, ["verdict"], () => { if (model.verdict.line && asked) { judge(); } });
-  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; reveal.disabled = false; told.textContent = ""; } });
-  prepare();
+  const prepare = () => { if (!line && model.given.lines) { lay(model.given.line, model.given.seconds); } };
+  listen_to(model, {prepare, judge, refuse: () => { asked = false; clear(); }, asked: () => asked});
   return root;
 }

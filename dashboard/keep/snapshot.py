@@ -14,7 +14,7 @@ from railjoule.dashboard.state.workbench import Workbench
 Snapshot = dict[str, Any]
 BASE = ("preset", "toml")
 """What names the scenario under all edits."""
-VIEW = ("page", "tab", "colours")
+VIEW = ("page", "tab", "colours", "class_token", "class_student", "class_name", "class_key")
 """The fields of the view, of whichever model: their changes are no steps of undo and redo."""
 
 

@@ -57,7 +57,7 @@ ENERGY = (
         "Energy saved per extra second",
         "Energy that arriving one second later would save. In the theory it is the "
         "multiplier of the travel time, also called the price of a second.",
-        ("Extra second saves", "Price of a second", "Solved again", "saved per extra second, Wh"),
+        ("Extra second saves", "Price of a second", "Check", "saved per extra second, Wh"),
     ),
     Term(
         "Above the optimum",

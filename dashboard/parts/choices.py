@@ -17,6 +17,11 @@ def buttons(model: Any, field: str, options: Options, **params: Any) -> pmui.Rad
     return _tied(pmui.RadioButtonGroup, model, field, options=dict(options), sx=unbroken, **params)
 
 
+def radios(model: Any, field: str, label: str, options: Options, **params: Any) -> pmui.RadioBoxGroup:
+    """Return a group of choices in a row."""
+    return _tied(pmui.RadioBoxGroup, model, field, label=label, options=dict(options), inline=True, **params)
+
+
 def over_time_buttons(state: Any, **params: Any) -> pmui.RadioButtonGroup:
     """Return the buttons that lay the runs of all pages over distance or time."""
     return buttons(state, "over_time", {"Distance": False, "Time": True}, **params)

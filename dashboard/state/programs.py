@@ -11,7 +11,6 @@ from railjoule.core.citation import bibtex
 from railjoule.core.scenario import to_document
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.strategy import STRATEGIES
-from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.provenance import about_text
 from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.state.recipes import Recipe, as_command
@@ -119,19 +118,6 @@ def _study(state: Workbench) -> PageRun:
     return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold)
 
 
-def _learn(state: Workbench) -> PageRun:
-    values = {lesson.name: float(getattr(state.learn, lesson.name)) for lesson in LESSONS}
-    body = (
-        f"for lesson, value in {values!r}.items():\n"
-        "    for name, run in compute_lesson(LessonRequest(lesson, value)).runs.items():\n"
-        '        print(f"{lesson}, {name}: {run.energy_kwh} kWh")\n'
-    )
-    module = "railjoule.dashboard.pages.learn.compute"
-    program = Program({"LessonRequest": module, "compute_lesson": module}, body, "", of_scenario=False)
-    untold = "The lessons have scenarios of their own, which no command runs."
-    return PageRun(program, {"strategy": state.chosen_now}, untold)
-
-
 def _measured_runs(state: Workbench) -> PageRun:
     """Return the plan: a measured run stands beside it, and its file in no scenario."""
     shown = state.measured_runs.measured is not None
@@ -143,7 +129,6 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
     "Study": _study,
-    "Learn": _learn,
     "Measured runs": _measured_runs,
     "Import": _plan,
     "Help": _plan,

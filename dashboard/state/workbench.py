@@ -18,7 +18,6 @@ from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.imports.model import ImportModel
-from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
@@ -87,7 +86,6 @@ class Workbench(Kept, PageModel):
         self.day = Day(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
-        self.learn = LearnModel()
         self.imports = ImportModel()
         self.proof = ProofModel()
         self.simple = SimpleModel()

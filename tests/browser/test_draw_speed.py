@@ -7,13 +7,13 @@ from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.pages.learn.drawing import POINTS, verdict_on
+from railjoule.dashboard.pages.learn.drawing import POINTS, judge
 
 READY_MS = 60_000
 # within this a new frame comes at 60 a second
 FRAME_MS = 16
 MOST_WORDS = 150
-BUTTON = "Show the best run in this time"
+BUTTON = "Show the best run"
 
 
 def lesson(page: Page) -> Locator:
@@ -23,12 +23,12 @@ def lesson(page: Page) -> Locator:
     return found
 
 
-def test_by_mouse_to_the_workbench(chromium: Browser, server: Server) -> None:
+def test_by_mouse_to_drive(chromium: Browser, server: Server) -> None:
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         draw, mouse = lesson(user.page), user.page.mouse
         draw.scroll_into_view_if_needed()
-        # the fastest run: nothing to save with, nothing told of the best
-        expect(draw.get_by_role("button", name=BUTTON)).to_be_disabled()
+        # the fastest run, and nothing of the best
+        expect(draw.get_by_text("34.2 s to spare")).to_be_visible()
         expect(draw.locator(".outcome")).to_have_count(0)
         assert len(draw.inner_text().split()) <= MOST_WORDS
         box = draw.locator("canvas").bounding_box()
@@ -47,12 +47,12 @@ def test_by_mouse_to_the_workbench(chromium: Browser, server: Server) -> None:
         expect(user.page).to_have_url(re.compile("learn.drawn="))
         found = re.search(r"learn\.drawn=([\d,]+)", user.page.url)
         assert found is not None
-        verdict = verdict_on([int(one) for one in found[1].split(",")])
-        assert (used, bound) == (f"{verdict['kwh']:.2f}", f"{verdict['bound_kwh']:.2f}")
-        expect(draw.locator("li")).to_have_count(len(verdict["stretches"]))
-        draw.get_by_role("button", name="Open in the workbench").click()
+        verdict = judge(found[1])
+        assert {used, bound} == {f"{verdict.kwh:.2f}", f"{verdict.bound_kwh:.2f}"}
+        expect(draw.locator("li")).to_have_count(len(verdict.sentences))
+        draw.get_by_role("button", name="Open on Drive").click()
         expect(user.scenario("Metro, profile III")).to_be_visible()
-        expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict['best_kwh']:.2f}kWh")
+        expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict.bound_kwh:.2f}kWh")
 
 
 def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
@@ -73,7 +73,7 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
         expect(outcome).to_be_focused(timeout=READY_MS)
         # 60 km/h as far as the train can, by `railjoule.core` in test_drawing
         expect(outcome).to_contain_text("You use 36.40 kWh")
-        expect(outcome).to_contain_text("less than 29.40")
+        expect(outcome).to_contain_text("less than 27.51")
 
 
 @pytest.mark.nightly

@@ -1,4 +1,4 @@
-"""The lesson on slack: by mouse, by keyboard alone, by touch, and from a link."""
+"""The lesson on the supplement: by mouse, by keyboard alone, by touch, and from a link."""
 
 import re
 
@@ -18,13 +18,12 @@ def lesson(page: Page) -> Locator:
     return found
 
 
-def test_by_mouse_to_the_best_sharing_and_the_workbench(chromium: Browser, server: Server) -> None:
+def test_by_mouse_to_the_best_distribution_and_line(chromium: Browser, server: Server) -> None:
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         share = lesson(user.page)
         share.scroll_into_view_if_needed()
-        # equal slack, as `railjoule.core` drives it; nothing of the best sharing before one has acted
-        expect(share.get_by_text("16.27 kWh", exact=True)).to_be_visible()
-        expect(share.get_by_role("button", name="Show the best sharing")).to_be_disabled()
+        # equal seconds, as `railjoule.core` drives it; nothing of the best distribution before one has asked
+        expect(share.get_by_text("16.267 kWh", exact=True)).to_be_visible()
         expect(share.locator(".outcome")).to_have_count(0)
         assert len(share.inner_text().split()) <= MOST_WORDS
         bar, border = share.locator(".split").bounding_box(), share.get_by_role("slider").first.bounding_box()
@@ -38,13 +37,13 @@ def test_by_mouse_to_the_best_sharing_and_the_workbench(chromium: Browser, serve
         later = share.get_by_role("button", name="1 s later").nth(1)
         for _ in range(3):
             later.click()
-        share.get_by_role("button", name="Show the best sharing").click()
-        expect(share.locator(".outcome")).to_contain_text("no sharing needs less than 15.57", timeout=READY_MS)
-        expect(share.get_by_text("sharing out pays")).to_be_visible()
+        share.get_by_role("button", name="Show the best distribution").click()
+        expect(share.locator(".outcome")).to_contain_text("no distribution needs less than 15.568", timeout=READY_MS)
+        expect(share.get_by_text("distributing it pays")).to_be_visible()
         expect(user.page).to_have_url(re.compile("learn.shared=uneven:12,31,17"))
-        share.get_by_role("button", name="Open in the workbench").click()
+        share.get_by_role("button", name="Open on Line").click()
         expect(user.question("Line")).to_be_visible()
-        expect(user.scenario("Share out the slack: uneven legs")).to_be_visible()
+        expect(user.scenario("Distribute the supplement: uneven legs")).to_be_visible()
 
 
 def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Server) -> None:
@@ -56,13 +55,13 @@ def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Serv
         for _ in range(3):
             keys.press("ArrowLeft")
         expect(share.get_by_role("slider").first).to_have_attribute("aria-valuenow", "12")
-        user.reach(share.get_by_role("button", name="Show the best sharing"))
+        user.reach(share.get_by_role("button", name="Show the best distribution"))
         keys.press("Enter")
         expect(share.locator(".outcome")).to_be_focused(timeout=READY_MS)
         user.reach(share.get_by_role("button", name="Next: a line with legs alike"))
         keys.press("Enter")
         expect(share.get_by_role("slider").first).to_be_focused()
         keys.press("ArrowRight")
-        user.reach(share.get_by_role("button", name="Show the best sharing"))
+        user.reach(share.get_by_role("button", name="Show the best distribution"))
         keys.press("Enter")
         expect(share.get_by_text("it does not pay")).to_be_visible(timeout=READY_MS)

@@ -1,26 +1,60 @@
-"""The answers to the guesses, from what the lessons compute, each with the numbers that explain it."""
+"""The answers to the guesses, the numbers that explain them, and the figures above the curves of a lesson."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.energy_along import BRAKES
+from railjoule.core.energy_along import BRAKES, EnergyAlong, energy_along
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.learn.compute import LessonResult
+from railjoule.dashboard.pages.learn.lessons import Lesson
+from railjoule.dashboard.parts import html as parts
+
+WITHOUT = "without recuperation it is the dashed run itself."
+ENERGIES: Mapping[str, Callable[[EnergyAlong], Any]] = {
+    "Kinetic": lambda along: along.motion_j,
+    "Potential": lambda along: along.height_j,
+    "Resistance": lambda along: along.resistance_j,
+    "Losses": lambda along: along.losses_j,
+    "Regenerated": lambda along: along.returned_j,
+    "Drawn from the supply": lambda along: along.drawn_j,
+}
+"""Energies of a run up to a place, by their words."""
+NUMBERS: Mapping[str, Callable[[LessonResult], float]] = {
+    "coasting": lambda result: 100 * result.saved_share,
+    "multiplier": lambda result: _difference_j(result) / J_PER_WH,
+    "recuperation": lambda result: off_m(next(iter(result.runs.values()))),
+    "gradient": lambda result: 100 * result.saved_share,
+    "load": lambda result: 100 * share_above(*(run.energy_kwh for run in reversed(tuple(result.runs.values())))),
+}
+"""The answers, each in the unit of its guess."""
 
 
 class Answer(NamedTuple):
-    """What was asked for, in the unit of the guess, and why it is that: the end of a sentence."""
+    """The answer to a question, in the unit of the guess, and its reason: the end of a sentence."""
 
     number: float
     because: str
 
 
-def answer_of(result: LessonResult) -> Answer:
+def answer_of(lesson: Lesson, result: LessonResult) -> Answer:
     """Return the answer to the question of a lesson."""
-    return ANSWERS[result.request.lesson](result)
+    first, second = result.runs.values()
+    fields = {"later": words.number(off_m(first) - off_m(second), 0)}
+    for number, run in enumerate((first, second), 1):
+        fields |= {
+            f"from_{number}": words.speed(run.phases[-1].start_ms, 1),
+            f"away_{number}": words.energy(braked_away_kwh(run)),
+            f"off_{number}": words.number(off_m(run), 0),
+            f"energy_{number}": words.energy(run.energy_kwh),
+            f"returned_{number}": words.energy(run.energy.recuperated_j / J_PER_KWH),
+        }
+    no_difference = lesson.name == "recuperation" and first.energy.recuperated_j <= 0
+    return Answer(NUMBERS[lesson.name](result), WITHOUT if no_difference else lesson.because.format(**fields))
 
 
 def motors_off_m(run: Trajectory) -> float | None:
@@ -29,9 +63,10 @@ def motors_off_m(run: Trajectory) -> float | None:
     return next((phase.start_m for phase in reversed(run.phases) if phase.phase == "coast"), None)
 
 
-def brakes_from_ms(run: Trajectory) -> float:
-    """Return the speed from which a run brakes to its stop [m/s]."""
-    return run.phases[-1].start_ms
+def off_m(run: Trajectory) -> float:
+    """Return where a run ceases to use its motors [m]: one that does not coast drives until it brakes."""
+    off = motors_off_m(run)
+    return run.phases[-1].start_m if off is None else off
 
 
 def braked_away_kwh(run: Trajectory) -> float:
@@ -39,72 +74,101 @@ def braked_away_kwh(run: Trajectory) -> float:
     return sum(run.energy.losses_j.get(kind, 0.0) for kind in BRAKES) / J_PER_KWH
 
 
-def _off_m(run: Trajectory) -> float:
-    # one that does not coast drives until it brakes
+def _difference_j(result: LessonResult) -> float:
+    first, second = result.runs.values()
+    return first.energy.net_j - second.energy.net_j
+
+
+# ---- the numbers above the curves
+
+
+def compared_cells(lesson: Lesson, result: LessonResult) -> list[str]:
+    """Return the numbers of the run that the optimum is compared with, which may be known before a guess."""
+    name, run = list(result.runs.items())[1]
+    cells = [
+        _energy(run, name[0].upper() + name[1:], "main"),
+        parts.figure("Highest speed", words.number(run.max_speed_kmh), "km/h", ""),
+    ]
     off = motors_off_m(run)
-    return run.phases[-1].start_m if off is None else off
+    if off is not None and lesson.name == "recuperation":
+        cells.append(parts.figure("Motors off at", words.number(off, 0), "m", ""))
+    return cells
 
 
-def _off_words(run: Trajectory) -> str:
-    return words.number(_off_m(run), 0)
+def cells(lesson: Lesson, result: LessonResult) -> list[str]:
+    """Return the numbers of a lesson: what it is about, the energies of both runs, and what else explains it."""
+    first, second = result.runs.values()
+    saved = (words.share(result.saved_share), "%", "")
+    more = {
+        "load": (words.number(NUMBERS[lesson.name](result)), "%", "more energy"),
+        "multiplier": (words.price(first.price_of_time_w or 0.0), "Wh/s", "the multiplier"),
+    }
+    headline = parts.figure(lesson.headline, *more.get(lesson.name, saved), "main", term=lesson.term)
+    energies = [_energy(first, lesson.first_name), _energy(second, lesson.second_name)]
+    return [headline, *energies, *_more_cells(lesson, result, first, second)]
 
 
-def _coasting(result: LessonResult) -> Answer:
-    best, other = result.runs.values()
-    because = (
-        f"the best run brakes from {words.speed(brakes_from_ms(best), 1)} km/h instead of "
-        f"{words.speed(brakes_from_ms(other), 1)}, so that the brakes waste {words.energy(braked_away_kwh(best))} "
-        f"instead of {words.energy(braked_away_kwh(other))} kWh."
+def _more_cells(lesson: Lesson, result: LessonResult, first: Trajectory, second: Trajectory) -> list[str]:
+    if lesson.name == "coasting":
+        coasts = sum(phase.end_m - phase.start_m for phase in first.phases if phase.phase == "coast")
+        return [parts.figure("Coasts", words.share(coasts / first.distance_m), "%", "of the distance")]
+    if lesson.name == "multiplier":
+        check = f"solved for {words.number(second.travel_time_s, 0)} s"
+        return [parts.figure("Check", words.price(_difference_j(result)), "Wh", check)]
+    if lesson.name == "recuperation" and result.steady is not None:
+        brakes = f"brakes at {words.speed(result.steady.brake_ms)} km/h"
+        return [parts.figure("Motors off at", words.number(off_m(first), 0), "m", brakes)]
+    if lesson.name == "load":
+        late = second.travel_time_s - second.scenario.travel_time_s
+        return [parts.figure("Arrives", words.delay(late), "s", "late" if late >= 0.05 else "on time")]
+    return []
+
+
+def _energy(run: Trajectory, label: str, kind: str = "") -> str:
+    detail = f"in {words.time(run.travel_time_s)} s"
+    return parts.figure(label, words.energy(run.energy_kwh), "kWh", detail, kind, term="Energy from the supply")
+
+
+# ---- energies along the runs
+
+
+def energies_at(run: Trajectory, place_m: float) -> dict[str, float]:
+    """Return the energies of a run up to a place, by the words of their bars [kWh]."""
+    along = energy_along(run)
+    return {word: float(np.interp(place_m, along.position_m, of(along))) / J_PER_KWH for word, of in ENERGIES.items()}
+
+
+def energy_table(lesson: Lesson, runs: Mapping[str, Trajectory], place_m: float) -> parts.Markup:
+    """Return a table with bars of the energies of some runs up to a place."""
+    columns = [energies_at(run, place_m) for run in runs.values()]
+    # the largest along the way, so that bars of different places can be compared
+    widest = max(max(abs(one) for one in energies_at(run, run.distance_m).values()) for run in runs.values())
+    kinds = ["other"] if len(runs) == 1 else ["best", "other"]
+    rows = [
+        parts.markup(
+            "<tr><th scope=row>{}</th><td class=bars aria-hidden=true>{}</td>{}</tr>",
+            word,
+            parts.joined(
+                parts.markup(
+                    "<i class='{}{}' style='width:{}%'></i>",
+                    kind,
+                    " less" if column[word] < 0 else "",
+                    f"{min(100 * abs(column[word]) / widest, 100):.1f}",
+                )
+                for kind, column in zip(kinds, columns, strict=True)
+            ),
+            parts.joined(parts.markup("<td>{}</td>", words.number(column[word], 2)) for column in columns),
+        )
+        for word in ENERGIES
+    ]
+    heads = (
+        parts.markup("<th scope=col><i class={} aria-hidden=true></i>{}</th>", kind, name)
+        for kind, name in zip(kinds, runs, strict=True)
     )
-    return Answer(100 * result.saved_share, because)
-
-
-def _multiplier(result: LessonResult) -> Answer:
-    best, later = result.runs.values()
-    because = (
-        f"with the second more, the motors are switched off at {_off_words(later)} instead of {_off_words(best)} m, "
-        f"and the brakes waste {words.energy(braked_away_kwh(later))} instead of "
-        f"{words.energy(braked_away_kwh(best))} kWh."
+    return parts.markup(
+        "<div class=energies><table data-name='Energies up to {place} m'><caption>Up to {place} m, kWh</caption><thead>"
+        "<tr><th scope=col>Energy</th><td></td>{heads}</tr></thead><tbody>{rows}</tbody></table></div>",
+        place=words.number(place_m, 0),
+        heads=parts.joined(heads),
+        rows=parts.joined(rows),
     )
-    return Answer((best.energy.net_j - later.energy.net_j) / J_PER_WH, because)
-
-
-def _recuperation(result: LessonResult) -> Answer:
-    best, without = result.runs.values()
-    off, off_without = (_off_m(run) for run in (best, without))
-    if best.energy.recuperated_j <= 0:
-        return Answer(off, "without recuperation it is the dashed run itself.")
-    because = (
-        f"braking returns {words.energy(best.energy.recuperated_j / J_PER_KWH)} kWh, so that it pays to keep the speed "
-        f"for {words.number(off - off_without, 0)} m more than without."
-    )
-    return Answer(off, because)
-
-
-def _gradient(result: LessonResult) -> Answer:
-    best, other = result.runs.values()
-    because = (
-        f"the plan for level track brakes {words.energy(braked_away_kwh(other))} kWh away, "
-        f"the plan with gradients {words.energy(braked_away_kwh(best))}."
-    )
-    return Answer(100 * result.saved_share, because)
-
-
-def _load(result: LessonResult) -> Answer:
-    best, driven = result.runs.values()
-    because = (
-        f"both runs are alike: {words.energy(driven.energy_kwh)} kWh, of which the brakes waste "
-        f"{words.energy(braked_away_kwh(driven))}, against {words.energy(best.energy_kwh)} and "
-        f"{words.energy(braked_away_kwh(best))}."
-    )
-    return Answer(100 * share_above(driven.energy_kwh, best.energy_kwh), because)
-
-
-ANSWERS: Mapping[str, Callable[[LessonResult], Answer]] = {
-    "coasting": _coasting,
-    "multiplier": _multiplier,
-    "recuperation": _recuperation,
-    "gradient": _gradient,
-    "load": _load,
-}
-"""By lesson."""

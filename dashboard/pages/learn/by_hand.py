@@ -1,7 +1,5 @@
 """The lesson that is driven: the meshed line that the browser drives on, and how a try compares with the optimum."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -23,61 +21,26 @@ from railjoule.core.simulation.manual import (
 )
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.pages.learn.verdict import FASTER, MORE, Verdict, compare
 
 PRESET = "metro-with-limit"
-"""A metro train with a constant efficiency; "Open in the workbench" opens it."""
+"""A metro train with a constant efficiency; "Open on Drive" opens it."""
 LESSON_CHANGES = {"solver.mesh_m": 2.0}
 """A command holds for whole cells: of two metres, a tenth of a second at 72 km/h."""
+TRIES = 3
 DID = ("kept power", "coasted", "braked")
 """What a driver did, by the number of the command."""
-HERE = "Here you part, at {place} m. The best run: {phase}."
+DOES = {
+    "full_power": "it uses full power",
+    "part_power": "it uses part power",
+    "hold": "it holds its speed",
+    "coast": "it coasts",
+    "brake": "it brakes",
+    "stand": "it stands",
+}
+"""What the best run does, by the name of the phase."""
+HERE = "From {place} m on you differ from the best run: {does}."
 THERE = "You {did} to {place} m: there you are {speed} km/h {faster} and have used {energy} kWh {more}."
-FASTER, MORE = ("faster", "slower"), ("more", "less")
-"""Words of a difference of speed and of energy that is not negative, and of one that is."""
-BEYOND = {"losses": "Lost in motors and brakes", "resistance": "Lost to resistance", "auxiliary": "Auxiliaries"}
-"""Where energy goes, by the name that the browser's account has for it."""
-# a second behind the decimal point is rounding of the last cells
-IN_TIME_S = 0.05
-
-
-@dataclass(frozen=True)
-class TryRequest:
-    """A try: its commands as a text, such as p0c300b2200; empty where only the meshed line is asked for."""
-
-    commands: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class TryResult:
-    """What the browser is told.
-
-    Parameters
-    ----------
-    request : TryRequest
-    mesh : mapping
-        What it drives on.
-    verdict : mapping or None
-        How the try compares with the optimum; None where there was none.
-    """
-
-    request: TryRequest
-    mesh: Mapping[str, Any]
-    verdict: Mapping[str, Any] | None = None
-
-
-def judge(request: TryRequest) -> TryResult:
-    """Return the meshed line and how a try compares with the optimum.
-
-    Raises
-    ------
-    ScenarioError
-        If the text is not one of commands for this meshed line.
-    """
-    _, mesh = lesson()
-    arrays = mesh_arrays(mesh)
-    if not request.commands:
-        return TryResult(request, arrays)
-    return TryResult(request, arrays, verdict_on(request.commands))
 
 
 @cache
@@ -97,6 +60,43 @@ def driven_run(text: str) -> Trajectory:
     """Return the run of a try; errors as `read_commands`."""
     scenario, mesh = lesson()
     return drive_manually(scenario, mesh, read_commands(text, mesh.cell_count))
+
+
+def begin(text: str) -> dict[str, Any]:
+    """Return what the browser begins with: the line, and the run of a link to race; errors as `read_commands`."""
+    scenario, mesh = lesson()
+    run = driven_run(text) if text else None
+    ghost = run and {"times": run.time_s.tolist(), "speeds": run.speed_ms.tolist()}
+    return {"mesh": mesh_arrays(mesh), "timetable_s": scenario.travel_time_s, "tries": TRIES, "ghost": ghost}
+
+
+def judge(text: str) -> Verdict:
+    """Return how a try compares with the optimum; errors as `read_commands`."""
+    scenario, mesh = lesson()
+    commands, run, best = read_commands(text, mesh.cell_count), driven_run(text), best_run()
+    node = parting_node(run, best)
+    parting = None if node is None else {"position": float(run.nodes_m[node]), "node": node}
+    sentences = () if node is None else _parting_words(run, best, commands, node)
+    return compare(("driven", text), run, best, scenario.travel_time_s, sentences, parting=parting)
+
+
+def _parting_words(run: Trajectory, best: Trajectory, commands: IntArray, node: int) -> tuple[str, str]:
+    """Return where two runs part first, and what each does there."""
+    # at the end of the cell, as a border between phases may lie within it
+    phase = next(phase for phase in best.phases if phase.end_m >= run.nodes_m[node + 1])
+    others = np.flatnonzero(commands[node:] != commands[node])
+    end = node + int(others[0]) if len(others) else len(commands)
+    faster = float(run.node_speed_ms[end] - best.node_speed_ms[end])
+    cost = float(run.supply_energy_j[end] - best.supply_energy_j[end]) / J_PER_KWH
+    there = THERE.format(
+        did=DID[commands[node]],
+        place=words.number(run.nodes_m[end], 0),
+        speed=words.speed(abs(faster), 0),
+        faster=FASTER[faster < 0],
+        energy=words.energy(abs(cost)),
+        more=MORE[cost < 0],
+    )
+    return HERE.format(place=words.number(run.nodes_m[node], 0), does=DOES[phase.phase]), there
 
 
 def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
@@ -119,7 +119,6 @@ def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
         "linear": data.resistance_linear,
         "quadratic": np.asarray(data.resistance_quadratic).tolist(),
         "gradient": mesh.gradient_force_n.tolist(),
-        "permille": mesh.gradient_permille.tolist(),
         "limit": mesh.cell_limit_ms.tolist(),
         "highest2": braking_envelope(mesh).tolist(),
         "entering2": max(float(data.fixed_speed2[0]), 0.0),
@@ -135,76 +134,6 @@ def mesh_arrays(mesh: MeshedLine) -> dict[str, Any]:
         "braking_efficiency": float(data.drive_parameters[BRAKING_EFFICIENCY]),
         "recuperated": data.recuperation_factor,
     }
-
-
-def verdict_on(text: str) -> dict[str, Any]:
-    """Return how a try compares with the optimum, in numbers and sentences; errors as `read_commands`."""
-    scenario, mesh = lesson()
-    commands, best = read_commands(text, mesh.cell_count), best_run()
-    run = driven_run(text)
-    late = run.travel_time_s - scenario.travel_time_s
-    bound = best.bound
-    assert bound is not None
-    return {
-        "commands": text,
-        "kwh": run.energy_kwh,
-        "time_s": run.travel_time_s,
-        "late_s": late,
-        "counts": late <= IN_TIME_S,
-        "bound_kwh": bound.energy_j / J_PER_KWH,
-        "proven": best.is_proven,
-        "best_kwh": best.energy_kwh,
-        "best_ms": best.speed_ms.tolist(),
-        "above_kwh": ((run.supply_energy_j - best.supply_energy_j) / J_PER_KWH).tolist(),
-        "parting": _parting(run, best, commands),
-        "rows": beyond(run, best),
-    }
-
-
-def _parting(run: Trajectory, best: Trajectory, commands: IntArray) -> dict[str, Any] | None:
-    """Return where two runs part first, and in words what each does there."""
-    node = parting_node(run, best)
-    if node is None:
-        return None
-    place = float(run.nodes_m[node])
-    # at the end of the cell, as a border between phases may lie within it
-    phase = next(phase for phase in best.phases if phase.end_m >= run.nodes_m[node + 1])
-    others = np.flatnonzero(commands[node:] != commands[node])
-    end = node + int(others[0]) if len(others) else len(commands)
-    faster = float(run.node_speed_ms[end] - best.node_speed_ms[end])
-    cost = float(run.supply_energy_j[end] - best.supply_energy_j[end]) / J_PER_KWH
-    return {
-        "position": place,
-        "node": node,
-        "here": HERE.format(place=words.number(place, 0), phase=words.PHASE_WORDS[phase.phase]),
-        "there": THERE.format(
-            did=DID[commands[node]],
-            place=words.number(run.nodes_m[end], 0),
-            speed=words.speed(abs(faster), 0),
-            faster=FASTER[faster < 0],
-            energy=words.energy(abs(cost)),
-            more=MORE[cost < 0],
-        ),
-    }
-
-
-def spent_kwh(run: Trajectory) -> dict[str, float]:
-    """Return what a run has spent for good, by the names of BEYOND [kWh]."""
-    account = run.energy
-    spent = {
-        "losses": sum(account.losses_j.values()),
-        "resistance": account.running_resistance_j + account.curve_resistance_j,
-        "auxiliary": account.auxiliary_j,
-    }
-    return {name: energy / J_PER_KWH for name, energy in spent.items()}
-
-
-def beyond(run: Trajectory, best: Trajectory) -> list[tuple[str, float]]:
-    """Return what a try took beyond the optimum, by where it went [kWh]; they sum to the whole."""
-    mine, least = spent_kwh(run), spent_kwh(best)
-    rows = [(word, mine[name] - least[name]) for name, word in BEYOND.items()]
-    # a train without auxiliaries has no row of them
-    return [row for row in rows if row[1] or row[0] != BEYOND["auxiliary"]]
 
 
 def _limit(limit: EffortLimit) -> dict[str, Any]:

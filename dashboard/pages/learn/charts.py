@@ -1,6 +1,7 @@
 """The charts of Learn: speeds of two runs, energy over time with the price of a second, the phase plane."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -8,15 +9,18 @@ from bokeh.models import Span
 from bokeh.plotting import figure
 
 from railjoule.core.studies.steady import SteadySpeeds
+from railjoule.core.studies.tradeoff import Frontier
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, columns, nice_range, points, text_style, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.plot import AnyPlot, AxisPlot, Ends, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Form, Line, RunLines, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Form, Line, RunLines, ends_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
+from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
 
 LINES: Mapping[str, Line] = {
     "second": Line("driven", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
@@ -32,18 +36,11 @@ HEADROOM = 1.12
 
 
 class LessonSpeedChart(RunLines):
-    """Speeds of two runs.
+    """Speeds of two runs, over an axis of their own."""
 
-    Parameters
-    ----------
-    lesson, caption : str
-        The lesson's name, and what the lines are.
-    """
-
-    def __init__(self, lesson: str, caption: str, height: int, palette: Palette) -> None:
+    def __init__(self, lesson: Lesson, height: int, axis: Axis, palette: Palette) -> None:
         form = Form(last=True)
-        # an axis for each lesson, as each has a line and a cursor of its own
-        super().__init__(f"lesson_{lesson}", SPEED, LINES, height, Axis(palette), palette, caption, form)
+        super().__init__(f"lesson_{lesson.name}", SPEED, LINES, height, axis, palette, lesson.lines, form)
 
     def frame(self, *args: Any, **style: Any) -> figure:
         """Return the empty figure, which stands alone and has no zoom."""
@@ -61,7 +58,6 @@ class LessonSpeedChart(RunLines):
         _, high = ends_of(self.fill(runs).values())
         self.set_range(0, HEADROOM * high)
         self.told["sources"] = [self.read(line, name) for line, name in names.items()]
-        self.axis.settle("m", 0)
 
     def forget(self) -> None:
         """Have nothing of any run on the page."""
@@ -69,35 +65,33 @@ class LessonSpeedChart(RunLines):
             self.axis.columns(line).forget()
 
 
-class PriceChart(LoneChart):
-    """The least energy over travel time, with the price of a second as its slope."""
+PRICE = Plot(
+    "lesson_price",
+    "Least energy, kWh; its slope: energy saved per extra second",
+    {
+        "curve": Stroke("optimal", {"line_width": 2.6}),
+        "tangent": Stroke("ink", {"line_width": 1.2}),
+        "point": Stroke("accent", marks=True, line=False),
+    },
+    (200, 240, 190),
+    x_title=TIME_TITLE,
+)
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        caption = "Least energy, kWh; its slope: energy saved per extra second"
-        super().__init__("lesson_price", caption, height, palette)
 
-    def build(self) -> None:
-        """Make the figure."""
-        self.frame(ticks=4, x_title=TIME_TITLE)
-        self.line("curve", "optimal", line_width=2.6)
-        self.line("tangent", "ink", line_width=1.2)
-        self.dots("point", size=10, line_width=2)
-
-    def draw(self, result: LessonResult) -> None:
-        """Draw curve, point and tangent."""
-        frontier, run = result.frontier, result.runs["optimum"]
-        if frontier is None:
-            return
-        time, energy = frontier.travel_time_s, frontier.energy_kwh
-        steepest = float(np.interp(frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE), time, energy))
-        slope = (run.price_of_time_w or 0.0) / J_PER_KWH
-        reach = 0.12 * float(time[-1] - time[0])
-        sides = np.array([-reach, reach])
-        self.put("curve", **xy(time, energy))
-        self.put("tangent", **xy(run.travel_time_s + sides, run.energy_kwh - slope * sides))
-        self.put("point", x=[run.travel_time_s], y=[run.energy_kwh])
-        ends = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh))
-        self.set_ranges((float(time[0]), float(time[-1])), ends)
+def price_curves(result: LessonResult, frontier: Frontier) -> tuple[dict[str, Curve], Ends, Ends]:
+    """Return curve, point and tangent of a price chart, and the ends of its axes."""
+    run = result.runs["optimum"]
+    time, energy = frontier.travel_time_s, frontier.energy_kwh
+    steepest = float(np.interp(frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE), time, energy))
+    slope = (run.price_of_time_w or 0.0) / J_PER_KWH
+    sides = 0.12 * float(time[-1] - time[0]) * np.array([-1.0, 1.0])
+    curves = {
+        "curve": (time, energy),
+        "tangent": (run.travel_time_s + sides, run.energy_kwh - slope * sides),
+        "point": (np.array([run.travel_time_s]), np.array([run.energy_kwh])),
+    }
+    ends = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh))
+    return curves, (float(time[0]), float(time[-1])), ends
 
 
 class PhasePlaneChart(LoneChart):
@@ -177,3 +171,18 @@ class PhasePlaneChart(LoneChart):
             for y, text in zip(regions["y"], regions["text"], strict=True)
         ]
         self.place_names(lines, names, [*taken, *(frame.dot(*point) for point in switches)], size=11)
+
+
+FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
+    lesson.name: (
+        AxisPlot(f"lesson_{lesson.name}", partial(LessonSpeedChart, lesson), (200, 250, 190), lesson.name),
+        *([PRICE] if lesson.name == "multiplier" else ()),
+        *(
+            [Plot(f"plane_{lesson.name}", "", heights=(250, 300, 240), chart=partial(PhasePlaneChart, lesson.name))]
+            if lesson.name in {"multiplier", "recuperation"}
+            else ()
+        ),
+    )
+    for lesson in LESSONS
+}
+"""The figures of each lesson; that of the speeds is the first."""

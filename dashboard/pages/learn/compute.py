@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from railjoule.core import Scenario, Trajectory, load_scenario, solve
@@ -13,12 +14,10 @@ from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, fron
 
 BASE = "liashenko-0"
 """A metro train of five cars with a constant efficiency, whose speeds follow from a formula."""
-# the texts of the lessons (model.py) name these and what comes of them; their test computes it again
+# the texts in assets/texts/lessons.toml name these and what comes of them; their test computes it again
 SHORT_M, MIDDLE_M, LONG_M = 1500.0, 3000.0, 6000.0
 HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
 PLANNED_LOAD = 0.3
-FIRST_VALUES = {"coasting": 115.0, "multiplier": 200.0, "recuperation": 70.0, "gradient": 15.0, "load": 100.0}
-"""Where the sliders of the lessons stand at first."""
 
 
 @dataclass(frozen=True)
@@ -59,9 +58,17 @@ class LessonResult:
         return -share_above(first, second)
 
 
+# those of a class all begin with the same
+@lru_cache(maxsize=64)
 def compute_lesson(request: LessonRequest) -> LessonResult:
-    """Return what a lesson shows; raises RailjouleError if the slider asks for the impossible."""
+    """Compute the runs of a lesson; raises RailjouleError if the slider asks for the impossible."""
     return LESSONS[request.lesson](request)
+
+
+def compute_lessons(values: tuple[float, ...]) -> dict[str, LessonResult]:
+    """Compute all lessons, each for the value of its slider."""
+    requests = (LessonRequest(name, value) for name, value in zip(LESSONS, values, strict=True))
+    return {request.lesson: compute_lesson(request) for request in requests}
 
 
 def _level(length_m: float, **changes: Any) -> Scenario:
@@ -78,7 +85,7 @@ def _multiplier(request: LessonRequest) -> LessonResult:
     later = solve(scenario.replace(**{"timetable.travel_time_s": request.value + 1}))
     task = prepare_task(scenario)
     frontier = energy_time_frontier(task, frontier_times(task, 24))
-    return _with_plane(request, scenario, {"optimum": solve(scenario), "a second later": later}, frontier)
+    return _with_plane(request, scenario, {"optimum": solve(scenario), "with one more second": later}, frontier)
 
 
 def _recuperation(request: LessonRequest) -> LessonResult:

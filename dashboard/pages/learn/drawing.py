@@ -2,36 +2,30 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 import numpy as np
 
 from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
-from railjoule.core.arrays import FloatArray
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.phases import PhaseName
 from railjoule.core.simulation.manual import drive_drawn
-from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.by_hand import FASTER, MORE, beyond, mesh_arrays
+from railjoule.dashboard.pages.learn.by_hand import mesh_arrays
+from railjoule.dashboard.pages.learn.lessons import TEXTS
+from railjoule.dashboard.pages.learn.verdict import FASTER, MORE, Verdict, compare
 
 PRESET = "liashenko-iii"
 """A metro with a constant efficiency on a long climb, whose optimum has all four phases."""
 POINTS = 35
 """A drawing has a point every 50 m."""
 LEAST_KMH, MOST_KMH = 5, 80
+TARGET_S = 130.0
+"""The train is to arrive by then."""
 DRAWN = re.compile(r"\d{1,2}(,\d{1,2})*")
-REASONS: Mapping[PhaseName, str] = {
-    "full_power": "speed won early serves the whole run",
-    "part_power": "just the power that the limit leaves room for",
-    "hold": "resistance rises with speed, so an even speed is the cheapest",
-    "coast": "resistance takes the speed that the brakes would waste",
-    "brake": "late, and from a lower speed",
-    "stand": "the timetable asks for it",
-}
+REASONS: Mapping[PhaseName, str] = TEXTS["reason"]
 # of the line: what is shorter nobody sees in the figure
 SHORT_SHARE = 0.01
 # below both of these one did as the optimum does
@@ -42,61 +36,17 @@ DID = "{stretch} You were {pace} and used {energy} kWh {more} here."
 PACE, SAME_PACE = "{speed} km/h {faster} on average", "as fast on average"
 
 
-@dataclass(frozen=True)
-class DrawingRequest:
-    """A drawing as a text: a speed in km/h at each point, such as 40,60,60.
-
-    Parameters
-    ----------
-    judged : str
-        The one to be compared with the best; empty where only the meshed line is asked for.
-    begun : str
-        The one to begin with; empty for one at the limit.
-    """
-
-    judged: str = ""
-    begun: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class DrawingResult:
-    """What the browser is told.
-
-    Parameters
-    ----------
-    request : DrawingRequest
-    mesh : mapping
-        What the train obeys.
-    shortest_s : float
-        Shortest possible time [s].
-    begun : tuple of int
-        The drawing to begin with [km/h].
-    verdict : mapping or None
-        How a drawing compares with the best run; None where there was none.
-    """
-
-    request: DrawingRequest
-    mesh: Mapping[str, Any]
-    shortest_s: float
-    begun: tuple[int, ...]
-    verdict: Mapping[str, Any] | None = None
-
-
-def judge_drawing(request: DrawingRequest) -> DrawingResult:
-    """Return the meshed line and how a drawing compares with the best run.
+def begin(text: str) -> dict[str, Any]:
+    """Return what the browser begins with: the line, and a drawing at the limit or that of a link.
 
     Raises
     ------
     ScenarioError
-        If a text is no drawing.
-    TimetableError
-        If a drawing leaves no time to save with.
+        If the text is no drawing.
     """
-    begun = read_drawing(request.begun) if request.begun else (MOST_KMH,) * POINTS
-    scenario, mesh = drawing_lesson()
-    verdict = verdict_on(read_drawing(request.judged)) if request.judged else None
-    shortest = prepare_task(scenario).shortest_travel_time_s
-    return DrawingResult(request, mesh_arrays(mesh), shortest, begun, verdict)
+    points = read_drawing(text) if text else (MOST_KMH,) * POINTS
+    mesh = mesh_arrays(drawing_lesson()[1])
+    return {"mesh": mesh, "target_s": TARGET_S, "points": list(points), "ends_kmh": [LEAST_KMH, MOST_KMH]}
 
 
 @cache
@@ -129,31 +79,27 @@ def run_of(speeds_kmh: Sequence[int]) -> Trajectory:
     return drive_drawn(scenario, mesh, np.interp(mesh.position_m, places, speeds_kmh) * MS_PER_KMH)
 
 
-def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
-    """Return how a drawing compares with the best run in its own time, in numbers and sentences."""
-    run = run_of(speeds_kmh)
-    best = solve(in_time_of(run))
-    bound = best.bound
-    assert bound is not None
-    # the optimum may have a finer mesh; within a cell the square of speed is linear
-    best_j = np.interp(run.position_m, best.position_m, best.supply_energy_j)
-    return {
-        "points": list(speeds_kmh),
-        "kwh": run.energy_kwh,
-        "time_s": run.travel_time_s,
-        "bound_kwh": bound.energy_j / J_PER_KWH,
-        "proven": best.is_proven,
-        "best_kwh": best.energy_kwh,
-        "best_ms": np.sqrt(np.interp(run.position_m, best.position_m, best.speed_ms**2)).tolist(),
-        "above_kwh": ((run.supply_energy_j - best_j) / J_PER_KWH).tolist(),
-        "rows": beyond(run, best),
-        "stretches": stretches(run, best),
-    }
+def judge(text: str) -> Verdict:
+    """Return how a drawing compares with the best run that arrives in time, or with it, where it is late.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no drawing.
+    """
+    run = run_of(read_drawing(text))
+    best = solve(compared_scenario(run))
+    return compare(("drawn", text), run, best, TARGET_S, tuple(stretches(run, best)))
 
 
-def in_time_of(run: Trajectory) -> Scenario:
-    """Return the scenario of the lesson with the time of a run."""
-    return drawing_lesson()[0].replace(**{"timetable.travel_time_s": run.travel_time_s})
+def opened(text: str) -> Scenario:
+    """Return the scenario in which the best run beside a drawing is found; errors as `judge`."""
+    return compared_scenario(run_of(read_drawing(text)))
+
+
+def compared_scenario(run: Trajectory) -> Scenario:
+    """Return the scenario of the lesson in the time that a run is allowed: its own, if it is late."""
+    return drawing_lesson()[0].replace(**{"timetable.travel_time_s": max(TARGET_S, run.travel_time_s)})
 
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:
@@ -171,7 +117,7 @@ def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: fl
     """Return the sentence on one stretch of the best run."""
     start, end = words.number(start_m, 0), words.number(end_m, 0)
     stretch = STRETCH.format(start=start, end=end, phase=words.PHASE_WORDS[phase], reason=REASONS[phase])
-    mine, least = ((_mean_speed(one, start_m, end_m), _taken_kwh(one, start_m, end_m)) for one in (run, best))
+    mine, least = (_pace_and_energy(one, start_m, end_m) for one in (run, best))
     faster, more = (mine[0] - least[0]) / MS_PER_KMH, mine[1] - least[1]
     if abs(faster) < ALIKE_KMH and abs(more) < ALIKE_KWH:
         return DID_ALIKE.format(stretch=stretch)
@@ -184,15 +130,9 @@ def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: fl
     )
 
 
-def _growth(places: FloatArray, values: FloatArray, start_m: float, end_m: float) -> float:
-    """Return by how much a quantity grows over a stretch."""
-    first, last = np.interp([start_m, end_m], places, values)
-    return float(last - first)
-
-
-def _mean_speed(run: Trajectory, start_m: float, end_m: float) -> float:
-    return (end_m - start_m) / _growth(run.position_m, run.time_s, start_m, end_m)
-
-
-def _taken_kwh(run: Trajectory, start_m: float, end_m: float) -> float:
-    return _growth(run.position_m, run.supply_energy_j, start_m, end_m) / J_PER_KWH
+def _pace_and_energy(run: Trajectory, start_m: float, end_m: float) -> tuple[float, float]:
+    """Return mean speed [m/s] and energy [kWh] of a run over a stretch."""
+    time_s, energy_j = (
+        float(np.diff(np.interp([start_m, end_m], run.position_m, one))[0]) for one in (run.time_s, run.supply_energy_j)
+    )
+    return (end_m - start_m) / time_s, energy_j / J_PER_KWH

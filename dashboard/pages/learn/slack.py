@@ -1,8 +1,6 @@
-"""The lesson on slack: two lines of three legs, what each leg needs over its seconds, and what a sharing is worth."""
+"""The lesson on the supplement: two lines of three legs, the energy of each over its seconds, and the best of them."""
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
 from typing import Any
@@ -13,8 +11,9 @@ from railjoule.core.strategies.line_parts import shortest_times_s, stop_nodes
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.whole_line import Leg, WholeLine, leg_tables, shared_line
 from railjoule.core.task import Task, prepare_task
-from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.pages.learn.verdict import Verdict
 
 BASE = "metro-10-stations"
 """Train, load and recuperation are those of this scenario."""
@@ -29,60 +28,25 @@ MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
 SHARED = re.compile(r"(uneven|even):(\d{1,2}),(\d{1,2}),(\d{1,2})")
 # seconds are dragged whole, so that less than one is no difference
 ALIKE_S = 1.0
-AS_BEST = "{leg}: as in the best sharing, within a second."
+AS_BEST = "{leg}: as in the best distribution, within a second."
+BEST = (
+    "Best, as the dashed borders: {seconds} s. There, one more second saves {price} Wh on every leg: moving a second "
+    "gains nothing."
+)
 TOO_MANY = "{leg}: {seconds} s too many. Here one more second saves only {price} Wh."
 TOO_FEW = "{leg}: {seconds} s too few. Here one more second would save {price} Wh."
 
 
-@dataclass(frozen=True)
-class SlackRequest:
-    """A sharing as a text, such as uneven:20,20,20.
-
-    Parameters
-    ----------
-    judged : str
-        The one to be compared with the best; empty where only the lines are asked for.
-    begun : str
-        The one to begin with; empty for equal slack on the first line.
-    """
-
-    judged: str = ""
-    begun: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class SlackResult:
-    """What the browser is told.
-
-    Parameters
-    ----------
-    request : SlackRequest
-    lines : mapping
-        Each line's legs with their tables.
-    begun : mapping
-        The sharing to begin with.
-    verdict : mapping or None
-        How a sharing compares with the best; None where there was none.
-    """
-
-    request: SlackRequest
-    lines: Mapping[str, Any]
-    begun: Mapping[str, Any]
-    verdict: Mapping[str, Any] | None = None
-
-
-def judge_slack(request: SlackRequest) -> SlackResult:
-    """Return the lines and how a sharing compares with the best one.
+def begin(text: str) -> dict[str, Any]:
+    """Return what the browser begins with: both lines, and equal seconds on the first or the distribution of a link.
 
     Raises
     ------
     ScenarioError
-        If a text is no sharing of these lines.
+        If the text is no distribution on these lines.
     """
-    line, seconds = read_sharing(request.begun or "uneven:20,20,20")
-    lines = {name: line_tables(name) for name in LENGTHS_M}
-    verdict = verdict_on(*read_sharing(request.judged)) if request.judged else None
-    return SlackResult(request, lines, {"line": line, "seconds": seconds, "linked": bool(request.begun)}, verdict)
+    line, seconds = read_sharing(text or "uneven:20,20,20")
+    return {"lines": {name: line_tables(name) for name in LENGTHS_M}, "line": line, "seconds": list(seconds)}
 
 
 def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
@@ -120,6 +84,11 @@ def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
     return task.scenario.replace(**{"line.stations": _stations(name, arrivals)})
 
 
+def opened(text: str) -> Scenario:
+    """Return a line whose timetable is a distribution; errors as `judge`."""
+    return scenario_of(*read_sharing(text))
+
+
 @cache
 def line_tables(name: str) -> dict[str, Any]:
     """Return a line as the browser takes it: each leg's energy and price at each whole second of slack."""
@@ -147,24 +116,34 @@ def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
     return shared_line(prepare_task(scenario_of(name, seconds)), "given")
 
 
-def verdict_on(name: str, seconds: tuple[int, ...]) -> dict[str, Any]:
-    """Return how a sharing compares with the best, in numbers and sentences."""
+def judge(text: str) -> Verdict:
+    """Return how a distribution compares with the best one.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no distribution on these lines.
+    """
+    name, seconds = read_sharing(text)
     mine, best, legs = driven_line(name, seconds), best_line(name), len(LENGTHS_M[name])
     bound = best.run.bound
     assert bound is not None
     equal = driven_line(name, (SLACK_S // legs,) * legs)
-    return {
-        "line": name,
-        "seconds": list(seconds),
-        "kwh": mine.run.energy_kwh,
-        "bound_kwh": bound.energy_j / J_PER_KWH,
-        "proven": best.run.is_proven,
-        "best_kwh": best.run.energy_kwh,
-        "best_s": [leg.supplement_s for leg in best.legs],
-        "price_wh_s": best.legs[0].price_of_time_w / J_PER_WH,
-        "worth": _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
-        "sentences": [_on_leg(*pair) for pair in zip(mine.legs, best.legs, strict=True)],
-    }
+    best_s = [leg.supplement_s for leg in best.legs]
+    sentences = [_on_leg(*pair) for pair in zip(mine.legs, best.legs, strict=True)]
+    sentences += [
+        BEST.format(seconds=", ".join(map(words.time, best_s)), price=words.price(best.legs[0].price_of_time_w)),
+        _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
+    ]
+    return Verdict(
+        "shared",
+        text,
+        kwh=mine.run.energy_kwh,
+        bound_kwh=bound.energy_j / J_PER_KWH,
+        proven=best.run.is_proven,
+        curves={"best_s": best_s},
+        sentences=tuple(sentences),
+    )
 
 
 def _on_leg(mine: Leg, best: Leg) -> str:
@@ -179,12 +158,12 @@ def _on_leg(mine: Leg, best: Leg) -> str:
 
 
 def _worth(share: float) -> str:
-    """Return what equal slack costs on a line, and whether a better sharing pays."""
-    told = f"Equal slack costs {100 * share:.2f} % more than the best sharing"
+    """Return what an equal supplement costs on a line, and whether a better distribution pays."""
+    costs = f"An equal supplement costs {100 * share:.2f} % more than the best distribution"
     # as on the page Line: a load or a day's weather moves the energy by more
     if share >= 0.01:
-        return f"{told}: on this line, sharing out pays."
-    return f"{told}: on this line it does not pay. A few more passengers change more."
+        return f"{costs}: on this line, distributing it pays."
+    return f"{costs}: on this line it does not pay. A few more passengers change more."
 
 
 def _leg(name: str, number: int, table: StudyTable) -> dict[str, Any]:
@@ -201,7 +180,7 @@ def _leg(name: str, number: int, table: StudyTable) -> dict[str, Any]:
 def _scenario(name: str, travel_time_s: float) -> Scenario:
     sections = [section for length in LENGTHS_M[name] for section in _hump(length)]
     line = {"name": f"Three {name} legs (assumed)", "sections": sections, "stations": _stations(name)}
-    title = f"Share out the slack: {name} legs"
+    title = f"Distribute the supplement: {name} legs"
     return load_scenario(BASE).replace(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
 
 

@@ -17,7 +17,6 @@ from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.state.program import Program
@@ -252,14 +251,15 @@ def test_a_name_cannot_become_a_command() -> None:
 
 def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state = Workbench()
-    Learn(state)
+    learn = state.pages["Learn"]
+    make_works("Learn")(state)
     state.page = "Learn"
-    state.learn.coasting = 120.0
+    learn.coasting = 120.0
     exec(compile(as_python(page_recipe(state)), "program", "exec"), {})
     printed = capsys.readouterr().out.splitlines()
     shown = [
         f"{lesson}, {name}: {run.energy_kwh} kWh"
-        for lesson, result in state.learn.shown.items()
+        for lesson, result in learn.lessons.items()
         for name, run in result.runs.items()
     ]
     assert sorted(printed) == sorted(shown)

@@ -14,8 +14,7 @@ from railjoule.dashboard.charts.figures import DARK_INK, WHITE, dress_alone
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
 from railjoule.dashboard.pages.imports.compute import examples
-from railjoule.dashboard.pages.learn.guesses import GUESSES
-from railjoule.dashboard.pages.learn.model import guess_field
+from railjoule.dashboard.pages.learn.lessons import LESSONS
 from railjoule.dashboard.pages.measured_runs.work import try_example
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
@@ -45,8 +44,10 @@ def with_law(state):
 
 
 def with_guesses(state):
-    for name, guess in GUESSES.items():
-        setattr(state.learn, guess_field(name), guess.ends[0])
+    learn = state.pages["Learn"]
+    learn.open_class()
+    for lesson in LESSONS:
+        setattr(learn, lesson.guess, lesson.guess_ends[0])
 
 
 def with_simple_advice(state):

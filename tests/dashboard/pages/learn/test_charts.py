@@ -1,9 +1,12 @@
 import numpy as np
 import pytest
 
+from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
+from railjoule.dashboard.pages.learn.charts import PRICE, LessonSpeedChart, PhasePlaneChart, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +24,10 @@ def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
 
 
 def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
-    chart = PriceChart(200, Palette(False))
-    chart.show(lambda: chart.draw(result))
+    chart, frontier = CurveChart(PRICE, 200, Palette(False)), result.frontier
+    assert frontier is not None
+    curves, x_ends, y_ends = price_curves(result, frontier)
+    chart.show(lambda: chart.draw(curves, x_ends=x_ends, y_ends=y_ends))
     x, y = chart.sources["tangent"].data["x"], chart.sources["tangent"].data["y"]
     time, energy = chart.sources["curve"].data["x"], chart.sources["curve"].data["y"]
     slope = (y[1] - y[0]) / (x[1] - x[0])
@@ -31,12 +36,15 @@ def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
 
 
 def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) -> None:
-    chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
+    palette = Palette(False)
+    chart = LessonSpeedChart(next(one for one in LESSONS if one.name == "multiplier"), 200, Axis(palette), palette)
     first = chart.axis.columns("first").source
     chart.show(lambda: chart.draw(result, revealed=False))
+    chart.axis.settle_over(False)
     assert not any(len(column) for column in first.data.values())
-    assert [name for name, *_ in chart.told["sources"]] == ["a second later"]
+    assert [name for name, *_ in chart.told["sources"]] == ["with one more second"]
     chart.show(lambda: chart.draw(result))
+    chart.axis.settle_over(False)
     assert max(first.data["speed"]) == pytest.approx(result.runs["optimum"].max_speed_kmh, rel=1e-6)
     chart.forget()
     assert not any(len(column) for line in chart.lines for column in chart.axis.columns(line).source.data.values())

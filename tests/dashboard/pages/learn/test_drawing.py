@@ -4,18 +4,18 @@ import re
 
 import pytest
 
-from railjoule.core import ScenarioError, TimetableError
+from railjoule.core import ScenarioError
+from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.pages.learn.drawing import (
     POINTS,
-    DrawingRequest,
+    TARGET_S,
+    begin,
     drawing_lesson,
-    judge_drawing,
+    judge,
+    opened,
     read_drawing,
     run_of,
-    verdict_on,
 )
-from railjoule.dashboard.pages.learn.work import Learn
-from railjoule.dashboard.state.workbench import Workbench
 
 EVEN = ",".join(["60"] * POINTS)
 
@@ -28,33 +28,40 @@ def test_a_text_that_is_no_drawing_is_refused(text: str) -> None:
         read_drawing(text)
 
 
-def test_nothing_of_the_best_is_told_before_it_is_asked_for() -> None:
-    found = judge_drawing(DrawingRequest())
-    assert found.verdict is None
+def text_of(speeds: tuple[int, ...]) -> str:
+    return ",".join(map(str, speeds))
+
+
+def test_nothing_of_the_best_is_sent_before_it_is_asked_for() -> None:
+    begun = begin("")
+    assert set(begun) == {"mesh", "target_s", "points", "ends_kmh"}
     # the drawing to begin with is the fastest run
-    assert run_of(found.begun).travel_time_s == pytest.approx(found.shortest_s, rel=1e-9)
+    shortest = prepare_task(drawing_lesson()[0]).shortest_travel_time_s
+    assert run_of(begun["points"]).travel_time_s == pytest.approx(shortest, rel=1e-9)
+    assert shortest < TARGET_S
 
 
-def test_a_drawing_without_time_to_spend_is_refused() -> None:
-    with pytest.raises(TimetableError, match="shorter than the shortest possible"):
-        judge_drawing(DrawingRequest(",".join(["80"] * POINTS)))
-
-
-@pytest.mark.parametrize("speeds", [(60,) * POINTS, (5,) * POINTS, (40,) * 17 + (70,) * 10 + (30,) * 8])
-def test_a_drawing_is_compared_with_the_best_in_its_own_time(speeds: tuple[int, ...]) -> None:
-    verdict = verdict_on(speeds)
-    assert verdict["proven"]
-    assert verdict["kwh"] > verdict["bound_kwh"]
+@pytest.mark.parametrize("speeds", [(60,) * POINTS, (5,) * POINTS, (80,) * POINTS, (40,) * 17 + (70,) * 10 + (30,) * 8])
+def test_a_drawing_is_compared_with_the_best_that_arrives_in_time(speeds: tuple[int, ...]) -> None:
+    verdict, run = judge(text_of(speeds)), run_of(speeds)
+    assert verdict.proven
+    assert verdict.kwh > verdict.bound_kwh
+    assert verdict.late_s == pytest.approx(run.travel_time_s - TARGET_S)
+    # a late drawing is compared with the best in its own time, which needs less
+    assert verdict.allowed_s == pytest.approx(max(TARGET_S, run.travel_time_s))
+    assert verdict.counts == (run.travel_time_s <= TARGET_S + 0.05)
     nodes = drawing_lesson()[1].cell_count + 1
-    assert len(verdict["best_ms"]) == len(verdict["above_kwh"]) == nodes
-    more = verdict["kwh"] - verdict["best_kwh"]
-    assert verdict["above_kwh"][-1] == pytest.approx(more, abs=1e-6)
-    assert sum(energy for _, energy in verdict["rows"]) == pytest.approx(more, abs=1e-4)
+    curves = verdict.curves
+    assert len(curves["best_ms"]) == len(curves["best_s"]) == len(curves["above_kwh"]) == nodes
+    assert curves["best_s"][-1] == pytest.approx(verdict.allowed_s, abs=0.05)
+    more = curves["above_kwh"][-1]
+    assert sum(energy for _, energy in verdict.rows) == pytest.approx(more, abs=1e-4)
+    assert opened(text_of(speeds)).travel_time_s == pytest.approx(verdict.allowed_s)
 
 
 def test_each_stretch_has_a_sentence_and_they_follow_one_another() -> None:
-    sentences = verdict_on((60,) * POINTS)["stretches"]
-    assert [re.search(r"m, ([a-z ]+):", one)[1] for one in sentences] == ["full power", "hold", "coast", "brake"]  # type: ignore[index]
+    sentences = judge(EVEN).sentences
+    assert [re.search(r"m, ([a-z ]+):", one)[1] for one in sentences] == ["full power", "hold", "coast"]  # type: ignore[index]
     ends = [re.match(r"([\d\u202f]+)\u2013([\d\u202f]+) m", one).groups() for one in sentences]  # type: ignore[union-attr]
     assert ends[0][0] == "0"
     assert ends[-1][1] == "1\u202f700"
@@ -62,17 +69,4 @@ def test_each_stretch_has_a_sentence_and_they_follow_one_another() -> None:
     # what one used beyond the best on all stretches is what one used beyond it at all
     told = [re.search(r"used (\d+\.\d\d) kWh (more|less)", one) for one in sentences]
     sum_ = sum(float(one[1]) * (1 if one[2] == "more" else -1) for one in told if one)
-    verdict = verdict_on((60,) * POINTS)
-    assert sum_ == pytest.approx(verdict["kwh"] - verdict["best_kwh"], abs=0.1)
-
-
-def test_a_wrong_link_is_told_and_the_lesson_begins_all_the_same() -> None:
-    state = Workbench()
-    Learn(state)
-    state.learn.drawn = "1,2,3"
-    state.page = "Learn"
-    assert "35 whole numbers" in str(state.learn.failure)
-    assert state.learn.drawing.begun == (80,) * POINTS
-    state.learn.sketched = EVEN
-    assert state.learn.failure is None
-    assert state.learn.drawn == EVEN
+    assert sum_ == pytest.approx(judge(EVEN).curves["above_kwh"][-1], abs=0.1)
