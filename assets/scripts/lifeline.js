@@ -4,7 +4,7 @@ import {life_of, make} from "./dom.js";
 import {copy_text, offer} from "./files.js";
 import {deep} from "./page.js";
 
-const TABLE = /\.(csv|tsv|txt|xlsx)$/i, STUDY = /\.nc$/i, PIECE = 8192;
+const TABLE = /\.(csv|tsv|txt|xlsx|json)$/i, STUDY = /\.nc$/i, PIECE = 8192;
 const WORDS = {
   lost: "The connection to the server is lost. Changes have no effect until this page is loaded again, which it does by " +
     "itself when the server answers.",
@@ -100,7 +100,7 @@ export function render({model, view}) {
     if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy_text(location.href)}); }
   });
 
-  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report, a study or the file of a measured run to open it");
+  const veil = make("div", {class: "rj-drop"}, "Drop a line, a train, recorded runs, a scenario, a report or a study to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
     const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;

@@ -424,7 +424,7 @@ class LineGroup(Group):
     def _bring(self) -> None:
         """Turn to the page that reads tables; the editor would cover half of it."""
         self.editor.open = False
-        self.parent.state.page = "Import"
+        self.parent.state.page = "Files"
 
     def show(self, look: Look) -> None:
         """Show the scenario."""

@@ -80,9 +80,9 @@ class Keeping(param.Parameterized):
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
-            "table": lambda message: self._take_bytes(message, self.state.show_run),
+            "table": lambda message: self._take_bytes(message, self.state.show_file),
             "study": lambda message: self._take_bytes(message, self.state.show_study),
-            "large_table": lambda message: self._refuse_run(too_large(shown_name(str(message.get("name"))))),
+            "large_table": lambda message: self._refuse_large(too_large(shown_name(str(message.get("name"))))),
             "large_study": lambda message: self.tell(large_study(shown_name(str(message.get("name"))))),
             "copied": self._take_copied,
         }
@@ -158,10 +158,10 @@ class Keeping(param.Parameterized):
             return  # no browser of ours sends it
         show(name, content)
 
-    def _refuse_run(self, refusal: str) -> None:
-        """Turn to the page of measured runs, which tells why a file was not taken."""
-        self.state.measured_runs.refusal = refusal
-        self.state.page = "Measured runs"
+    def _refuse_large(self, refusal: str) -> None:
+        """Turn to Files, which tells why one was not taken."""
+        self.state.pages["Files"].refusal = refusal
+        self.state.page = "Files"
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""

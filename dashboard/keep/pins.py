@@ -8,9 +8,7 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.work.worker import Worker
 
-LOST = (
-    "No longer pinned: {}. The file of a measured run is in no link; bring it to Measured runs, and pin it there again."
-)
+LOST = "No longer pinned: {}. The file of a measured run is in no link; bring it to Files, and pin it there again."
 
 
 class Pins:

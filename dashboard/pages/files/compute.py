@@ -15,8 +15,9 @@ from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario import format_scenario, scenario_from_document
 from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.pages.imports.brought import TABLE_WORDS, Brought
-from railjoule.dashboard.pages.imports.cards import Card, card_of
+from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
+from railjoule.dashboard.pages.files.cards import Card, card_of
+from railjoule.dashboard.pages.files.columns import RunFile
 
 SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
@@ -28,11 +29,12 @@ TABLES_AND_LINE = "the line of the tables is taken"
 
 @dataclass(frozen=True)
 class Stretch:
-    """The part of the line that is wanted, as it was typed, and whether it is run in falling chainage."""
+    """The part of the line that is wanted, as it was typed, whether it is run in falling chainage, and its name."""
 
     begin: str = ""
     end: str = ""
     reverse: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +64,14 @@ class Offer:
     failure: str = ""
     waits_for: tuple[str, ...] = ()
 
+    @property
+    def waiting(self) -> str:
+        """Why it is not taken."""
+        parts = " and ".join(self.waits_for)
+        return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or use it without."
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True)
 class Request:
     """All files, the wanted stretch, and the scenario whose vehicle or line stays where none is brought."""
 
@@ -87,6 +95,8 @@ class Reading:
         What a journey says.
     findings, unused : tuple of str
         Of the line as a whole.
+    runs : tuple of RunFile
+        Recorded runs.
     failure : str
         Why there is no line.
     offers : tuple of Offer or None
@@ -100,6 +110,7 @@ class Reading:
     travel_time_s: float | None = None
     findings: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
+    runs: tuple[RunFile, ...] = ()
     failure: str = ""
     offers: tuple[Offer, ...] | None = None
     extra: Mapping[str, Any] = field(default_factory=dict)
@@ -114,9 +125,6 @@ def examples() -> tuple[SourceFile, ...]:
 
 def read_files(request: Request) -> Iterator[Reading]:
     """Yield what the files give, then the same with the scenarios that can be made of it."""
-    if not request.files:
-        yield Reading(offers=())
-        return
     reading = put_together(tuple(card_of(file) for file in request.files), request)
     yield reading
     yield replace(reading, offers=tuple(offers_of(reading, request.base)))
@@ -127,12 +135,11 @@ def read_files(request: Request) -> Iterator[Reading]:
 
 def put_together(cards: Sequence[Card], request: Request) -> Reading:
     """Return the line and the vehicle of all cards; of two that tell of the same the last one counts."""
-    kinds = {card.kind: card for card in cards if not card.failure}
-    unused = [
-        f"{card.name}: {kinds[card.kind].name} is taken for it."
-        for card in cards
-        if not card.failure and kinds[card.kind] is not card
-    ]
+    read = [card for card in cards if not card.failure]
+    runs = tuple(run for card in read if card.is_run for run in card.result)
+    read = [card for card in read if not card.is_run]
+    kinds = {card.kind: card for card in read}
+    unused = [f"{card.name}: {kinds[card.kind].name} is taken for it." for card in read if kinds[card.kind] is not card]
     taken = list(kinds.values())
     tables = {card.kind: card.result for card in taken if isinstance(card.result, ImportedTable)}
     lines = [card for card in taken if isinstance(card.result, ImportedLine)]
@@ -140,12 +147,12 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
     unused += [f"{card.name}: {TABLES_AND_LINE}." for card in lines if tables]
     unused += [f"{card.name}: the line of {lines[-1].name} is taken." for card in lines[:-1] if not tables]
     unused += [f"{card.name}: the train of {trains[-1].name} is taken." for card in trains[:-1]]
-    reading = Reading(tuple(cards), vehicle=trains[-1].result if trains else None, unused=tuple(unused))
+    reading = Reading(tuple(cards), vehicle=trains[-1].result if trains else None, unused=tuple(unused), runs=runs)
     try:
         if tables:
-            return _with_tables(reading, tables, request.stretch)
+            return with_name(_with_tables(reading, tables, request.stretch), request.stretch.name)
         if lines:
-            return _with_line(reading, lines[-1], taken, request.files)
+            return with_name(_with_line(reading, lines[-1], taken, request.files), request.stretch.name)
     except RailjouleError as error:
         return replace(reading, failure=str(error))
     if "journey" in kinds:
@@ -176,6 +183,15 @@ def _with_tables(reading: Reading, tables: Mapping[str, ImportedTable], stretch:
 def _line_name(tables: Mapping[str, ImportedTable]) -> str:
     first = next(iter(tables.values())).source
     return f"Line of {first.rpartition('.')[0] or first}"[:200]
+
+
+def with_name(reading: Reading, name: str) -> Reading:
+    """Return the reading with another name of its line; an empty one changes nothing."""
+    line = reading.line
+    if not name or line is None:
+        return reading
+    document = {**line.document, "line": {**line.document["line"], "name": name}}
+    return replace(reading, line=replace(line, document=document, line=line.line.model_copy(update={"name": name})))
 
 
 def _place(label: str, text: str) -> float | None:
@@ -229,15 +245,9 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
 
 def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
     """Return in words what the files tell that could not be read, but for `others`, kinds that do not matter."""
-    refused = [card for card in reading.cards if card.failure and card.kind not in others]
+    refused = [card for card in reading.cards if card.failure and card.kind not in (*others, "run")]
     words = (f"the {TABLE_WORDS[card.kind].lower()}" if card.kind in TABLE_WORDS else card.name for card in refused)
     return tuple(dict.fromkeys(words))
-
-
-def waiting_words(offer: Offer) -> str:
-    """Return why an offer is not taken."""
-    parts = " and ".join(offer.waits_for)
-    return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or take it without."
 
 
 def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
@@ -270,18 +280,6 @@ def _offer(what: str, document: Mapping[str, Any], reading: Reading, now_s: floa
 
 
 def taken(offer: Offer, time_s: float) -> str:
-    """Return the scenario of an offer with a travel time, as TOML.
-
-    Raises
-    ------
-    ScenarioError
-        If the time is too short or too long.
-    """
-    # up to the tenth of a second that the page shows
-    if not offer.shortest_s - 0.05 <= time_s <= LONGEST_TIME_S:
-        raise ScenarioError(
-            f"Travel time: {time_s:g} s must be at least the shortest possible {offer.shortest_s:.1f} s and at most "
-            f"{LONGEST_TIME_S:g} s."
-        )
+    """Return the scenario of an offer with a travel time, as TOML."""
     timetable = {**offer.document["timetable"], "travel_time_s": time_s}
     return format_scenario(scenario_from_document({**offer.document, "timetable": timetable}, "the import"))

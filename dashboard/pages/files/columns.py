@@ -8,6 +8,7 @@ import numpy as np
 
 from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import ChoiceError
 from railjoule.core.imports.cells import Cell, CellTable
 from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.measured import RecorderFormat, recorder_cells
@@ -16,9 +17,7 @@ from railjoule.core.measured.table import EPOCH_UNITS, unit_of_times
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario._sentences import shown_list
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.work.uploads import too_large
 
 MAX_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
@@ -102,19 +101,16 @@ class Doubt:
 
 @dataclass(frozen=True, eq=False)
 class RunFile:
-    """A file that was brought to the page, as a table.
+    """A recorded run as a table: a file, or a sheet of a workbook.
 
     Parameters
     ----------
     name : str
     cells : CellTable
-    is_example : bool
-        Whether it is one of ours.
     """
 
     name: str
     cells: CellTable
-    is_example: bool = False
 
     def samples(self, header: str) -> list[str]:
         """Return some cells of a column: the first, and those after a third of the rows."""
@@ -124,7 +120,26 @@ class RunFile:
         return [_text(cells[index]) for _, cells in shown]
 
 
-def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFile, ...]:
+def quantities_of(header: Sequence[str]) -> set[str]:
+    """Return what columns of these names hold."""
+    return {column.quantity for column in recognised(header, RecorderFormat())}
+
+
+def read_runs(source: SourceFile, sheet: str | None = None) -> tuple[RunFile, ...]:
+    """Return a file as a table, or each sheet of a workbook that names a speed as one.
+
+    Raises
+    ------
+    RailjouleError
+        If it is none, or too large.
+    """
+    try:
+        return (read_run_file(source, sheet),)
+    except ChoiceError as several:
+        return run_sheets(source, several.names)
+
+
+def run_sheets(source: SourceFile, sheets: Sequence[str]) -> tuple[RunFile, ...]:
     """Return the sheets of a workbook that name a speed, each as a file of its own.
 
     Raises
@@ -136,11 +151,12 @@ def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFil
     for sheet in sheets[:MOST_SHEETS]:
         # a sheet of notes is no table
         with suppress(RailjouleError):
-            file = read_run_file(name, content, sheet=sheet)
-            if any(column.quantity == "speed" for column in recognised(file.cells.header, RecorderFormat())):
+            file = read_run_file(source, sheet)
+            if "speed" in quantities_of(file.cells.header):
                 found.append((sheet, file))
                 continue
         others.append(sheet)
+    name = source.name
     if not found:
         raise RailjouleError(f"{name}: none of its sheets is a table with a speed; it has {shown_list(list(sheets))}.")
     told = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
@@ -153,17 +169,15 @@ def _sheet_as_file(file: RunFile, name: str, told: tuple[str, ...]) -> RunFile:
     return RunFile(name, replace(file.cells, source=name, unused=(*kept, *told)))
 
 
-def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: str | None = None) -> RunFile:
+def read_run_file(source: SourceFile, sheet: str | None = None) -> RunFile:
     """Return a file, of a workbook a sheet, as a table.
 
     Raises
     ------
     RailjouleError
-        If it is too large, or no table with names above its columns.
+        If it is no table with names above its columns, or one of too many rows.
     """
-    if len(content) > LARGEST_RUN_BYTES:
-        raise RailjouleError(too_large(name))
-    cells = recorder_cells(SourceFile(name, content), sheet=sheet)
+    cells, name = recorder_cells(source, sheet=sheet), source.name
     if not cells.has_header:
         raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
     if len(cells.rows) > MAX_ROWS:
@@ -171,7 +185,7 @@ def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: st
             f"{name}: {words.number(len(cells.rows), 0)} rows; at most {words.number(MAX_ROWS, 0)} can be read. Leave "
             "out some samples, or cut the file into its runs."
         )
-    return RunFile(name, cells, is_example)
+    return RunFile(name, cells)
 
 
 def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:

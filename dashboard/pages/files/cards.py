@@ -14,7 +14,11 @@ from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
-from railjoule.dashboard.pages.imports.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.core.measured.columns import UNITS
+from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning
+from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
+from railjoule.dashboard.pages.files.measured import ReadRun
 
 FIRST_ROWS = 4
 """Rows of each file that are shown."""
@@ -50,26 +54,44 @@ CODE_PAGES = {
 """Among which the user can choose for a text that is not UTF-8."""
 
 
+NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, ENCODING)
+"""Keys of choices without which a file cannot be read."""
+
+
 @dataclass(frozen=True)
 class Choice:
-    """One thing that can be chosen of a file: its key, what it is called, what there is, and what is chosen."""
+    """One thing that can be chosen of a file.
+
+    Parameters
+    ----------
+    key : str
+    label : str
+    options : tuple of (str, str)
+        Values with the words for them; the choice is hidden where there are none.
+    value : str
+    sample : str
+        The first values that it is about; what follows begins a new line.
+    """
 
     key: str
     label: str
     options: tuple[tuple[str, str], ...]
     value: str
+    sample: str = ""
+
+    @property
+    def is_missing(self) -> bool:
+        """Whether the file waits for it."""
+        return not self.value and (self.key in NEEDED or self.key.startswith("rows "))
 
 
 @dataclass(frozen=True)
 class Question:
-    """A number in doubt: in words, and both answers with what each says when it is sent."""
+    """A number in doubt: in words, and the answers, each with its words and the value that it gives to the key."""
 
     sentence: str
-    use: str
-    keep: str
     key: str
-    value: str
-    kept: str
+    answers: tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +102,7 @@ class Card:
     ----------
     number, name, kind : int, str, str
     header, rows : tuple
-        The first rows of a table.
+        The first rows of a table of the line.
     choices : tuple of Choice
         Its columns, units, line and track.
     result : ImportedTable or ImportedLine or ImportedVehicle or None
@@ -102,12 +124,24 @@ class Card:
     questions: tuple[Question, ...] = ()
     failure: str = ""
 
+    @property
+    def is_run(self) -> bool:
+        """Whether it is a recorded run that could be read."""
+        return self.kind == "run" and not self.failure
+
+    def allows(self, key: str, value: str) -> bool:
+        """Return whether it offers this: a message of a browser may hold anything."""
+        chosen = any(one.key == key and value in dict(one.options) for one in self.choices)
+        return chosen or any(one.key == key and value in dict(one.answers).values() for one in self.questions)
+
 
 def card_of(file: Brought) -> Card:
     """Return what is known of a file; what is wrong with it is told, never raised."""
     card = Card(file.number, file.name)
     try:
         card = replace(card, kind=file.kind)
+        if file.kind == "run":
+            return replace(card, result=file.runs)
         is_table = file.kind in INTERVAL_KINDS
         card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
         if file.columns.sheet is not None:
@@ -187,7 +221,8 @@ def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
     likely, kept = error.likely[0], error.likely[-1]
     use, keep = (UNIT_WORDS.get(unit, unit) for unit in (likely, kept))
     what = "Positions" if error.key == "position_unit" else "Values"
-    question = Question(f"{what} in {use} or in {keep}?", f"Use {use}", f"Keep {keep}", error.key, likely, kept)
+    answers = ((f"Use {use}", likely), (f"Keep {keep}", kept))
+    question = Question(f"{what} in {use} or in {keep}?", error.key, answers)
     return replace(card, choices=choices, questions=(question,))
 
 
@@ -280,4 +315,44 @@ def _with_result(card: Card, file: Brought, result: Any) -> Card:
 def _asked(finding: Finding) -> Question:
     unit = _unit(finding)
     sentence = finding.sentence.partition(": ")[2]
-    return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
+    answers = ((f"Use {unit.meant}", f"{unit.factor:g}"), (f"Keep {unit.given}", "1"))
+    return Question(sentence, f"factor {unit.key}", answers)
+
+
+def card_of_run(read: ReadRun, number: int) -> Card:
+    """Return what the columns of a recorded run mean, and what is asked about them."""
+    doubts = {doubt.header: doubt for doubt in read.doubts}
+    meanings = read.meanings
+    questions = tuple(
+        Question(
+            f"{header}: {doubt.sentence}",
+            f"unit {header}",
+            tuple(
+                (f"{'Keep' if one.unit == meanings[header].unit else 'Use'} {one.unit}", one.text)
+                for one in doubt.choices
+            ),
+        )
+        for header, doubt in doubts.items()
+    )
+    choices = tuple(choice for header, one in meanings.items() for choice in _choices_of_column(read, header, one))
+    return Card(number, read.file.name, "run", choices=choices, questions=questions, failure=read.refusal)
+
+
+def _choices_of_column(read: ReadRun, header: str, meaning: Meaning) -> Iterator[Choice]:
+    """Yield what a column of a run holds, and in which unit; values are texts of meanings."""
+    quantities = tuple((quantity, word) for quantity, word in QUANTITY_WORDS.items())
+    yield Choice(f"meaning {header}", header, quantities, meaning.quantity)
+    units = UNITS.get(meaning.quantity, {})
+    options = tuple((Meaning(meaning.quantity, unit).text, RUN_UNIT_WORDS.get(unit, unit)) for unit in units)
+    unnamed = (("", "choose"),) if options and not meaning.unit else ()
+    samples = ", ".join(read.file.samples(header))
+    yield Choice(
+        f"unit {header}", f"Unit of {header}", (*unnamed, *options), meaning.text if meaning.unit else "", samples
+    )
+
+
+def meaning_of(key: str, value: str) -> tuple[str, str]:
+    """Return the column that a choice of a run is about, and the text of what it then means."""
+    what, _, header = key.partition(" ")
+    first = next(iter(UNITS.get(value, {})), "")
+    return header, Meaning(value, first).text if what == "meaning" else value

@@ -15,7 +15,7 @@ from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
 from railjoule.core.scenario._sentences import shown_list
-from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, used_table
+from railjoule.dashboard.pages.files.columns import Doubt, Meaning, RunFile, settled, used_table
 
 ANY_TIMETABLE = Timetable(travel_time_s=100.0)
 """A measured run brings its own: that of the scenario changes nothing."""

@@ -1,0 +1,170 @@
+"""The card of a file as widgets: what the file is, what its columns mean with their units, and what is asked."""
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core.imports import ImportedLine
+from railjoule.core.imports.vehicle import ImportedVehicle
+from railjoule.core.scenario._sentences import counted
+from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined, markup, safe
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.pages.files.brought import KIND_WORDS, TABLE_WORDS
+from railjoule.dashboard.pages.files.cards import Card, Choice, Question
+from railjoule.dashboard.parts import html as parts
+
+ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
+TOLD = '<div class="block told"><h3>{}</h3><ul class="differences">{}</ul></div>'
+CARD_CSS = ":host { border-bottom: 1px solid var(--rj-line); padding: 6px 0 10px; }"
+TEXT_CSS = """
+h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
+.told { padding: 4px 0 0; font-size: 12px; }
+.scroll { overflow-x: auto; margin: 6px 0; }
+.scroll table { width: auto; min-width: 60%; }
+.scroll td, .scroll th { padding: 2px 8px; border-left: 1px solid var(--rj-line); }
+.scroll td:first-child, .scroll th:first-child { border-left: 0; padding-left: 0; }
+.scroll span { display: block; font-size: 11px; color: var(--rj-ink3); }
+.scroll b + span { color: var(--rj-accent); }
+.message { margin: 6px 0; }
+"""
+SELECT_PX, UNIT_PX = 170, 120
+SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
+
+
+class FileCard:
+    """Shows a card; changes take effect at once.
+
+    Parameters
+    ----------
+    say : callable
+        Called with a key of the card, or `kind`, and the chosen value.
+    remove : callable
+    """
+
+    def __init__(self, say: Callable[[str, str], None], remove: Callable[[], None]) -> None:
+        self.say, self._quiet = say, False
+        self.head, self.told, self.table = (_text() for _ in range(3))
+        self.kind = pmui.Select(label="What it is", width=SELECT_PX, visible=False, **SMALL)
+        self.kind.param.watch(lambda event: self._choose("kind", event.new), "value")
+        self.remove = pmui.Button(variant="text", on_click=lambda _: remove(), **SMALL)
+        self.choices, self.questions = parts.stack(), parts.stack()
+        self._keys: list[str] = []
+        self._asked: tuple[Question, ...] = ()
+        self.selects: list[pmui.Select] = []
+        self.samples: list[Any] = []
+        line = pn.FlexBox(self.kind, self.remove, align_items="center", margin=0)
+        self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.told, css=CARD_CSS)
+
+    def show(self, card: Card) -> None:
+        """Show what is known of a file."""
+        before, self._quiet = self._quiet, True
+        with pn.io.hold():
+            failure = parts.refusal(card.failure) if card.failure else ""
+            self.head.object = (
+                markup("<h3>{}</h3><span class='muted small'>{}</span>", card.name, about(card)) + failure
+            )
+            known = card.kind in TABLE_WORDS
+            kinds = {word: kind for kind, word in (TABLE_WORDS if known else {"": "choose", **TABLE_WORDS}).items()}
+            # a file without rows is no table of any kind
+            visible = known or bool(card.header and not card.kind)
+            self.kind.param.update(options=kinds, value=card.kind if known else "", visible=visible)
+            self.remove.label = f"Remove {card.name}"
+            self.table.object = first_rows(card)
+            self.told.object = told_lists([("Noticed", card.findings), ("Not used", card.unused)])
+            self._show_choices(card.choices)
+            self._show_questions(card.questions)
+        self._quiet = before
+
+    def _show_choices(self, choices: tuple[Choice, ...]) -> None:
+        if self._keys != [choice.key for choice in choices]:
+            self._keys = [choice.key for choice in choices]
+            self.selects = [self._select(choice) for choice in choices]
+            self.samples = [_text(sizing_mode=None, margin=(12, 0, 0, 0)) for _ in choices]
+            rows: list[list[Any]] = [[]]
+            for choice, select, sample in zip(choices, self.selects, self.samples, strict=True):
+                rows[-1] += [select, sample] if choice.sample else [select]
+                if choice.sample:
+                    rows.append([])
+            with added_to(self.choices):
+                self.choices[:] = [pn.FlexBox(*row, align_items="center", margin=0) for row in rows if row]
+        for choice, select, sample in zip(choices, self.selects, self.samples, strict=True):
+            select.param.update(
+                options={word: value for value, word in choice.options},
+                value=choice.value,
+                visible=bool(choice.options),
+                color="warning" if choice.is_missing else "default",
+            )
+            sample.object = markup("<span class='muted small'>{}</span>", choice.sample)
+
+    def _select(self, choice: Choice) -> pmui.Select:
+        width = UNIT_PX if choice.key.startswith(("unit ", "position_unit", "value_unit")) else SELECT_PX
+        made = pmui.Select(label=choice.label, options=[choice.value], value=choice.value, width=width, **SMALL)
+        made.param.watch(lambda event: self._choose(choice.key, event.new), "value")
+        return made
+
+    def _show_questions(self, questions: tuple[Question, ...]) -> None:
+        if questions == self._asked:
+            return
+        self._asked = questions
+        made = []
+        for question in questions:
+            made.append(_text(markup("<p class=note>{}</p>", question.sentence)))
+            answers = [self._answer(question.key, *answer, first=k == 0) for k, answer in enumerate(question.answers)]
+            made.append(pn.FlexBox(*answers, margin=0))
+        with added_to(self.questions):
+            self.questions[:] = made
+
+    def _answer(self, key: str, word: str, value: str, first: bool) -> pmui.Button:
+        variant = "contained" if first else "outlined"
+        return pmui.Button(label=word, variant=variant, on_click=lambda _: self.say(key, value), **SMALL)
+
+    def _choose(self, key: str, value: Any) -> None:
+        if not self._quiet and value is not None:
+            self.say(key, str(value))
+
+
+def _text(text: str = "", **params: Any) -> Any:
+    return parts.html_pane(text, stylesheets=[parts_css() + TEXT_CSS], **params)
+
+
+def about(card: Card) -> str:
+    """Return what is in a file, in a few words."""
+    result, kind = card.result, "" if card.kind in TABLE_WORDS else KIND_WORDS.get(card.kind, "")
+    told = counted(card.row_count, "row") if card.row_count else ""
+    if isinstance(result, ImportedLine):
+        told = f"{words.distance(result.line.length_m)} km, {counted(len(result.line.sections), 'section')}"
+    elif isinstance(result, ImportedVehicle):
+        vehicle = result.vehicle
+        mass, speed = vehicle.total_mass_kg / 1000, vehicle.traction.max_speed_kmh
+        told = f"{words.number(mass, 0)} t, {words.number(speed, 0)} km/h"
+    return ", ".join(filter(None, [kind, told]))
+
+
+def first_rows(card: Card) -> Markup:
+    """Return the first rows of a table, with what each column is used for."""
+    if not card.header:
+        return Markup("")
+    roles = {choice.value: ROLE_WORDS[choice.key] for choice in card.choices if choice.key in ROLE_WORDS}
+    roles |= {choice.key.removeprefix("rows "): "rows" for choice in card.choices if choice.key.startswith("rows ")}
+    header = [
+        markup("<b>{}</b><span>{}</span>", name, roles[name])
+        if roles.get(name)
+        else markup("{}<span>not used</span>", name)
+        for name in card.header
+    ]
+    table = parts.plain_table(header, [(list(map(safe, row)), False) for row in card.rows])
+    name = f"First rows of {card.name}"
+    return markup("<div class=scroll tabindex=0 role=region aria-label='{}'>{}</div>", name, table)
+
+
+def told_lists(lists: Iterable[tuple[str, Iterable[str]]]) -> Markup:
+    """Return lists of sentences under their headings; nothing of those that are empty."""
+    return joined(
+        markup(TOLD, title, joined(markup("<li>{}</li>", one) for one in sentences))
+        for title, sentences in lists
+        if sentences
+    )
