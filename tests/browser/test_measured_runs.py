@@ -31,7 +31,7 @@ def press(user: User, name: str) -> None:
 
 def choose(user: User, label: str, word: str) -> None:
     user.page.get_by_role("combobox", name=label, exact=True).click()
-    user.page.get_by_role("option", name=word, exact=True).click()
+    user.page.get_by_role("menuitem", name=word, exact=True).click()
 
 
 def bring(user: User, *paths: Path) -> None:

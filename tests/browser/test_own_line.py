@@ -67,7 +67,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     expect(page.get_by_role("button", name="Use this line", exact=True)).to_be_disabled()
     expect(page.get_by_role("button", name="Use this line without the gradients")).to_be_enabled()
     menu(user, "Only NOM_VOIE").click()
-    page.get_by_role("option", name="V1", exact=True).click()
+    page.get_by_role("menuitem", name="V1", exact=True).click()
     expect(several).to_have_count(0)
     expect(page.get_by_text("Nothing from 18,900 to 19,100 m").first).to_be_visible()
     expect(page.get_by_role("heading", name="Line of example-limits: 12.00 km")).to_be_visible()

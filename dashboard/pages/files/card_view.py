@@ -31,6 +31,8 @@ h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
 .scroll b + span { color: var(--rj-accent); }
 .message { margin: 6px 0; }
 """
+NOTHING = "-"
+"""Stands for an empty value: with that, a select shows none of its words."""
 SELECT_PX, UNIT_PX = 170, 120
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
 
@@ -68,10 +70,10 @@ class FileCard:
                 markup("<h3>{}</h3><span class='muted small'>{}</span>", card.name, about(card)) + failure
             )
             known = card.kind in TABLE_WORDS
-            kinds = {word: kind for kind, word in (TABLE_WORDS if known else {"": "choose", **TABLE_WORDS}).items()}
+            kinds = TABLE_WORDS if known else {"": "choose", **TABLE_WORDS}
             # a file without rows is no table of any kind
             visible = known or bool(card.header and not card.kind)
-            self.kind.param.update(options=kinds, value=card.kind if known else "", visible=visible)
+            fill(self.kind, kinds.items(), card.kind if known else "", visible=visible)
             self.remove.label = f"Remove {card.name}"
             self.table.object = first_rows(card)
             self.told.object = told_lists([("Noticed", card.findings), ("Not used", card.unused)])
@@ -92,17 +94,13 @@ class FileCard:
             with added_to(self.choices):
                 self.choices[:] = [pn.FlexBox(*row, align_items="center", margin=0) for row in rows if row]
         for choice, select, sample in zip(choices, self.selects, self.samples, strict=True):
-            select.param.update(
-                options={word: value for value, word in choice.options},
-                value=choice.value,
-                visible=bool(choice.options),
-                color="warning" if choice.is_missing else "default",
-            )
+            colour = "warning" if choice.is_missing else "default"
+            fill(select, choice.options, choice.value, visible=bool(choice.options), color=colour)
             sample.object = markup("<span class='muted small'>{}</span>", choice.sample)
 
     def _select(self, choice: Choice) -> pmui.Select:
         width = UNIT_PX if choice.key.startswith(("unit ", "position_unit", "value_unit")) else SELECT_PX
-        made = pmui.Select(label=choice.label, options=[choice.value], value=choice.value, width=width, **SMALL)
+        made = fill(pmui.Select(label=choice.label, width=width, **SMALL), choice.options, choice.value)
         made.param.watch(lambda event: self._choose(choice.key, event.new), "value")
         return made
 
@@ -124,7 +122,13 @@ class FileCard:
 
     def _choose(self, key: str, value: Any) -> None:
         if not self._quiet and value is not None:
-            self.say(key, str(value))
+            self.say(key, "" if value == NOTHING else str(value))
+
+
+def fill(select: pmui.Select, options: Iterable[tuple[str, str]], value: str, **more: Any) -> pmui.Select:
+    """Offer values with the words for them, and choose one; return the widget."""
+    select.param.update(options={word: one or NOTHING for one, word in options}, value=value or NOTHING, **more)
+    return select
 
 
 def _text(text: str = "", **params: Any) -> Any:

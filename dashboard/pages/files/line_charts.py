@@ -119,7 +119,12 @@ class PreviewChart(DistanceChart):
             self.put(name, **columns(left=left, right=right, bottom=np.full(size, low), top=np.full(size, high)))
         told = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
         px = self.width_px / float(x[-1])
-        fits = [sign for sign in told if text_width_px(sign[3], SIGN_PX) + ROOM_PX < (sign[1] - sign[0]) * px]
+        # above its value a text may stand out at both sides
+        fits = [
+            (begin, end, at, text)
+            for begin, end, at, text in told
+            if text_width_px(text, SIGN_PX) * (1.0 if at >= high else 0.5) + ROOM_PX < (end - begin) * px
+        ]
         for name, signs in (
             ("signs", [sign for sign in fits if sign[2] < high]),
             ("names", [sign for sign in fits if sign[2] >= high]),

@@ -74,8 +74,11 @@ class LineTab(Page):
 
     def open_taken(self, *_: Any) -> None:
         """Turn to Drive with the scenario that was taken."""
-        if self.opened is not None:
-            self.desk.scenario.open(self.opened.toml, SOURCE)
+        opened = self.opened
+        if opened is not None:
+            # or the same would be taken once more when the page is in sight again
+            self.wanted = None
+            self.desk.scenario.open(opened.toml, SOURCE)
             self.desk.page = "Drive"
 
     def use(self, offer: Offer, time: str) -> None:

@@ -58,8 +58,6 @@ class Files(RunsTab):
     kept = ("tab", "example", "answers", "begins_at_m", "shown", "coasting_only")
     passing = ("refusal", "begin", "end", "reverse", "line_name")
     figures = (*LINE_PLOTS, *RUN_PLOTS)
-    # files are of the user, whatever the scenario
-    follows_scenario = False
     # as the grid of the tab of lines
     halves_from_px = 1100
     full_width = tuple(plot.name for plot in RUN_PLOTS)

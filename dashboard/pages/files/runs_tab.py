@@ -158,9 +158,9 @@ class RunsTab(LineTab):
         self._quiet = self._unfolded = False
         self.chosen = pmui.Select(label="Run", options=[], size="small", margin=(6, 8, 0, 0), width=220)
         self.chosen.param.watch(self._choose, "value")
-        over = parts.stack(over_time_buttons(self.desk, margin=(10, 0, 0, 8)), sizing_mode=None)
+        over = parts.stack(over_time_buttons(self.desk, margin=(10, 0, 0, 0)), sizing_mode=None)
         self.card = FileCard(self.say_of_run, lambda: self.remove(self.shown_number))
-        self.columns = parts.html_pane(sizing_mode=None, margin=(8, 0, 0, 0))
+        self.columns = parts.html_pane(sizing_mode=None, margin=(8, 0, 0, 12))
         self.change = pmui.Button(label="Change", on_click=self._unfold, **TEXT_BUTTON)
         # a run whose place is asked for has no results, but this field
         begins = NumberField(self, "begins_at_m", max_width=320)

@@ -140,7 +140,7 @@ def test_all_figures_of_a_page_are_drawn(page, caplog):
 
 def in_open_tab(view, chart):
     """Return whether a chart can be seen: behind another tab it is drawn in other colours once that is open."""
-    bodies = getattr(getattr(view, "of", None), "bodies", {})
+    bodies = getattr(getattr(getattr(view, "of", None), "tabs", None), "bodies", {})
     return not any(chart.host in body.select() for tab, body in bodies.items() if tab != view.of.tab)
 
 
