@@ -14,7 +14,8 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.files.brought import KIND_WORDS, TABLE_WORDS
-from railjoule.dashboard.pages.files.cards import Card, Choice, Question
+from railjoule.dashboard.pages.files.cards import Card, Choice
+from railjoule.dashboard.pages.files.columns import Question
 from railjoule.dashboard.parts import html as parts
 
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}

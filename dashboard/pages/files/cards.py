@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,7 +17,7 @@ from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
 from railjoule.core.measured.columns import UNITS
 from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
-from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning
+from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Question
 from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
 from railjoule.dashboard.pages.files.measured import ReadRun
 
@@ -85,15 +86,6 @@ class Choice:
         return not self.value and (self.key in NEEDED or self.key.startswith("rows "))
 
 
-@dataclass(frozen=True)
-class Question:
-    """A number in doubt: in words, and the answers, each with its words and the value that it gives to the key."""
-
-    sentence: str
-    key: str
-    answers: tuple[tuple[str, str], ...]
-
-
 @dataclass(frozen=True, eq=False)
 class Card:
     """What is known of one file.
@@ -138,50 +130,48 @@ class Card:
 def card_of(file: Brought) -> Card:
     """Return what is known of a file; what is wrong with it is told, never raised."""
     card = Card(file.number, file.name)
+    first = []
     try:
         card = replace(card, kind=file.kind)
         if file.kind == "run":
-            return replace(card, result=file.runs)
-        is_table = file.kind in INTERVAL_KINDS
-        card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
+            card = replace(card, result=file.runs)
+        else:
+            is_table = file.kind in INTERVAL_KINDS
+            card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
         if file.columns.sheet is not None:
-            card = replace(card, choices=(_sheets(file.cells.sheets, file.columns.sheet), *card.choices))
-        return _with_code_page(card, file)
+            first.append(_menu(SHEET, "Sheet", file.cells.sheets, file.columns.sheet))
     except ChoiceError as error:
-        card = replace(card, failure=str(error), choices=(_sheets(error.names, ""),))
-        return _with_code_page(card, file)
+        card = replace(card, failure=str(error), choices=(_menu(SHEET, "Sheet", error.names),))
     except RailjouleError as error:
-        return _with_code_page(_failed(card, file, str(error)), file)
+        card = _failed(card, file, str(error))
     except (MemoryError, RecursionError):
         return replace(card, failure=f"{file.name}: it is too large or too deeply nested to be read.")
+    with suppress(RailjouleError):
+        if file.code_page is not None:
+            first.append(_menu(ENCODING, "Text in", tuple(CODE_PAGES), file.code_page, CODE_PAGES))
+    return replace(card, choices=(*first, *card.choices))
 
 
-def _with_code_page(card: Card, file: Brought) -> Card:
-    """Return the card of a text that is not Unicode with the choice of its code page first."""
-    try:
-        page = file.code_page
-    except RailjouleError:
-        return card
-    if page is None:
-        return card
-    options = (("", "choose"), *CODE_PAGES.items())
-    return replace(card, choices=(Choice(ENCODING, "Text in", options, page), *card.choices))
-
-
-def _sheets(names: Sequence[str], value: str) -> Choice:
-    """Return the choice among the sheets of a workbook."""
-    return Choice(SHEET, "Sheet", (("", "choose"), *((name, name) for name in names[:MOST_CHOICES])), value)
+def _menu(
+    key: str,
+    label: str,
+    values: Sequence[str],
+    value: str = "",
+    shown: Mapping[str, str] | None = None,
+    nothing: str = "choose",
+) -> Choice:
+    """Return a choice among values, or nothing; `shown` has the words for some of them."""
+    options = ((one, (shown or {}).get(one, one)) for one in values[:MOST_CHOICES])
+    return Choice(key, label, (("", nothing), *options), value)
 
 
 def _failed(card: Card, file: Brought, sentence: str) -> Card:
     """Return the card of a file that could not be read: of a table nobody knows, with its first rows."""
     card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
-    if card.kind:
-        return card
-    try:
-        return _with_rows(card, file)
-    except RailjouleError:
-        return card
+    if not card.kind:
+        with suppress(RailjouleError):
+            return _with_rows(card, file)
+    return card
 
 
 def _with_rows(card: Card, file: Brought) -> Card:
@@ -229,32 +219,25 @@ def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
 def _choices(file: Brought, found: ResolvedColumns | None) -> Iterator[Choice]:
     """Yield what can be said of a table's columns."""
     cells, kind, wanted = file.cells, file.kind, file.wanted
-    columns = tuple((name, name) for name in cells.header)
     named = wanted.columns
-    roles = [("from", "From", found and found.begin), ("to", "To", found and found.end)]
+    roles = {"from": ("From", found and found.begin), "to": ("To", found and found.end)}
     if kind != "neutral":
-        roles.append(("value", "Value", found and found.value))
+        roles["value"] = "Value", found and found.value
     if kind == "gradients":
-        roles.append(("direction", "Rises or falls", found and found.direction))
-    for role, label, column in roles:
-        free = (("", "none" if found else "choose"), *columns)
-        yield Choice(role, label, free, column or named.get(role, ""))
+        roles["direction"] = "Rises or falls", found and found.direction
+    for role, (label, column) in roles.items():
+        nothing = "none" if found else "choose"
+        yield _menu(role, label, cells.header, column or named.get(role, ""), nothing=nothing)
     guess = (found and found.position.unit) or wanted.position_unit or "m"
-    yield _unit_choice("position_unit", "Positions in", ALL_POSITION_UNITS, guess)
+    yield _menu("position_unit", "Positions in", ALL_POSITION_UNITS, guess, UNIT_WORDS)
     if values := VALUE_UNITS[kind]:  # type: ignore[index]
-        yield _unit_choice(
-            "value_unit", "Values in", values, (found and found.amount.unit) or wanted.value_unit or values[0]
-        )
+        guess = (found and found.amount.unit) or wanted.value_unit or values[0]
+        yield _menu("value_unit", "Values in", values, guess, UNIT_WORDS)
     used = (found.begin, found.end, found.value, found.direction) if found else ()
     for column in selectors_of(cells, used):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:
-            options = (("", "choose"), *((text, text) for text in texts[:MOST_CHOICES]))
-            yield Choice(f"rows {column}", f"Only {column}", options, wanted.rows.get(column, ""))
-
-
-def _unit_choice(key: str, label: str, units: Sequence[str], value: str) -> Choice:
-    return Choice(key, label, (("", "choose"), *((unit, UNIT_WORDS.get(unit, unit)) for unit in units)), value)
+            yield _menu(f"rows {column}", f"Only {column}", texts, wanted.rows.get(column, ""))
 
 
 def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
@@ -299,16 +282,15 @@ def _unit(finding: Finding) -> OtherUnit:
 def _with_result(card: Card, file: Brought, result: Any) -> Card:
     if result is None:
         return card
-    asked = [finding for finding in result.findings if finding.other_unit is not None]
-    told = [finding for finding in result.findings if finding.other_unit is None and finding.kind != "question"]
-    plain = [finding for finding in result.findings if finding.other_unit is None and finding.kind == "question"]
-    # questions that the user answers by other means stand with what is told
+    told = [finding for finding in result.findings if finding.other_unit is None]
+    # questions that the user answers by other means come first of what is told
+    told.sort(key=lambda finding: finding.kind != "question")
     return replace(
         card,
         result=result,
-        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
+        findings=tuple(without_name(finding.sentence, file.name) for finding in told),
         unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
-        questions=tuple(_asked(finding) for finding in asked),
+        questions=tuple(_asked(finding) for finding in result.findings if finding.other_unit is not None),
     )
 
 
@@ -321,27 +303,15 @@ def _asked(finding: Finding) -> Question:
 
 def card_of_run(read: ReadRun, number: int) -> Card:
     """Return what the columns of a recorded run mean, and what is asked about them."""
-    doubts = {doubt.header: doubt for doubt in read.doubts}
-    meanings = read.meanings
-    questions = tuple(
-        Question(
-            f"{header}: {doubt.sentence}",
-            f"unit {header}",
-            tuple(
-                (f"{'Keep' if one.unit == meanings[header].unit else 'Use'} {one.unit}", one.text)
-                for one in doubt.choices
-            ),
-        )
-        for header, doubt in doubts.items()
-    )
-    choices = tuple(choice for header, one in meanings.items() for choice in _choices_of_column(read, header, one))
-    return Card(number, read.file.name, "run", choices=choices, questions=questions, failure=read.refusal)
+    choices = (choice for column in read.meanings.items() for choice in _choices_of_column(read, *column))
+    questions = tuple(replace(one, sentence=f"{one.header}: {one.sentence}") for one in read.doubts)
+    name = read.file.name
+    return Card(number, name, "run", choices=tuple(choices), questions=questions, failure=read.refusal)
 
 
 def _choices_of_column(read: ReadRun, header: str, meaning: Meaning) -> Iterator[Choice]:
     """Yield what a column of a run holds, and in which unit; values are texts of meanings."""
-    quantities = tuple((quantity, word) for quantity, word in QUANTITY_WORDS.items())
-    yield Choice(f"meaning {header}", header, quantities, meaning.quantity)
+    yield Choice(f"meaning {header}", header, tuple(QUANTITY_WORDS.items()), meaning.quantity)
     units = UNITS.get(meaning.quantity, {})
     options = tuple((Meaning(meaning.quantity, unit).text, RUN_UNIT_WORDS.get(unit, unit)) for unit in units)
     unnamed = (("", "choose"),) if options and not meaning.unit else ()

@@ -82,21 +82,26 @@ class Meaning:
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """A question about the unit of a column.
+class Question:
+    """Something in doubt of a file.
 
     Parameters
     ----------
-    header : str
-        The column.
     sentence : str
-    choices : tuple of Meaning
-        The likelier one first.
+    key : str
+        What it is about: a choice or a number of the file.
+    answers : tuple of (str, str)
+        The words of each and the value that it gives to the key, the likelier one first.
     """
 
-    header: str
     sentence: str
-    choices: tuple[Meaning, Meaning]
+    key: str
+    answers: tuple[tuple[str, str], ...]
+
+    @property
+    def header(self) -> str:
+        """The column that it is about."""
+        return self.key.partition(" ")[2]
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,7 +231,7 @@ def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
 
 def settled(
     file: RunFile, answers: Mapping[str, str], vehicle: Vehicle
-) -> tuple[dict[str, Meaning], tuple[Doubt, ...], tuple[str, ...]]:
+) -> tuple[dict[str, Meaning], tuple[Question, ...], tuple[str, ...]]:
     """Return what the columns hold, the questions that are open, and what was assumed, in sentences.
 
     A column with an open question is not used; nor is it asked about what the user has said.
@@ -235,21 +240,18 @@ def settled(
     for header, meaning in meanings.items():
         if header in answers:
             continue
-        if unknown := unknown_unit(header, meaning.quantity) if meaning.quantity else "":
-            doubts.append(_unit_question(file, header, meaning.quantity, unknown, vehicle))
-            continue
+        unknown = unknown_unit(header, meaning.quantity) if meaning.quantity else ""
         if meaning.quantity == "time" and meaning.unit in EPOCH_UNITS and unit_of_times(file.cells, header):
             assumed.append(f"{header}: read in {meaning.unit}, as a time since 1970.")
-        if meaning.quantity not in NEEDED_UNITS:
+        needed = meaning.quantity in NEEDED_UNITS
+        fitting = fitting_units(file, header, meaning.quantity, vehicle) if needed else []
+        if not unknown and (not needed or meaning.unit in fitting or (meaning.unit and not fitting)):
             continue
-        fitting = fitting_units(file, header, meaning.quantity, vehicle)
-        if meaning.unit in fitting or (meaning.unit and not fitting):
-            continue
-        if not meaning.unit and len(fitting) == 1:
+        if not unknown and not meaning.unit and len(fitting) == 1:
             meanings[header] = Meaning(meaning.quantity, fitting[0])
             assumed.append(f"{header}: no unit is named, taken as {fitting[0]}.")
             continue
-        doubts.append(_doubt(file, header, meaning, fitting, vehicle))
+        doubts.append(_question(file, header, meaning, fitting, vehicle, unknown))
     return meanings, tuple(doubts), tuple(assumed)
 
 
@@ -261,26 +263,29 @@ def fitting_units(file: RunFile, header: str, quantity: str, vehicle: Vehicle) -
     return [unit for unit, factor in UNITS[quantity].items() if low * whole <= size * factor <= high * whole]
 
 
-def _doubt(file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str], vehicle: Vehicle) -> Doubt:
-    units = dict.fromkeys([*fitting, *UNITS[meaning.quantity]])
-    size = words.number(_extent(file, header, meaning.quantity), 1)
-    tonnes = words.number(vehicle.total_mass_kg / 1000, 0)
-    what = "Rises by" if meaning.quantity == "energy" else "At most"
-    if meaning.unit:
-        first, second = next(unit for unit in units if unit != meaning.unit), meaning.unit
-        sentence = f"{what} {size} {second} in a train of {tonnes} t: was {first} meant?"
+def _question(
+    file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str], vehicle: Vehicle, unknown: str
+) -> Question:
+    """Return the question about the unit of a column, the likelier units first."""
+    known = [unit for unit in UNITS[meaning.quantity] if unit != CLOCK]
+    others = [unit for unit in dict.fromkeys([*fitting, *known]) if unit != meaning.unit]
+    first, second = others[0], meaning.unit or others[1]
+    if unknown:
+        sentence = f"The unit {unknown} is not known: is it {first} or {second}?"
     else:
-        first, second = list(units)[:2]
-        sentence = f"{what} {size} in a train of {tonnes} t, and no unit is named: is it {first} or {second}?"
-    return Doubt(header, sentence, (Meaning(meaning.quantity, first), Meaning(meaning.quantity, second)))
-
-
-def _unit_question(file: RunFile, header: str, quantity: str, unknown: str, vehicle: Vehicle) -> Doubt:
-    """Return the question about a column whose name has a unit that is not known, the likelier units first."""
-    fitting = fitting_units(file, header, quantity, vehicle) if quantity in NEEDED_UNITS else []
-    first, second, *_ = dict.fromkeys([*fitting, *(unit for unit in UNITS[quantity] if unit != CLOCK)])
-    sentence = f"The unit {unknown} is not known: is it {first} or {second}?"
-    return Doubt(header, sentence, (Meaning(quantity, first), Meaning(quantity, second)))
+        what = "Rises by" if meaning.quantity == "energy" else "At most"
+        size = words.number(_extent(file, header, meaning.quantity), 1)
+        train = f"in a train of {words.number(vehicle.total_mass_kg / 1000, 0)} t"
+        sentence = (
+            f"{what} {size} {second} {train}: was {first} meant?"
+            if meaning.unit
+            else f"{what} {size} {train}, and no unit is named: is it {first} or {second}?"
+        )
+    answers = tuple(
+        (f"{'Keep' if unit == meaning.unit else 'Use'} {unit}", Meaning(meaning.quantity, unit).text)
+        for unit in (first, second)
+    )
+    return Question(sentence, f"unit {header}", answers)
 
 
 def _sizes(vehicle: Vehicle) -> dict[str, float]:

@@ -7,14 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.imports import ImportedLine, ImportedTable
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
 from railjoule.dashboard.charts.chart import Axis, DistanceChart, columns, xy
 from railjoule.dashboard.charts.label_places import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
-from railjoule.dashboard.charts.run_lines import Curve
+from railjoule.dashboard.charts.run_lines import Curve, as_steps
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.files.compute import Reading
@@ -183,29 +182,21 @@ def height_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
 
 def limits_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
     """Return the speed limits as steps; where there is none, there is no value."""
-    steps = alike(line, [one.speed_limit_kmh or np.inf for one in line.sections])
-    there = [step for step in steps if np.isfinite(step[2])]
-    top = 1.2 * max((limit for _, _, limit in there), default=100.0)
-    curve = as_steps([(a, b, limit if np.isfinite(limit) else np.nan) for a, b, limit in steps])
-    return Preview(curve, top, (0.0, top), gaps, signs=[(a, b, limit, f"{limit:g}") for a, b, limit in there])
+    limits = [one.speed_limit_kmh or np.nan for one in line.sections]
+    top = 1.2 * max((limit for limit in limits if limit > 0), default=100.0)
+    signs = [(a, b, limit, f"{limit:g}") for a, b, limit in alike(line, limits) if limit > 0]
+    return Preview(as_steps(section_borders(line), np.array(limits)), top, (0.0, top), gaps, signs=signs)
 
 
 def curves_preview(line: Line, imported: ImportedLine) -> Preview:
     """Return the curvature with the radii; tunnels and neutral sections as bands."""
-    steps = alike(line, [section.curve_radius_m for section in line.sections])
-    bends = [(a, b, 1000 / radius if radius else 0.0) for a, b, radius in steps]
-    top = 1.6 * max([*(bend for _, _, bend in bends), SHARPEST_1_PER_KM])
+    radii = [section.curve_radius_m for section in line.sections]
+    bends = np.array([1000 / radius if radius else 0.0 for radius in radii])
+    top = 1.6 * max(float(bends.max()), SHARPEST_1_PER_KM)
     bands = [(one.from_m, one.to_m, "tunnel") for one in imported.tunnels]
     bands += [(one.from_m, one.to_m, "neutral") for one in line.neutral_sections]
-    signs = [(a, b, 1000 / radius, words.number(radius, 0)) for a, b, radius in steps if radius]
-    return Preview(as_steps(bends), 0.0, (0.0, top), bands=bands, signs=signs)
-
-
-def as_steps(stretches: Sequence[tuple[float, float, float]]) -> Curve:
-    """Return the line along the values of stretches."""
-    ends = np.array([end for begin, end, _ in stretches for end in (begin, end)])
-    values: FloatArray = np.repeat(np.array([value for _, _, value in stretches]), 2)
-    return ends, values
+    signs = [(a, b, 1000 / radius, words.number(radius, 0)) for a, b, radius in alike(line, radii) if radius]
+    return Preview(as_steps(section_borders(line), bends), 0.0, (0.0, top), bands=bands, signs=signs)
 
 
 def alike(line: Line, values: Sequence[float]) -> list[tuple[float, float, float]]:

@@ -61,11 +61,11 @@ def test_a_unit_that_cannot_be_is_asked_about_and_not_used_before() -> None:
     _, doubts, _ = settled(table, {}, VEHICLE)
     (doubt,) = doubts
     assert doubt.sentence == "At most 161.0 N in a train of 212 t: was kN meant?"
-    assert doubt.choices == (Meaning("effort", "kN"), Meaning("effort", "N"))
-    for answer in doubt.choices:
-        found, left, _ = settled(table, {"effort_n": answer.text}, VEHICLE)
+    assert doubt.answers == (("Use kN", "effort kN"), ("Keep N", "effort N"))
+    for _, answer in doubt.answers:
+        found, left, _ = settled(table, {"effort_n": answer}, VEHICLE)
         assert left == ()
-        assert found["effort_n"] == answer
+        assert found["effort_n"] == Meaning.of(answer)
 
 
 def test_a_unit_that_is_not_named_is_assumed_where_one_alone_fits() -> None:

@@ -134,7 +134,7 @@ def test_a_question_that_is_answered_brings_the_energy(page: Files) -> None:
     (doubt,) = measured.shown.doubts
     assert measured.runs[0].measured_kwh is None
     assert power_error(measured.runs[0]) is None
-    page.say_of_run(f"unit {doubt.header}", doubt.choices[0].text)
+    page.say_of_run(doubt.key, doubt.answers[0][1])
     measured = page.measured
     assert measured.shown.doubts == ()
     assert measured.runs[0].measured_kwh == pytest.approx(driven(DRIVERS[0]).energy_kwh, rel=0.01)
