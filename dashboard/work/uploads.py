@@ -4,7 +4,7 @@ from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 
 STUDIES = (".nc",)
 FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json", ".toml", ".html", *STUDIES)
-"""What can be brought."""
+"""Endings of the names of files that can be brought."""
 
 
 def too_large(name: str) -> str:

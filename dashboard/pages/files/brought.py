@@ -11,7 +11,7 @@ from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
 from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json
 from railjoule.core.measured import recorder_cells
-from railjoule.dashboard.pages.files.columns import RunFile, quantities_of, read_runs
+from railjoule.dashboard.pages.files.columns import RunFile, find_quantities, read_runs
 
 OtherKind = Literal["track", "train", "journey", "run"]
 Kind = IntervalKind | OtherKind | Literal[""]
@@ -90,8 +90,8 @@ class Brought:
         """Return it as a file of another kind; what was said of its columns is forgotten."""
         return replace(self, said_kind=kind, columns=ColumnMap(sheet=self.columns.sheet))
 
-    def told(self, key: str, value: str) -> "Brought":
-        """Return it with one thing more that the user says: a column, a unit, a line, or an answer about a number."""
+    def with_choice(self, key: str, value: str) -> "Brought":
+        """Return it with one more choice of the user: a column, a unit, a line, or an answer about a number."""
         what, _, name = key.partition(" ")
         said = self.columns
         if what == "factor":
@@ -194,7 +194,7 @@ class Brought:
 
 def is_recording(header: Sequence[str]) -> bool:
     """Return whether a table with these columns is a recorded run: it names times, or places with speeds."""
-    found: Collection[str] = quantities_of(header)
+    found: Collection[str] = find_quantities(header)
     return "time" in found or {"speed", "position"} <= set(found)
 
 
@@ -216,7 +216,7 @@ def kind_of_table(cells: CellTable) -> Kind:
         return PRESETS[preset][0]
     name = cells.source.lower()
     by_name = next((kind for kind, parts in WORDS_IN_NAMES.items() if any(part in name for part in parts)), None)
-    if is_recording(cells.header) and ("time" in quantities_of(cells.header) or by_name is None):
+    if is_recording(cells.header) and ("time" in find_quantities(cells.header) or by_name is None):
         return "run"
     for kind in ("gradients", "limits", "curves", "tunnels"):
         try:

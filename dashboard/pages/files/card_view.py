@@ -19,11 +19,11 @@ from railjoule.dashboard.pages.files.columns import Question
 from railjoule.dashboard.parts import html as parts
 
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
-TOLD = '<div class="block told"><h3>{}</h3><ul class="differences">{}</ul></div>'
+LIST = '<div class="block listed"><h3>{}</h3><ul class="differences">{}</ul></div>'
 CARD_CSS = ":host { border-bottom: 1px solid var(--rj-line); padding: 6px 0 10px; }"
 TEXT_CSS = """
 h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
-.told { padding: 4px 0 0; font-size: 12px; }
+.listed { padding: 4px 0 0; font-size: 12px; }
 .scroll { overflow-x: auto; margin: 6px 0; }
 .scroll table { width: auto; min-width: 60%; }
 .scroll td, .scroll th { padding: 2px 8px; border-left: 1px solid var(--rj-line); }
@@ -39,7 +39,7 @@ SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
 
 
 class FileCard:
-    """Shows a card; changes take effect at once.
+    """Shows a card; changes take effect immediately.
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ class FileCard:
 
     def __init__(self, say: Callable[[str, str], None], remove: Callable[[], None]) -> None:
         self.say, self._quiet = say, False
-        self.head, self.told, self.table = (_text() for _ in range(3))
+        self.head, self.messages, self.table = (_text() for _ in range(3))
         self.kind = pmui.Select(label="What it is", width=SELECT_PX, visible=False, **SMALL)
         self.kind.param.watch(lambda event: self._choose("kind", event.new), "value")
         self.remove = pmui.Button(variant="text", on_click=lambda _: remove(), **SMALL)
@@ -60,7 +60,7 @@ class FileCard:
         self.selects: list[pmui.Select] = []
         self.samples: list[Any] = []
         line = pn.FlexBox(self.kind, self.remove, align_items="center", margin=0)
-        self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.told, css=CARD_CSS)
+        self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.messages, css=CARD_CSS)
 
     def show(self, card: Card) -> None:
         """Show what is known of a file."""
@@ -77,7 +77,7 @@ class FileCard:
             fill(self.kind, kinds.items(), card.kind if known else "", visible=visible)
             self.remove.label = f"Remove {card.name}"
             self.table.object = first_rows(card)
-            self.told.object = told_lists([("Noticed", card.findings), ("Not used", card.unused)])
+            self.messages.object = message_lists([("Noticed", card.findings), ("Not used", card.unused)])
             self._show_choices(card.choices)
             self._show_questions(card.questions)
         self._quiet = before
@@ -137,16 +137,16 @@ def _text(text: str = "", **params: Any) -> Any:
 
 
 def about(card: Card) -> str:
-    """Return what is in a file, in a few words."""
+    """Return kind and size of a file, in a few words."""
     result, kind = card.result, "" if card.kind in TABLE_WORDS else KIND_WORDS.get(card.kind, "")
-    told = counted(card.row_count, "row") if card.row_count else ""
+    size = counted(card.row_count, "row") if card.row_count else ""
     if isinstance(result, ImportedLine):
-        told = f"{words.distance(result.line.length_m)} km, {counted(len(result.line.sections), 'section')}"
+        size = f"{words.distance(result.line.length_m)} km, {counted(len(result.line.sections), 'section')}"
     elif isinstance(result, ImportedVehicle):
         vehicle = result.vehicle
         mass, speed = vehicle.total_mass_kg / 1000, vehicle.traction.max_speed_kmh
-        told = f"{words.number(mass, 0)} t, {words.number(speed, 0)} km/h"
-    return ", ".join(filter(None, [kind, told]))
+        size = f"{words.number(mass, 0)} t, {words.number(speed, 0)} km/h"
+    return ", ".join(filter(None, [kind, size]))
 
 
 def first_rows(card: Card) -> Markup:
@@ -166,10 +166,10 @@ def first_rows(card: Card) -> Markup:
     return markup("<div class=scroll tabindex=0 role=region aria-label='{}'>{}</div>", name, table)
 
 
-def told_lists(lists: Iterable[tuple[str, Iterable[str]]]) -> Markup:
+def message_lists(lists: Iterable[tuple[str, Iterable[str]]]) -> Markup:
     """Return lists of sentences under their headings; nothing of those that are empty."""
     return joined(
-        markup(TOLD, title, joined(markup("<li>{}</li>", one) for one in sentences))
+        markup(LIST, title, joined(markup("<li>{}</li>", one) for one in sentences))
         for title, sentences in lists
         if sentences
     )

@@ -301,8 +301,8 @@ def _asked(finding: Finding) -> Question:
     return Question(sentence, f"factor {unit.key}", answers)
 
 
-def card_of_run(read: ReadRun, number: int) -> Card:
-    """Return what the columns of a recorded run mean, and what is asked about them."""
+def describe_run(read: ReadRun, number: int) -> Card:
+    """Return the columns of a recorded run with their meanings, and the questions about them."""
     choices = (choice for column in read.meanings.items() for choice in _choices_of_column(read, *column))
     questions = tuple(replace(one, sentence=f"{one.header}: {one.sentence}") for one in read.doubts)
     name = read.file.name
@@ -321,7 +321,7 @@ def _choices_of_column(read: ReadRun, header: str, meaning: Meaning) -> Iterator
     )
 
 
-def meaning_of(key: str, value: str) -> tuple[str, str]:
+def read_meaning(key: str, value: str) -> tuple[str, str]:
     """Return the column that a choice of a run is about, and the text of what it then means."""
     what, _, header = key.partition(" ")
     first = next(iter(UNITS.get(value, {})), "")

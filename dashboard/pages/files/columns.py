@@ -89,7 +89,7 @@ class Question:
     ----------
     sentence : str
     key : str
-        What it is about: a choice or a number of the file.
+        The choice or the number that it is about.
     answers : tuple of (str, str)
         The words of each and the value that it gives to the key, the likelier one first.
     """
@@ -125,8 +125,8 @@ class RunFile:
         return [_text(cells[index]) for _, cells in shown]
 
 
-def quantities_of(header: Sequence[str]) -> set[str]:
-    """Return what columns of these names hold."""
+def find_quantities(header: Sequence[str]) -> set[str]:
+    """Return the quantities of columns of these names."""
     return {column.quantity for column in recognised(header, RecorderFormat())}
 
 
@@ -157,7 +157,7 @@ def run_sheets(source: SourceFile, sheets: Sequence[str]) -> tuple[RunFile, ...]
         # a sheet of notes is no table
         with suppress(RailjouleError):
             file = read_run_file(source, sheet)
-            if "speed" in quantities_of(file.cells.header):
+            if "speed" in find_quantities(file.cells.header):
                 found.append((sheet, file))
                 continue
         others.append(sheet)

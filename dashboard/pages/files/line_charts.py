@@ -34,18 +34,18 @@ SHARPEST_1_PER_KM = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Preview:
-    """What a chart draws.
+    """The contents of a chart.
 
     Parameters
     ----------
     curve : pair of array
         Not a number where there is no value.
     base : float
-        What lies between it and the curve is tinted.
+        The area between it and the curve is tinted.
     ends : tuple of float
         Of the y axis.
     gaps : sequence
-        What is hatched.
+        Hatched stretches.
     bands : sequence
         Begin, end and name of each.
     signs : sequence
@@ -116,12 +116,12 @@ class PreviewChart(DistanceChart):
             left, right = (np.array([stretch[k] for stretch in stretches]) for k in range(2))
             size = len(stretches)
             self.put(name, **columns(left=left, right=right, bottom=np.full(size, low), top=np.full(size, high)))
-        told = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
+        texts = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
         px = self.width_px / float(x[-1])
         # above its value a text may stand out at both sides
         fits = [
             (begin, end, at, text)
-            for begin, end, at, text in told
+            for begin, end, at, text in texts
             if text_width_px(text, SIGN_PX) * (1.0 if at >= high else 0.5) + ROOM_PX < (end - begin) * px
         ]
         for name, signs in (
@@ -161,7 +161,7 @@ LINE_PLOTS = (HEIGHT, LIMITS, CURVES)
 
 
 def previews(reading: Reading, imported: ImportedLine) -> dict[AxisPlot, Preview]:
-    """Return what the charts draw of the line that was read."""
+    """Return the contents of the charts of the line that was read."""
     line = imported.line.in_running_order()
     return {
         HEIGHT: height_preview(line, gaps_of(reading, "gradients")),

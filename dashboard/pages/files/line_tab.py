@@ -17,7 +17,7 @@ from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
-from railjoule.dashboard.pages.files.card_view import FileCard, told_lists
+from railjoule.dashboard.pages.files.card_view import FileCard, message_lists
 from railjoule.dashboard.pages.files.cards import Card
 from railjoule.dashboard.pages.files.compute import LONGEST_TIME_S, Offer, Reading, Stretch, read_files, taken
 from railjoule.dashboard.pages.files.compute import Request as FilesRequest
@@ -50,7 +50,7 @@ def read_taken(offer: Offer, time_s: float, _press: object) -> Opened:
 
 
 class LineTab(Page):
-    """What the files tell of a line and a train."""
+    """The line and the train that the files describe."""
 
     files = param.ClassSelector(class_=tuple, default=(), doc="What was brought.")
     begin = param.String(default="", doc="Where the wanted part of the line begins, as it was typed.")
@@ -98,15 +98,15 @@ class LineTab(Page):
         self.param.update(refusal="", wanted=(offer, time_s, object()))
 
     def say(self, number: int, key: str, value: str) -> None:
-        """Take what the user says of a file, if its card offers that."""
+        """Take a choice of the user about a file, if its card offers that."""
         file = next((one for one in self.files if one.number == number), None)
         card = next((one for one in self.cards if one.number == number), None)
         if file is None or card is None:
             return
         if key == "kind" and value in TABLE_WORDS:
-            self.put(file.with_kind(value))  # type: ignore[arg-type]
+            self.put(file.with_kind(value))
         elif card.allows(key, value):
-            self.put(file.told(key, value))
+            self.put(file.with_choice(key, value))
 
     def put(self, file: Brought) -> None:
         """Put a file in the place of the one of its number."""
@@ -120,7 +120,7 @@ class LineTab(Page):
 
     @property
     def cards(self) -> tuple[Card, ...]:
-        """What is known of the files so far."""
+        """The cards of the files that are read."""
         return () if self.reading is None else self.reading.cards
 
     # ---- what it shows
@@ -130,7 +130,7 @@ class LineTab(Page):
         self._views: dict[int, tuple[FileCard, Card]] = {}
         self._offered: object = None
         self.card_place, self.offer_place = parts.stack(), parts.stack()
-        self.title, self.told, self.train, self.status = (parts.html_pane() for _ in range(4))
+        self.title, self.messages, self.train, self.status = (parts.html_pane() for _ in range(4))
         small: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
         fields = {
             "line_name": pmui.TextInput(
@@ -143,10 +143,10 @@ class LineTab(Page):
             tie(field, self, name)
         falling = box(self, "reverse", "Falling chainage", margin=(8, 0))
         hint = parts.html_pane("<p class=note>From and to as 12+300, 12.3km or metres; empty for all of it.</p>")
-        self.part = parts.stack(pn.FlexBox(fields["begin"], fields["end"], falling, margin=0), hint)
-        self.stretch = parts.stack(fields["line_name"], self.part)
+        self.place = parts.stack(pn.FlexBox(fields["begin"], fields["end"], falling, margin=0), hint)
+        self.stretch = parts.stack(fields["line_name"], self.place)
         self.drawn = parts.stack(*(self.host.plots[plot.name].host for plot in LINE_PLOTS), visible=False)
-        right = (self.title, self.stretch, self.status, self.offer_place, self.drawn, self.told, self.train)
+        right = (self.title, self.stretch, self.status, self.offer_place, self.drawn, self.messages, self.train)
         return parts.stack(
             parts.stack(self.card_place, css=SIDE_CSS), parts.stack(*right, css=SIDE_CSS), css=COLUMNS_CSS
         )
@@ -158,7 +158,7 @@ class LineTab(Page):
         shown = {number: card for number, card in cards.items() if not card.is_run}
         for number, card in shown.items():
             view, before = self._views.get(number) or (self._new_card(number), None)
-            # while a file is read anew its widgets keep what was chosen
+            # while a file is read again its widgets keep what was chosen
             if card is not before and (number in known or before is None):
                 view.show(card)
             self._views[number] = view, card
@@ -173,15 +173,15 @@ class LineTab(Page):
     @shows("reading", "failure", tab=LINE)
     def _show_reading(self) -> None:
         reading = self.reading or Reading(offers=())
-        self.title.object = markup("<div class=block><h2>{}</h2></div>", title_of(reading))
-        self.told.object = told_lists(
+        self.title.object = markup("<div class=block><h2>{}</h2></div>", find_title(reading))
+        self.messages.object = message_lists(
             [("Noticed of the line", reading.findings), ("Not used of the line", reading.unused)]
         )
         self.train.object = train_table(reading)
         imported = reading.line
         is_there = imported is not None or reading.vehicle is not None
-        self.part.visible = bool(reading.tables) or Stretch(self.begin, self.end, self.reverse) != Stretch()
-        self.stretch.visible = imported is not None or self.part.visible
+        self.place.visible = bool(reading.tables) or Stretch(self.begin, self.end, self.reverse) != Stretch()
+        self.stretch.visible = imported is not None or self.place.visible
         self.drawn.visible = imported is not None
         waits = "Computing the shortest travel time." if is_there and reading.offers is None else ""
         refused = parts.refusal(reading.failure) if reading.failure else ""
@@ -213,24 +213,24 @@ class LineTab(Page):
         if waits:
             row.append(button(f"{label} without {' and '.join(offer.waits_for)}", "outlined"))
         about = ABOUT[offer.what].format(vehicle=base.vehicle.name or "unnamed", line=base.line.name or "unnamed")
-        told = f"Shortest possible: {words.time(offer.shortest_s)} s; proposed: {offer.why}. {about}"
+        note = f"Shortest possible: {words.time(offer.shortest_s)} s; proposed: {offer.why}. {about}"
         reason = parts.refusal(offer.waiting) if waits else ""
-        text = parts.html_pane(markup("{}<p class=note>{}</p>", reason, told))
+        text = parts.html_pane(markup("{}<p class=note>{}</p>", reason, note))
         return parts.stack(pn.FlexBox(*row, time, align_items="center", margin=0), text)
 
 
-def title_of(reading: Reading) -> str:
-    """Return what there is, in one line."""
-    told = []
+def find_title(reading: Reading) -> str:
+    """Return line and train of the files, in a few words."""
+    found = []
     if reading.line is not None:
         line = reading.line.line
-        told.append(
+        found.append(
             f"{line.name or 'Line'}: {words.distance(line.length_m)} km, {counted(len(line.sections), 'section')}"
         )
     if reading.vehicle is not None:
         vehicle = reading.vehicle.vehicle
-        told.append(f"{vehicle.name or 'Train'}: {words.number(vehicle.total_mass_kg / 1000, 0)} t")
-    return "; ".join(told)
+        found.append(f"{vehicle.name or 'Train'}: {words.number(vehicle.total_mass_kg / 1000, 0)} t")
+    return "; ".join(found)
 
 
 def train_table(reading: Reading) -> Markup:
@@ -242,7 +242,7 @@ def train_table(reading: Reading) -> Markup:
 
 
 def vehicle_rows(document: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield what a vehicle's table says, in words and with units."""
+    """Yield the keys of a vehicle's table, in words and with units."""
     model = str(document.get("drive", {}).get("model", ""))
     inner = ((f"vehicle.{key}", value) for key, value in document.items() if isinstance(value, dict))
     for table, values in (("vehicle", document), *inner):

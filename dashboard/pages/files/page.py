@@ -137,7 +137,7 @@ class Files(RunsTab):
         self.param.update(example=True, shown=sources(EXAMPLE_RUNS)[0].name, refusal="")
 
     def _bring_example(self, *_: Any) -> None:
-        """Have the example runs among the files, or not: a link or a step back says so."""
+        """Have the example runs among the files, or not: a link or a step back may want so."""
         self.files = tuple(file for file in self.files if not file.is_example)
         if self.example:
             with param.parameterized.batch_call_watchers(self):
@@ -145,7 +145,7 @@ class Files(RunsTab):
                     self.add(source.name, source.content, is_example=True)
 
     def _turn_to_newest(self, *_: Any) -> None:
-        """Show the tab of what was brought last, and of runs the last one; again where the user says what it is."""
+        """Show the tab of what was brought last, and of runs the last one; again where the user chooses its kind."""
         newest = self.cards[-1] if self.cards else None
         if newest is None or (newest.number, newest.kind) == self._newest:
             return
@@ -191,8 +191,8 @@ class Files(RunsTab):
     @shows("scenario", "refusal", "failure", "tab", "files", "measured")
     def _show_heading(self) -> None:
         self.host.tell(self.failure, "")
-        told = texts.subtitle(self.measured) if self.tab == RUNS and self.measured is not None else ""
-        self.host.heading.object = parts.heading(self.page, self.desk.scenario.edited.title, told, "")
+        subtitle = texts.subtitle(self.measured) if self.tab == RUNS and self.measured is not None else ""
+        self.host.heading.object = parts.heading(self.page, self.desk.scenario.edited.title, subtitle, "")
         self.refused.visible = bool(self.refusal)
         self.refused.object = parts.refusal(self.refusal) if self.refusal else ""
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])

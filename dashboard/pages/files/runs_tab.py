@@ -16,7 +16,7 @@ from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Request, shows, study
 from railjoule.dashboard.pages.files import texts
 from railjoule.dashboard.pages.files.card_view import FileCard
-from railjoule.dashboard.pages.files.cards import card_of_run, meaning_of
+from railjoule.dashboard.pages.files.cards import describe_run, read_meaning
 from railjoule.dashboard.pages.files.columns import RunFile
 from railjoule.dashboard.pages.files.line_tab import LineTab
 from railjoule.dashboard.pages.files.measured import Measured, ReadRun, RunsRequest, compute_measured, fitted_changes
@@ -39,7 +39,7 @@ from railjoule.dashboard.state.pins import Pin
 
 RUNS = "runs"
 REST_MS = 150
-"""What changes at once, as several files that are dropped, is computed once."""
+"""Several changes within this time, as files that are dropped together, are computed once."""
 PIN, UNPIN = "Pin this run", "Unpin this run"
 ROW_CSS = padded("0 20px", "0 14px")
 SIDES_CSS = padded("0 20px 12px", "0 14px 12px") + (
@@ -51,14 +51,14 @@ BUTTON: dict[str, Any] = {"variant": "outlined", "size": "small", "height": 30, 
 
 
 class RunsTab(LineTab):
-    """What recorded runs tell."""
+    """The recorded runs among the files."""
 
     answers = param.Dict(default={}, doc="What columns mean, by their names: a quantity and a unit, or nothing.")
     begins_at_m = TypedNumber(
         "Begins at, m", "m", 0, default=None, allow_None=True, bounds=(0.0, 1e6), doc="Where the runs begin; found."
     )
     shown = param.String(default="", doc="Name of the run that is shown; the last one where there is none of it.")
-    coasting_only = param.Boolean(default=False, doc="Fit samples without effort alone.")
+    coasting_only = param.Boolean(default=False, doc="Fit only samples without effort.")
     measured = result(Measured, "What came of the runs so far.")
 
     @property
@@ -93,14 +93,14 @@ class RunsTab(LineTab):
         return None if self.measured is None else self.measured.shown.run
 
     def say_of_run(self, key: str, value: str) -> None:
-        """Take what the user says of the file that is shown."""
+        """Take a choice of the user about the run that is shown."""
         if self.measured is None:
             return
-        card = card_of_run(self.measured.shown, self.shown_number)
+        card = describe_run(self.measured.shown, self.shown_number)
         if key == "kind":
             self.say(card.number, key, value)
         elif card.allows(key, value):
-            header, text = meaning_of(key, value)
+            header, text = read_meaning(key, value)
             self.answers = {**self.answers, header: text}
 
     @property
@@ -113,7 +113,7 @@ class RunsTab(LineTab):
     # ---- what is done with a run
 
     def use_fit(self, *_: Any) -> None:
-        """Give the scenario's train the fitted values, as one change; what cannot be is told on the page."""
+        """Give the scenario's train the fitted values, as one change; an error is shown on the page."""
         if self.measured is not None and self.measured.fit is not None:
             try:
                 self.desk.scenario.edit(fitted_changes(self.measured.fit))
@@ -221,7 +221,7 @@ class RunsTab(LineTab):
         self.change.label = "Fold" if self._unfolded else "Change"
         self.columns.object = "" if opened else parts.markup("<p class=muted>{}.</p>", texts.columns_line(read))
         if self.card.view.visible:
-            self.card.show(card_of_run(read, self.shown_number))
+            self.card.show(describe_run(read, self.shown_number))
 
     def _show_run(self, measured: Measured, run: MeasuredRun) -> None:
         host, over_time = self.host, self.desk.over_time

@@ -30,7 +30,7 @@ def base() -> Scenario:
 def example(stretch: Stretch | None = None) -> tuple[tuple[Brought, ...], Stretch]:
     """The shipped example with its first track."""
     brought = tuple(Brought(number, one.name, one.content) for number, one in enumerate(sources(EXAMPLE_LINE), 1))
-    chosen = tuple(file.told("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
+    chosen = tuple(file.with_choice("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
     return chosen, stretch or Stretch()
 
 
@@ -121,10 +121,10 @@ def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
     assert question.sentence == "vehicle.traction.max_effort_kn = 0.19 kN for a train of 160 t: was 190 kN meant?"
     assert [word for word, _ in question.answers] == ["Use 190 kN", "Keep 0.19 kN"]
     use, keep = (value for _, value in question.answers)
-    used = card_of(file.told(question.key, use))
+    used = card_of(file.with_choice(question.key, use))
     assert used.questions == ()
     assert used.result.vehicle.traction.max_effort_kn == 190
-    kept = card_of(file.told(question.key, keep))
+    kept = card_of(file.with_choice(question.key, keep))
     assert kept.questions == ()
     assert kept.result.vehicle.traction.max_effort_kn == 0.19
 
@@ -134,8 +134,8 @@ def test_positions_in_doubt_are_asked_and_answered() -> None:
     file = Brought(1, "g.csv", content)
     (question,) = card_of(file).questions
     assert (question.sentence, question.answers) == ("Positions in km or in m?", (("Use km", "km"), ("Keep m", "m")))
-    assert card_of(file.told(question.key, "km")).result.end_m == 4000
-    assert card_of(file.told(question.key, "m")).questions == ()
+    assert card_of(file.with_choice(question.key, "km")).result.end_m == 4000
+    assert card_of(file.with_choice(question.key, "m")).questions == ()
 
 
 def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -> None:
@@ -163,10 +163,10 @@ def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
     file = Brought(2, "gradients.csv", TWO_FAULTS)
     assert card_of(file).failure == "gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one."
     assert offers_with(base, file) == {"line": ("the gradients",)}
-    file = file.told("rows NOM_VOIE", "V1")
+    file = file.with_choice("rows NOM_VOIE", "V1")
     assert card_of(file).failure == "gradients.csv, row 3: VALEUR = 'abc' must be a number."
     assert offers_with(base, file) == {"line": ("the gradients",)}
-    assert offers_with(base, file.told("rows NOM_VOIE", "V2")) == {"line": ()}
+    assert offers_with(base, file.with_choice("rows NOM_VOIE", "V2")) == {"line": ()}
 
 
 def test_a_file_of_an_unknown_kind_is_waited_for_too(base: Scenario) -> None:
@@ -192,9 +192,9 @@ def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
         (("", "choose"), ("permille", "per mille"), ("percent", "per cent")),
     )
     assert card.questions == ()
-    answered = card_of(file.told("value_unit", "percent"))
+    answered = card_of(file.with_choice("value_unit", "percent"))
     assert (answered.failure, answered.result.intervals[0].value) == ("", 12)
-    assert card_of(file.told("value_unit", "percent").told("value_unit", "")).failure == card.failure
+    assert card_of(file.with_choice("value_unit", "percent").with_choice("value_unit", "")).failure == card.failure
 
 
 def test_a_code_page_is_chosen_on_the_card() -> None:
@@ -208,7 +208,7 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "cp1251",
     )
     assert card.findings == ("Not UTF-8, and so read as Windows-1251.",)
-    assert card_of(file.told("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
+    assert card_of(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
     # Polish in Latin-2 is in no code page that is looked for
     polish = "od;do;pochylenie \u015brednie (\u2030)\n0;500;3\n".replace("\u2030", "o/oo").encode("iso8859_2")
     file = Brought(1, "gradients.csv", polish)
@@ -218,4 +218,4 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "name its code page."
     )
     assert [choice.key for choice in card.choices] == ["encoding"]
-    assert card_of(file.told("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"
+    assert card_of(file.with_choice("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"

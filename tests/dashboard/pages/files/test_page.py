@@ -150,7 +150,7 @@ def test_a_file_goes_to_the_tab_of_its_kind_and_a_scenario_is_opened(page: Files
     assert page.desk.scenario.scenario().title == load_scenario("liashenko-i").title
 
 
-def test_the_example_of_a_run_says_which_scenario_it_replaces(page: Files) -> None:
+def test_the_example_of_a_run_names_which_scenario_it_replaces(page: Files) -> None:
     page.tab = "runs"
     page.try_example()
     assert page.desk.notice == ""
@@ -161,8 +161,8 @@ def test_the_example_of_a_run_says_which_scenario_it_replaces(page: Files) -> No
     page.desk.param.update(page="Files")
     page.tab = "runs"
     page.try_example()
-    told = "has replaced Line of example-limits, Metro 81-7036, 5 cars. Undo brings that back."
-    assert page.desk.notice.endswith(told)
+    sentence = "has replaced Line of example-limits, Metro 81-7036, 5 cars. Undo brings that back."
+    assert page.desk.notice.endswith(sentence)
     history.note(snapshot_of(page.desk))
     assert history.undo()["toml"] is not None
 
