@@ -27,6 +27,9 @@ FIT_CSS = """
 .fit svg { margin: 0; vertical-align: middle; }
 .warm { color: var(--rj-overline); font-weight: 600; }
 .block p + p { margin-top: 6px; }
+@media (max-width: 899px) { .fit tr { display: grid; grid-template-columns: 1fr 48px 104px 62px; }
+  .fit td:last-child { grid-column: 1 / 5; padding: 0 0 6px; border-top: 0; } .fit td, .fit th { white-space: normal; }
+  .fit th:last-child { display: none; } .fit svg { width: 100%; } }
 """
 BAR_PX, EDGE = 130, 6.0
 """Width of a bar, and which share of it is left free at its ends [%]."""
