@@ -7,6 +7,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core.imports import ImportedLine
+from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._sentences import counted
 from railjoule.dashboard.browser.messages import added_to
@@ -22,7 +23,7 @@ ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises 
 LIST = '<div class="block listed"><h3>{}</h3><ul class="differences">{}</ul></div>'
 CARD_CSS = ":host { border-bottom: 1px solid var(--rj-line); padding: 6px 0 10px; }"
 TEXT_CSS = """
-h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
+h2, h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
 .listed { padding: 4px 0 0; font-size: 12px; }
 .scroll { overflow-x: auto; margin: 6px 0; }
 .scroll table { width: auto; min-width: 60%; }
@@ -32,6 +33,8 @@ h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; }
 .scroll b + span { color: var(--rj-accent); }
 .message { margin: 6px 0; }
 """
+FIRST_ROWS = 4
+"""Rows of each file that are shown."""
 NOTHING = "-"
 """Stands for an empty value: with that, a select shows none of its words."""
 SELECT_PX, UNIT_PX = 170, 120
@@ -68,12 +71,12 @@ class FileCard:
         with pn.io.hold():
             failure = parts.refusal(card.failure) if card.failure else ""
             self.head.object = (
-                markup("<h3>{}</h3><span class='muted small'>{}</span>", card.name, about(card)) + failure
+                markup("<h2>{}</h2><span class='muted small'>{}</span>", card.name, about(card)) + failure
             )
             known = card.kind in TABLE_WORDS
             kinds = TABLE_WORDS if known else {"": "choose", **TABLE_WORDS}
             # a file without rows is no table of any kind
-            visible = known or bool(card.header and not card.kind)
+            visible = known or bool(card.cells and not card.kind)
             fill(self.kind, kinds.items(), card.kind if known else "", visible=visible)
             self.remove.label = f"Remove {card.name}"
             self.table.object = first_rows(card)
@@ -139,7 +142,7 @@ def _text(text: str = "", **params: Any) -> Any:
 def about(card: Card) -> str:
     """Return kind and size of a file, in a few words."""
     result, kind = card.result, "" if card.kind in TABLE_WORDS else KIND_WORDS.get(card.kind, "")
-    size = counted(card.row_count, "row") if card.row_count else ""
+    size = counted(len(card.cells.rows), "row") if card.cells else ""
     if isinstance(result, ImportedLine):
         size = f"{words.distance(result.line.length_m)} km, {counted(len(result.line.sections), 'section')}"
     elif isinstance(result, ImportedVehicle):
@@ -151,7 +154,8 @@ def about(card: Card) -> str:
 
 def first_rows(card: Card) -> Markup:
     """Return the first rows of a table, with what each column is used for."""
-    if not card.header:
+    cells = card.cells
+    if cells is None:
         return Markup("")
     roles = {choice.value: ROLE_WORDS[choice.key] for choice in card.choices if choice.key in ROLE_WORDS}
     roles |= {choice.key.removeprefix("rows "): "rows" for choice in card.choices if choice.key.startswith("rows ")}
@@ -159,9 +163,11 @@ def first_rows(card: Card) -> Markup:
         markup("<b>{}</b><span>{}</span>", name, roles[name])
         if roles.get(name)
         else markup("{}<span>not used</span>", name)
-        for name in card.header
+        for name in cells.header
     ]
-    table = parts.plain_table(header, [(list(map(safe, row)), False) for row in card.rows])
+    table = parts.plain_table(
+        header, [([safe(text_of_cell(cell)) for cell in row], False) for _, row in cells.rows[:FIRST_ROWS]]
+    )
     name = f"First rows of {card.name}"
     return markup("<div class=scroll tabindex=0 role=region aria-label='{}'>{}</div>", name, table)
 

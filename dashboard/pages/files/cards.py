@@ -9,6 +9,7 @@ from typing import Any
 from railjoule.core import RailjouleError
 from railjoule.core.errors import ChoiceError, UnitError
 from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
+from railjoule.core.imports.cells import CellTable
 from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
 from railjoule.core.imports.numbers import text_of_cell
@@ -21,8 +22,6 @@ from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Que
 from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
 from railjoule.dashboard.pages.files.measured import ReadRun
 
-FIRST_ROWS = 4
-"""Rows of each file that are shown."""
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
 TOLD_IN_A_TERMINAL = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
@@ -93,8 +92,8 @@ class Card:
     Parameters
     ----------
     number, name, kind : int, str, str
-    header, rows : tuple
-        The first rows of a table of the line.
+    cells : CellTable or None
+        Those of a table of the line.
     choices : tuple of Choice
         Its columns, units, line and track.
     result : ImportedTable or ImportedLine or ImportedVehicle or None
@@ -106,9 +105,7 @@ class Card:
     number: int
     name: str
     kind: str = ""
-    header: tuple[str, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-    row_count: int = 0
+    cells: CellTable | None = None
     choices: tuple[Choice, ...] = ()
     result: Any = None
     findings: tuple[str, ...] = ()
@@ -170,21 +167,15 @@ def _failed(card: Card, file: Brought, sentence: str) -> Card:
     card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
     if not card.kind:
         with suppress(RailjouleError):
-            return _with_rows(card, file)
+            return replace(card, cells=file.cells)
     return card
-
-
-def _with_rows(card: Card, file: Brought) -> Card:
-    cells = file.cells
-    rows = tuple(tuple(map(text_of_cell, row)) for _, row in cells.rows[:FIRST_ROWS])
-    return replace(card, header=cells.header, rows=rows, row_count=len(cells.rows))
 
 
 def _with_table(card: Card, file: Brought) -> Card:
     """Return the card of a table of intervals, with its columns even where it cannot be read yet."""
     cells, kind = file.cells, file.kind
     assert kind in INTERVAL_KINDS
-    card = _with_rows(card, file)
+    card = replace(card, cells=cells)
     try:
         with encoding_mentioned(cells.findings):
             found: ResolvedColumns | None = resolve(cells, kind, file.wanted)

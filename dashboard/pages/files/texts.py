@@ -1,7 +1,6 @@
 """The numbers and sentences of recorded runs, as HTML."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from railjoule.core.identification import Fit, Parameter
 from railjoule.core.identification.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
@@ -35,24 +34,16 @@ BAR_PX, EDGE = 130, 6.0
 """Width of a bar, and which share of it is left free at its ends [%]."""
 
 
-@dataclass(frozen=True)
-class Shown:
-    """How a parameter is shown: its unit in words, what one of that is in the file's unit, and its decimals."""
-
-    unit: str
-    factor: float
-    digits: int
-
-
-SHOWN: Mapping[str, Shown] = {
-    RESISTANCE[0]: Shown("kN", 1000.0, 2),
-    RESISTANCE[1]: Shown("N per km/h", 1.0, 1),
-    RESISTANCE[2]: Shown("N per (km/h)\u00b2", 1.0, 2),
-    MASS_FACTOR: Shown("% of the mass", 0.01, 2),
-    MASS: Shown("t", 1000.0, 1),
-    EFFICIENCY: Shown("%", 0.01, 1),
-    AUXILIARY: Shown("kW", 1.0, 2),
+SHOWN: Mapping[str, tuple[str, float, int]] = {
+    RESISTANCE[0]: ("kN", 1000.0, 2),
+    RESISTANCE[1]: ("N per km/h", 1.0, 1),
+    RESISTANCE[2]: ("N per (km/h)\u00b2", 1.0, 2),
+    MASS_FACTOR: ("% of the mass", 0.01, 2),
+    MASS: ("t", 1000.0, 1),
+    EFFICIENCY: ("%", 0.01, 1),
+    AUXILIARY: ("kW", 1.0, 2),
 }
+"""Of each parameter its unit in words, the size of that in the unit of the file, and the decimals."""
 
 
 def subtitle(measured: Measured) -> str:
@@ -174,22 +165,21 @@ def _body(measured: Measured) -> Markup:
 
 def _table(fit: Fit) -> Markup:
     warm = {*fit.undetermined, *(name for group in fit.confounded for name in group)}
-    head = ("Quantity", "fitted", "95 % interval", "in the scenario", "")
+    head = ("Quantity", "fitted", "95 % interval", "in the scenario", "as a bar")
     return parts.plain_table(head, [(_row(fit, one, one.name in warm), False) for one in fit.parameters], "fit")
 
 
 def _row(fit: Fit, parameter: Parameter, is_warm: bool) -> tuple[str, ...]:
-    shown, now = SHOWN[parameter.name], fit.model.first[parameter.name]
+    (unit, factor, digits), now = SHOWN[parameter.name], fit.model.first[parameter.name]
     value, low, high, before = (
-        words.number(number / shown.factor, shown.digits)
-        for number in (parameter.value, parameter.low, parameter.high, now)
+        words.number(number / factor, digits) for number in (parameter.value, parameter.low, parameter.high, now)
     )
     return (
-        markup("{} <span>{}</span>", PARAMETER_WORDS[parameter.name], shown.unit),
+        markup("{} <span>{}</span>", PARAMETER_WORDS[parameter.name], unit),
         markup("<b>{}</b>", value),
         markup("<span class='{}'>{} to {}</span>", "warm" if is_warm else "", low, high),
         before,
-        _bar(parameter, now, is_warm, f"{before} {shown.unit}"),
+        _bar(parameter, now, is_warm, f"{before} {unit}"),
     )
 
 

@@ -218,4 +218,4 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "name its code page."
     )
     assert [choice.key for choice in card.choices] == ["encoding"]
-    assert card_of(file.with_choice("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"
+    assert card_of(file.with_choice("encoding", "iso8859_2")).cells.header[2] == "pochylenie \u015brednie (o/oo)"
