@@ -3,8 +3,8 @@
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 
 STUDIES = (".nc",)
-FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json", ".toml", ".html", *STUDIES)
-"""Endings of the names of files that can be brought."""
+FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json")
+"""Endings of the names of files of lines, trains and runs."""
 
 
 def too_large(name: str) -> str:

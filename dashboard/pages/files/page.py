@@ -165,7 +165,7 @@ class Files(RunsTab):
             refuse=lambda: setattr(self, "refusal", too_large("The file")),
             label="Choose files",
             uploaded_label="Choose files",
-            accept=",".join(FILE_SUFFIXES),
+            accept=",".join((*FILE_SUFFIXES, *SCENARIOS, *REPORTS, *STUDIES)),
             multiple=True,
             max_file_size=LARGEST_RUN_BYTES,
             icon="folder_open",
