@@ -3,12 +3,10 @@
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, SourceFile, build_line
+from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, build_line
 from railjoule.core.imports.numbers import parse_position
 from railjoule.core.imports.ttobench import read_ttobench
 from railjoule.core.imports.vehicle import ImportedVehicle
@@ -22,7 +20,6 @@ from railjoule.dashboard.pages.files.columns import RunFile
 SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
 LONGEST_TIME_S = 86_400.0
-EXAMPLES = ("limits", "gradients", "curves")
 KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey")
 TABLES_AND_LINE = "the line of the tables is taken"
 
@@ -116,13 +113,6 @@ class Reading:
     extra: Mapping[str, Any] = field(default_factory=dict)
 
 
-@cache
-def examples() -> tuple[SourceFile, ...]:
-    """Return the files of the shipped example, an invented line in the columns that SNCF publishes."""
-    folder = files("railjoule.assets") / "imports"
-    return tuple(SourceFile(f"example-{name}.csv", (folder / f"example-{name}.csv").read_bytes()) for name in EXAMPLES)
-
-
 def read_files(request: Request) -> Iterator[Reading]:
     """Yield what the files give, then the same with the scenarios that can be made of it."""
     reading = put_together(tuple(card_of(file) for file in request.files), request)
@@ -140,19 +130,17 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
     read = [card for card in read if not card.is_run]
     kinds = {card.kind: card for card in read}
     unused = [f"{card.name}: {kinds[card.kind].name} is taken for it." for card in read if kinds[card.kind] is not card]
-    taken = list(kinds.values())
-    tables = {card.kind: card.result for card in taken if isinstance(card.result, ImportedTable)}
-    lines = [card for card in taken if isinstance(card.result, ImportedLine)]
-    trains = [card for card in taken if isinstance(card.result, ImportedVehicle)]
-    unused += [f"{card.name}: {TABLES_AND_LINE}." for card in lines if tables]
-    unused += [f"{card.name}: the line of {lines[-1].name} is taken." for card in lines[:-1] if not tables]
-    unused += [f"{card.name}: the train of {trains[-1].name} is taken." for card in trains[:-1]]
-    reading = Reading(tuple(cards), vehicle=trains[-1].result if trains else None, unused=tuple(unused), runs=runs)
+    tables = {card.kind: card.result for card in kinds.values() if isinstance(card.result, ImportedTable)}
+    track = kinds.get("track")
+    if track is not None and tables:
+        unused.append(f"{track.name}: {TABLES_AND_LINE}.")
+    train = kinds["train"].result if "train" in kinds else None
+    reading = Reading(tuple(cards), vehicle=train, unused=tuple(unused), runs=runs)
     try:
         if tables:
             return with_name(_with_tables(reading, tables, request.stretch), request.stretch.name)
-        if lines:
-            return with_name(_with_line(reading, lines[-1], taken, request.files), request.stretch.name)
+        if track is not None:
+            return with_name(_with_track(reading, kinds, request.files), request.stretch.name)
     except RailjouleError as error:
         return replace(reading, failure=str(error))
     if "journey" in kinds:
@@ -203,15 +191,17 @@ def _place(label: str, text: str) -> float | None:
         raise ScenarioError(f"{label}: {text[:40]!r} {error}.") from None
 
 
-def _with_line(reading: Reading, card: Card, taken: Sequence[Card], brought: Sequence[Brought]) -> Reading:
-    """Return the reading with the line of one file; that of TTOBench with what its train and its journey say of it."""
-    by_kind = {one.kind: next(file for file in brought if file.number == one.number) for one in taken}
-    if card.kind != "track" or "train" not in by_kind:
-        return replace(reading, line=card.result)
-    journey = by_kind.get("journey")
-    made = read_ttobench(by_kind["track"].source, by_kind["train"].source, journey.source if journey else None)
-    line = replace(card.result, document={"line": made.document["line"]}, line=made.line)
-    told = (*card.result.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
+def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Brought]) -> Reading:
+    """Return the reading with the line of TTOBench, and with what its train and its journey say of it."""
+    track = kinds["track"].result
+    if "train" not in kinds:
+        return replace(reading, line=track)
+    sources = {file.number: file.source for file in files}
+    of_train, of_track = (sources[kinds[kind].number] for kind in ("train", "track"))
+    journey = sources[kinds["journey"].number] if "journey" in kinds else None
+    made = read_ttobench(of_track, of_train, journey)
+    line = replace(track, document={"line": made.document["line"]}, line=made.line)
+    told = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
     return replace(
         reading,
         line=line,
