@@ -102,7 +102,7 @@ export function render({model, view}) {
 
   const veil = make("div", {class: "rj-drop"}, "Drop a line, a train, recorded runs, a scenario, a report or a study to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
-  // the server knows each file by its name and content
+  // the server finds out the kind of each file by its name and content
   const send = async (file) => {
     if (file.size > model.largest_bytes) { model.send_msg({kind: "too_large", name: file.name}); return; }
     const bytes = new Uint8Array(await file.arrayBuffer()), pieces = [];

@@ -24,7 +24,7 @@ from railjoule.dashboard.pages.files.measured import ReadRun
 
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
-TOLD_IN_A_TERMINAL = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
+COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
 """How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
 
 UNIT_WORDS = {
@@ -37,7 +37,7 @@ UNIT_WORDS = {
     "m2": "m\u00b2",
     "pk": "km+m",
 }
-"""What units are called, where that is not their key."""
+"""Names of units that are not their keys."""
 CODE_PAGES = {
     "cp1250": "Central Europe (Windows-1250)",
     "cp1251": "Cyrillic (Windows-1251)",
@@ -87,13 +87,13 @@ class Choice:
 
 @dataclass(frozen=True, eq=False)
 class Card:
-    """What is known of one file.
+    """The contents of one file.
 
     Parameters
     ----------
     number, name, kind : int, str, str
     cells : CellTable or None
-        Those of a table of the line.
+        The cells of a table of the line.
     choices : tuple of Choice
         Its columns, units, line and track.
     result : ImportedTable or ImportedLine or ImportedVehicle or None
@@ -125,7 +125,7 @@ class Card:
 
 
 def card_of(file: Brought) -> Card:
-    """Return what is known of a file; what is wrong with it is told, never raised."""
+    """Return the card of a file; an error in it becomes its failure, and is never raised."""
     card = Card(file.number, file.name)
     first = []
     try:
@@ -163,8 +163,8 @@ def _menu(
 
 
 def _failed(card: Card, file: Brought, sentence: str) -> Card:
-    """Return the card of a file that could not be read: of a table nobody knows, with its first rows."""
-    card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
+    """Return the card of a file that could not be read: of an unknown table with its first rows."""
+    card = replace(card, failure=COMMAND_OPTION.sub("", sentence))
     if not card.kind:
         with suppress(RailjouleError):
             return replace(card, cells=file.cells)
@@ -273,13 +273,13 @@ def _unit(finding: Finding) -> OtherUnit:
 def _with_result(card: Card, file: Brought, result: Any) -> Card:
     if result is None:
         return card
-    told = [finding for finding in result.findings if finding.other_unit is None]
-    # questions that the user answers by other means come first of what is told
-    told.sort(key=lambda finding: finding.kind != "question")
+    others = [finding for finding in result.findings if finding.other_unit is None]
+    # first the questions that the user answers by other means
+    others.sort(key=lambda finding: finding.kind != "question")
     return replace(
         card,
         result=result,
-        findings=tuple(without_name(finding.sentence, file.name) for finding in told),
+        findings=tuple(without_name(finding.sentence, file.name) for finding in others),
         unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
         questions=tuple(_asked(finding) for finding in result.findings if finding.other_unit is not None),
     )

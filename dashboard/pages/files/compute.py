@@ -1,4 +1,4 @@
-"""What is read from the files that a user brings, and the scenarios that can be made of it."""
+"""The line and the train in the files that a user brings, and the scenarios that can be made of them."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -46,7 +46,7 @@ class Offer:
     shortest_s, time_s : float
         The shortest travel time, and the one that is proposed.
     why : str
-        Where the proposed time is from.
+        The origin of the proposed time.
     failure : str
         Why no train can run it.
     waits_for : tuple of str
@@ -79,7 +79,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What all files together give.
+    """The line, the train and the runs of all files together.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class Reading:
         Of which the line was put together.
     vehicle : ImportedVehicle or None
     travel_time_s : float or None
-        What a journey says.
+        That of a journey.
     findings, unused : tuple of str
         Of the line as a whole.
     runs : tuple of RunFile
