@@ -29,11 +29,6 @@ def press(user: User, name: str) -> None:
     user.page.get_by_role("button", name=name, exact=True).click()
 
 
-def choose(user: User, label: str, word: str) -> None:
-    user.page.get_by_role("combobox", name=label, exact=True).click()
-    user.page.get_by_role("menuitem", name=word, exact=True).click()
-
-
 def bring(user: User, *paths: Path) -> None:
     """Choose files on the page; the sidebar has another button for scenarios."""
     user.page.locator("input[type=file][accept*=xlsx]").set_input_files(paths)
@@ -63,8 +58,8 @@ def test_a_question_about_a_unit_is_answered_by_a_press(user: User, tmp_path: Pa
     expect(question).to_be_hidden()
     expect(user.figure_value("Measured")).to_have_text(re.compile(r"9\.6\d"))
     press(user, "Change")
-    expect(user.page.get_by_role("combobox", name="speed_kmh", exact=True)).to_have_text("Speed")
-    choose(user, "effort_kn", "Not used")
+    expect(user.page.get_by_role("combobox", name="speed_kmh", exact=True)).to_have_value("Speed")
+    user.page.get_by_label("effort_kn", exact=True).select_option("Not used")
     expect(user.page.get_by_text("4 of 6 columns used.")).to_be_visible()
     press(user, "Fold")
     expect(user.page.get_by_role("combobox", name="speed_kmh", exact=True)).to_be_hidden()

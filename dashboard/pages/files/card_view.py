@@ -35,8 +35,15 @@ h2, h3 { margin: 0; font-size: 13px; font-weight: 600; overflow-wrap: anywhere; 
 """
 FIRST_ROWS = 4
 """Rows of each file that are shown."""
-NOTHING = "-"
-"""Stands for an empty value: with that, a select shows none of its words."""
+MENU_CSS = """
+:host { font-size: 13px; }
+label { max-width: 100%; font-size: 11px; color: var(--rj-ink2); background: var(--rj-surface); overflow: hidden;
+  text-overflow: ellipsis; white-space: nowrap; }
+.bk-input { min-height: 30px; padding: 3px 4px 3px 8px; font: inherit; color: var(--rj-ink); border-radius: 6px;
+  border: 1px solid var(--rj-line2); background: var(--rj-surface); appearance: auto; text-overflow: ellipsis; }
+.bk-input:focus { border-color: var(--rj-accent); outline: 1px solid var(--rj-accent); box-shadow: none; }
+:host(.missing) .bk-input { border-color: var(--rj-warn); box-shadow: 0 0 0 1px var(--rj-warn); }
+"""
 SELECT_PX, UNIT_PX = 170, 120
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
 
@@ -54,13 +61,13 @@ class FileCard:
     def __init__(self, say: Callable[[str, str], None], remove: Callable[[], None]) -> None:
         self.say, self._quiet = say, False
         self.head, self.messages, self.table = (_text() for _ in range(3))
-        self.kind = pmui.Select(label="What it is", width=SELECT_PX, visible=False, **SMALL)
+        self.kind = menu("What it is", SELECT_PX)
         self.kind.param.watch(lambda event: self._choose("kind", event.new), "value")
         self.remove = pmui.Button(variant="text", on_click=lambda _: remove(), **SMALL)
         self.choices, self.questions = parts.stack(), parts.stack()
         self._keys: list[str] = []
         self._asked: tuple[Question, ...] = ()
-        self.selects: list[pmui.Select] = []
+        self.selects: list[pn.widgets.Select] = []
         self.samples: list[Any] = []
         line = pn.FlexBox(self.kind, self.remove, align_items="center", margin=0)
         self.view = parts.stack(self.head, line, self.table, self.choices, self.questions, self.messages, css=CARD_CSS)
@@ -98,13 +105,13 @@ class FileCard:
             with added_to(self.choices):
                 self.choices[:] = [pn.FlexBox(*row, align_items="center", margin=0) for row in rows if row]
         for choice, select, sample in zip(choices, self.selects, self.samples, strict=True):
-            colour = "warning" if choice.is_missing else "default"
-            fill(select, choice.options, choice.value, visible=bool(choice.options), color=colour)
+            classes = ["missing"] if choice.is_missing else []
+            fill(select, choice.options, choice.value, visible=bool(choice.options), css_classes=classes)
             sample.object = markup("<span class='muted small'>{}</span>", choice.sample)
 
-    def _select(self, choice: Choice) -> pmui.Select:
+    def _select(self, choice: Choice) -> pn.widgets.Select:
         width = UNIT_PX if choice.key.startswith(("unit ", "position_unit", "value_unit")) else SELECT_PX
-        made = fill(pmui.Select(label=choice.label, width=width, **SMALL), choice.options, choice.value)
+        made = fill(menu(choice.label, width), choice.options, choice.value)
         made.param.watch(lambda event: self._choose(choice.key, event.new), "value")
         return made
 
@@ -126,12 +133,18 @@ class FileCard:
 
     def _choose(self, key: str, value: Any) -> None:
         if not self._quiet and value is not None:
-            self.say(key, "" if value == NOTHING else str(value))
+            self.say(key, str(value))
 
 
-def fill(select: pmui.Select, options: Iterable[tuple[str, str]], value: str, **more: Any) -> pmui.Select:
-    """Offer values with the words for them, and choose one; return the widget."""
-    select.param.update(options={word: one or NOTHING for one, word in options}, value=value or NOTHING, **more)
+def menu(label: str, width: int) -> pn.widgets.Select:
+    """Return a menu without options."""
+    # not panel-material-ui's, which no key opens: its Select listens to clicks, and not to MUI's `onOpen`
+    return pn.widgets.Select(name=label, width=width, margin=SMALL["margin"], stylesheets=[MENU_CSS])
+
+
+def fill(select: pn.widgets.Select, options: Iterable[tuple[str, str]], value: str, **more: Any) -> pn.widgets.Select:
+    """Offer values with the words for them, and choose one; return the menu."""
+    select.param.update(options={word: one for one, word in options}, value=value, **more)
     return select
 
 

@@ -15,7 +15,7 @@ from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Request, shows, study
 from railjoule.dashboard.pages.files import texts
-from railjoule.dashboard.pages.files.card_view import FileCard
+from railjoule.dashboard.pages.files.card_view import FileCard, fill, menu
 from railjoule.dashboard.pages.files.cards import describe_run, read_meaning
 from railjoule.dashboard.pages.files.columns import RunFile
 from railjoule.dashboard.pages.files.line_tab import LineTab
@@ -156,7 +156,7 @@ class RunsTab(LineTab):
     def layout_runs(self) -> Viewable:
         """Make the parts of the tab."""
         self._quiet = self._unfolded = False
-        self.chosen = pmui.Select(label="Run", options=[], size="small", margin=(6, 8, 0, 0), width=220)
+        self.chosen = menu("Run", 220)
         self.chosen.param.watch(self._choose, "value")
         over = parts.stack(over_time_buttons(self.desk, margin=(10, 0, 0, 0)), sizing_mode=None)
         self.card = FileCard(self.say_of_run, lambda: self.remove(self.shown_number))
@@ -197,9 +197,9 @@ class RunsTab(LineTab):
     @shows("reading", "shown", tab=RUNS)
     def _show_runs(self) -> None:
         names = [run.name for run in self.runs]
-        shown = self.shown if self.shown in names else (names[-1] if names else None)
+        shown = self.shown if self.shown in names else (names[-1] if names else "")
         self._quiet = True
-        self.chosen.param.update(options=names, value=shown, visible=len(names) > 1)
+        fill(self.chosen, zip(names, names, strict=True), shown, visible=len(names) > 1)
         self._quiet = False
 
     @shows("measured", "desk.over_time", tab=RUNS)
