@@ -37,10 +37,10 @@ FIRST_ROWS = 4
 """Rows of each file that are shown."""
 MENU_CSS = """
 :host { font-size: 13px; }
-label { max-width: 100%; font-size: 11px; color: var(--rj-ink2); background: var(--rj-surface); overflow: hidden;
-  text-overflow: ellipsis; white-space: nowrap; }
+label { max-width: 100%; font-size: 11px; color: var(--rj-ink2); background: var(--rj-surface) !important;
+  overflow: hidden; text-overflow: ellipsis; white-space: nowrap; }
 .bk-input { min-height: 30px; padding: 3px 4px 3px 8px; font: inherit; color: var(--rj-ink); border-radius: 6px;
-  border: 1px solid var(--rj-line2); background: var(--rj-surface); appearance: auto; text-overflow: ellipsis; }
+  border: 1px solid var(--rj-line2); background: var(--rj-surface) !important; appearance: auto !important; }
 .bk-input:focus { border-color: var(--rj-accent); outline: 1px solid var(--rj-accent); box-shadow: none; }
 :host(.missing) .bk-input { border-color: var(--rj-warn); box-shadow: 0 0 0 1px var(--rj-warn); }
 """
@@ -110,7 +110,7 @@ class FileCard:
             sample.object = markup("<span class='muted small'>{}</span>", choice.sample)
 
     def _select(self, choice: Choice) -> pn.widgets.Select:
-        width = UNIT_PX if choice.key.startswith(("unit ", "position_unit", "value_unit")) else SELECT_PX
+        width = UNIT_PX if choice.key.endswith("_unit") else SELECT_PX
         made = fill(menu(choice.label, width), choice.options, choice.value)
         made.param.watch(lambda event: self._choose(choice.key, event.new), "value")
         return made
