@@ -64,7 +64,7 @@ def limits() -> tuple[Limit, ...]:
         Limit("Scenario file", _megabytes(MAX_FILE_BYTES), _megabytes(LONGEST_TEXT)),
         Limit("Report that is opened", _megabytes(MAX_FILE_BYTES), _megabytes(MAX_FILE_BYTES)),
         Limit("Characters of the note in a report", f"{LONGEST_NOTE:,}", f"{LONGEST_NOTE:,}"),
-        Limit("File of a measured run", NONE, _megabytes(LARGEST_RUN_BYTES)),
+        Limit("File of a line, a train or a measured run", NONE, _megabytes(LARGEST_RUN_BYTES)),
         Limit("File of a study that is opened", NONE, _megabytes(LARGEST_STUDY_BYTES)),
         Limit("File of a study that is dropped", NONE, _megabytes(LARGEST_RUN_BYTES)),
         Limit("Parts of a dotted key", str(MAX_KEY_PARTS), str(MAX_KEY_PARTS)),

@@ -24,6 +24,7 @@ depends on. `PageWorks` computes what pages ask for, in threads, while they are 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from types import FunctionType
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 import param
@@ -273,7 +274,8 @@ class Page(TypedParameters, PageModel):
         """Yield the names of its decorated methods, in the order of the class, and what they are decorated with."""
         for kind in reversed(cls.__mro__):
             for name, method in vars(kind).items():
-                if hasattr(method, mark):
+                # param's own attribute has the parameters under their names, which may be that of a mark
+                if isinstance(method, FunctionType) and hasattr(method, mark):
                     yield name, getattr(method, mark)
 
     def source(self, name: str) -> tuple[param.Parameterized, list[str]]:

@@ -19,8 +19,7 @@ NAMES = (
     "Line",
     "Study",
     "Learn",
-    "Measured runs",
-    "Import",
+    "Files",
     "Papers",
     "Help",
 )

@@ -1,4 +1,4 @@
-"""Make `assets/imports/example-recorder.csv`: what a recorder would write of a run over the example of Import.
+"""Make `assets/imports/example-recorder.csv`: what a recorder would write of a run over the example line of Files.
 
 `python -m tests.example_recorder`, from the top folder. The run is simulated: its driver keeps to 35 km/h in the middle
 of the line, and drives as well as that allows. The columns are those of a French recorder, with current and voltage,

@@ -1,4 +1,4 @@
-"""The example runs of the page Measured runs: `python -m tests.measured_example` writes them.
+"""The example runs of the page Files: `python -m tests.measured_example` writes them.
 
 No recorder wrote them. A train that differs from that of the shipped scenario in what a fit looks for is driven over
 its line by a driver who keeps to lower speeds than the limits, and what a recorder would write is read from that run,

@@ -4,7 +4,7 @@ import {life_of, make} from "./dom.js";
 import {copy_text, offer} from "./files.js";
 import {deep} from "./page.js";
 
-const TABLE = /\.(csv|tsv|txt|xlsx)$/i, STUDY = /\.nc$/i, PIECE = 8192;
+const PIECE = 8192;
 const WORDS = {
   lost: "The connection to the server is lost. Changes have no effect until this page is loaded again, which it does by " +
     "itself when the server answers.",
@@ -100,23 +100,14 @@ export function render({model, view}) {
     if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy_text(location.href)}); }
   });
 
-  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report, a study or the file of a measured run to open it");
+  const veil = make("div", {class: "rj-drop"}, "Drop a line, a train, recorded runs, a scenario, a report or a study to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
-  const read = async (file) => {
-    const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
-    if (file.size > largest) { model.send_msg({kind: "too_large", name: file.name}); return; }
-    try {
-      const text = new TextDecoder("utf-8", {fatal: true}).decode(await file.arrayBuffer());
-      model.send_msg({kind: "drop", name: file.name, text});
-    } catch { model.send_msg({kind: "no_text", name: file.name}); }
-  };
-  // workbooks and studies are no text: they go as they are, all that are dropped
-  const read_bytes = async (file) => {
-    const kind = STUDY.test(file.name) ? "study" : "table";
-    if (file.size > model.largest_table_bytes) { model.send_msg({kind: `large_${kind}`, name: file.name}); return; }
+  // the server finds out the kind of each file by its name and content
+  const send = async (file) => {
+    if (file.size > model.largest_bytes) { model.send_msg({kind: "too_large", name: file.name}); return; }
     const bytes = new Uint8Array(await file.arrayBuffer()), pieces = [];
     for (let at = 0; at < bytes.length; at += PIECE) { pieces.push(String.fromCharCode(...bytes.subarray(at, at + PIECE))); }
-    model.send_msg({kind, name: file.name, data: btoa(pieces.join(""))});
+    model.send_msg({kind: "drop", name: file.name, data: btoa(pieces.join(""))});
   };
   const listeners = {
     ...typing,
@@ -135,9 +126,7 @@ export function render({model, view}) {
       veil.remove();
       if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
       event.preventDefault();
-      const files = [...event.dataTransfer.files];
-      const binary = files.filter((file) => TABLE.test(file.name) || STUDY.test(file.name));
-      if (binary.length) { binary.forEach(read_bytes); } else { read(files[0]); }
+      [...event.dataTransfer.files].forEach(send);
     },
   };
   for (const [name, listener] of Object.entries(listeners)) { window.addEventListener(name, listener, {signal}); }

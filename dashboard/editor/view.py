@@ -338,7 +338,7 @@ class LineGroup(Group):
         def bring(*_: Any) -> None:
             # the editor would cover half of the page that reads tables
             self.editor.open = False
-            self.parent.state.page = "Import"
+            self.parent.state.page = "Files"
 
         label, margin = "Import tables of a line", (0, 8, 4, 0)
         button = pmui.Button(label=label, variant="text", size="small", margin=margin, on_click=bring)

@@ -13,7 +13,7 @@ PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
 LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = MAX_FILE_BYTES, LONGEST_TEXT
 REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
 WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
-ELSEWHERE = "; bring tables of a line on the page Import, or paste one into its list in the editor"
+ELSEWHERE = "; bring tables of a line on the page Files, or paste one into its list in the editor"
 NO_SCENARIO, NO_TEXT = "it contains no scenario", "it is not UTF-8 text"
 TOO_LARGE = (
     f"it is larger than the {LARGEST_SCENARIO_BYTES / 1e6:g} MB of a scenario or the {LARGEST_REPORT_BYTES / 1e6:g} MB "

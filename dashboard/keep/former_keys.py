@@ -15,11 +15,14 @@ FORMER_MODELS: Mapping[str, tuple[str, ...]] = {
     "robustness": ("day", "what_if"),
     "disturbances": ("day",),
     "actual": ("day",),
+    "measured_runs": ("files",),
 }
 """By earlier model the present ones, which have its fields under the same names."""
 FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
     "Robustness": {"page": "What if", "what_if.tab": "load"},
     "Disturbances": {"page": "What if", "what_if.tab": "events"},
+    "Import": {"page": "Files", "files.tab": "line"},
+    "Measured runs": {"page": "Files", "files.tab": "runs"},
 }
 """By earlier page the values that open its successor."""
 

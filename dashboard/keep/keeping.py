@@ -5,6 +5,7 @@ import logging
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import PurePath
 from typing import Any
 
 import panel as pn
@@ -18,11 +19,12 @@ from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
 from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.uploads import large_study, too_large
+from railjoule.dashboard.work.uploads import FILE_SUFFIXES, STUDIES, large_study
 from railjoule.dashboard.work.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
@@ -77,13 +79,8 @@ class Keeping(param.Parameterized):
             "open": lambda message: self.open_link(str(message.get("text"))),
             "undo": lambda _: self.undo(),
             "redo": lambda _: self.redo(),
-            "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
+            "drop": self._take_dropped,
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
-            "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
-            "table": lambda message: self._take_bytes(message, self.state.show_run),
-            "study": lambda message: self._take_bytes(message, self.state.show_study),
-            "large_table": lambda message: self._refuse_run(too_large(shown_name(str(message.get("name"))))),
-            "large_study": lambda message: self.tell(large_study(shown_name(str(message.get("name"))))),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -149,19 +146,25 @@ class Keeping(param.Parameterized):
         else:
             self._when_read({"toml": toml}, lambda: self._attempt("file", lambda: take(toml)))
 
-    def _take_bytes(self, message: dict[str, Any], show: Callable[[str, bytes], None]) -> None:
-        """Show a dropped file on the page of such files, whichever page is in sight."""
+    def _take_dropped(self, message: dict[str, Any]) -> None:
+        """Open a dropped scenario or report, and show any other file on the page of such files."""
         name = shown_name(str(message.get("name")))
         try:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
             return  # no browser of ours sends it
-        show(name, content)
-
-    def _refuse_run(self, refusal: str) -> None:
-        """Turn to the page of measured runs, which tells why a file was not taken."""
-        self.state.measured_runs.refusal = refusal
-        self.state.page = "Measured runs"
+        suffix = PurePath(name).suffix.lower()
+        if suffix not in {*FILE_SUFFIXES, *STUDIES}:
+            try:
+                self.open_file(name, content.decode())
+            except UnicodeDecodeError:
+                self.refuse_file(name, NO_TEXT)
+        elif suffix not in STUDIES:
+            self.state.show_file(name, content)
+        elif len(content) > LARGEST_RUN_BYTES:
+            self.tell(large_study(name))
+        else:
+            self.state.show_study(name, content)
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""

@@ -9,8 +9,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
+from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES
 from railjoule.dashboard.look.scripts import module
 
 
@@ -18,17 +17,13 @@ class Lifeline(JSComponent):
     """The page's ties to its browser's address, keys, files and clipboard.
 
     What the browser reports is heard by kind: `open` (a fragment with a state), `undo`, `redo`, `drop` (a file),
-    `too_large` and `no_text` (files that cannot be read), `table` and `large_table` (files of runs), `study` and
-    `large_study` (files of studies), `copied`.
+    `too_large` (a file that is not sent), `copied`.
     """
 
     address = param.String(default="", doc="Query or fragment that holds the page's state.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
     # the browser has to look first: a message that is too large ends the connection without a word, panel issue 6923
-    largest_scenario_bytes = param.Integer(default=LARGEST_SCENARIO_BYTES, doc="Largest scenario file to be dropped.")
-    largest_report_bytes = param.Integer(default=LARGEST_REPORT_BYTES, doc="Largest report to be dropped.")
-
-    largest_table_bytes = param.Integer(default=LARGEST_RUN_BYTES, doc="Largest run or study to be dropped.")
+    largest_bytes = param.Integer(default=LARGEST_REPORT_BYTES, doc="Largest file to be dropped.")
 
     _esm = module("lifeline")
 

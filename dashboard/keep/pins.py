@@ -12,9 +12,7 @@ from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 from railjoule.dashboard.work.worker import Worker
 
-LOST = (
-    "No longer pinned: {}. The file of a measured run is in no link; bring it to Measured runs, and pin it there again."
-)
+LOST = "No longer pinned: {}. The file of a measured run is in no link; bring it to Files, and pin it there again."
 
 
 class RecipeRun(NamedTuple):

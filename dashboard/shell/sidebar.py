@@ -59,7 +59,7 @@ class Sidebar:
             icon="folder_open",
             **STYLE,
         )
-        self.bring = text_button("Import a line or train", "upload_file", lambda _: setattr(state, "page", "Import"))
+        self.bring = text_button("Import a line or train", "upload_file", lambda _: setattr(state, "page", "Files"))
         self.edit = text_button(
             "Edit scenario",
             "tune",

@@ -118,19 +118,10 @@ def _study(state: Workbench) -> PageRun:
     return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold)
 
 
-def _measured_runs(state: Workbench) -> PageRun:
-    """Return the plan: a measured run stands beside it, and its file in no scenario."""
-    shown = state.measured_runs.measured is not None
-    untold = "The page shows measured runs, whose files no scenario file has; this is the plan." if shown else ""
-    return PageRun(SOLVE, {"strategy": state.chosen_now}, untold)
-
-
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
     "Study": _study,
-    "Measured runs": _measured_runs,
-    "Import": _plan,
     "Help": _plan,
 }
 """By the name of the page; one without an entry shows the plan."""

@@ -9,6 +9,7 @@ import param
 from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.lower_bound import Bound
+from railjoule.core.measured import MeasuredRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
@@ -17,8 +18,6 @@ from railjoule.dashboard.page_list import PAGES, page_classes, room_of
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
-from railjoule.dashboard.pages.imports.model import ImportModel
-from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.state.files import FilesModel
@@ -84,9 +83,7 @@ class Workbench(Kept, PageModel):
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
         self.day = Day(self.scenario)
-        self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)
-        self.imports = ImportModel()
         self.proof = ProofModel()
         self.simple = SimpleModel()
         super().__init__(**params)
@@ -182,23 +179,21 @@ class Workbench(Kept, PageModel):
         name = f"{pin_name(chosen.run)}, {chosen.changes} changes"
         self._pin(chosen.run, replace(recipe, simple=chosen.changes_allowed), name)
 
-    def show_run(self, name: str, content: bytes) -> None:
-        """Turn to the page of measured runs with the file of one."""
-        self.page = "Measured runs"
-        self.measured_runs.bring([(name, content)])
+    def show_file(self, name: str, content: bytes) -> None:
+        """Turn to Files with a file of a line, a train or a run."""
+        self.page = "Files"
+        self.pages["Files"].bring([(name, content)])
 
     def show_study(self, name: str, content: bytes) -> None:
         """Turn to Study with the file of one."""
         self.page = "Study"
         self.study.brought = Brought(name, content)
 
-    def pin_measured(self) -> None:
-        """Pin the measured run that is shown."""
-        measured = self.measured_runs.measured
-        found = None if measured is None else measured.shown.run
-        if found is None or self.pin_of(found.trajectory) is not None:
-            return
+    def pin_measured(self, found: MeasuredRun) -> None:
+        """Pin a measured run."""
         run = found.trajectory
+        if self.pin_of(run) is not None:
+            return
         recipe = recipe_of_recording(run)
         self.recorded[recipe.recording] = run
         self._pin(run, recipe, measured_name(run, found.measured is not None, found.recording.name))

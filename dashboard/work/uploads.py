@@ -1,13 +1,15 @@
-"""Bounds of the files of measured runs and studies that are sent to the server."""
+"""Bounds of the files of lines, trains, runs and studies that are sent to the server."""
 
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 
-RUN_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx")
+STUDIES = (".nc",)
+FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json")
+"""Endings of the names of files of lines, trains and runs."""
 
 
 def too_large(name: str) -> str:
     """Return why a file of this name is not read."""
-    return f"{name}: larger than the {LARGEST_RUN_BYTES / 1e6:g} MB that a run may have."
+    return f"{name}: larger than the {LARGEST_RUN_BYTES / 1e6:g} MB that a file may have."
 
 
 def large_study(name: str) -> str:

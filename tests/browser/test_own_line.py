@@ -1,4 +1,4 @@
-"""From three spreadsheets and a recorder's file to the report, by mouse alone; and what Import says of other files."""
+"""From three spreadsheets and a recorder's file to the report, by mouse alone; and what Files says of others."""
 
 import re
 import time
@@ -12,7 +12,7 @@ from browser.server import Server
 from browser.user import User, open_page
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
-from railjoule.dashboard.pages.imports.compute import examples
+from railjoule.dashboard.pages.files.page import EXAMPLE_LINE, sources
 
 CANARY = "</style><img src=x onerror='window.pwned=true'>"
 LONGEST_WALK_S = 300.0
@@ -30,8 +30,8 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 @pytest.fixture
 def spreadsheets(tmp_path: Path) -> list[Path]:
     """Three spreadsheets in the columns that SNCF publishes, as they would lie in a folder of downloads."""
-    paths = [tmp_path / source.name for source in examples()]
-    for path, source in zip(paths, examples(), strict=True):
+    paths = [tmp_path / source.name for source in sources(EXAMPLE_LINE)]
+    for path, source in zip(paths, sources(EXAMPLE_LINE), strict=True):
         path.write_bytes(source.content)
     return paths
 
@@ -42,14 +42,14 @@ def recorder_file() -> Path:
     return ASSETS / "imports" / "example-recorder.csv"
 
 
-def card(user: User, name: str) -> Locator:
-    return user.page.get_by_role("region", name=name, exact=True)
-
-
 def bring(user: User, *paths: Path) -> None:
     with user.page.expect_file_chooser() as chosen:
-        user.page.get_by_role("button", name="Choose files").click()
+        user.page.locator("label:visible", has_text="Choose files").click()
     chosen.value.set_files(list(paths))
+
+
+def menu(user: User, label: str) -> Locator:
+    return user.page.get_by_role("combobox", name=label, exact=True)
 
 
 def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
@@ -57,32 +57,30 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
 ) -> None:
     page, began = user.page, time.monotonic()
     page.get_by_role("button", name="Bring your own line").click()
-    expect(user.question("Import")).to_be_visible()
+    expect(user.question("Files")).to_be_visible()
     bring(user, *spreadsheets)
-    for name, kind in (("limits", "limits"), ("gradients", "gradients"), ("curves", "curves")):
-        expect(page.get_by_label(f"What example-{name}.csv is")).to_have_value(kind)
-    gradients = card(user, "example-gradients.csv")
-    expect(gradients.get_by_role("alert")).to_contain_text("its rows are of several NOM_VOIE: V1, V2; choose one.")
+    for k, kind in enumerate(("Speed limits", "Gradients", "Curves")):
+        expect(menu(user, "What it is").nth(k)).to_have_value(kind)
+    several = page.get_by_text("its rows are of several NOM_VOIE: V1, V2; choose one.")
+    expect(several).to_be_visible()
     # a metro would drive on level track
-    expect(page.get_by_role("button", name="Take this line", exact=True)).to_be_disabled()
-    expect(page.get_by_role("button", name="Take this line without the gradients")).to_be_enabled()
-    page.get_by_label("Only NOM_VOIE: example-gradients.csv").select_option("V1")
-    expect(gradients.get_by_role("alert")).to_have_count(0)
-    expect(gradients).to_contain_text("Nothing from 18,900 to 19,100 m")
+    expect(page.get_by_role("button", name="Use this line", exact=True)).to_be_disabled()
+    expect(page.get_by_role("button", name="Use this line without the gradients")).to_be_enabled()
+    menu(user, "Only NOM_VOIE").select_option("V1")
+    expect(several).to_have_count(0)
+    expect(page.get_by_text("Nothing from 18,900 to 19,100 m").first).to_be_visible()
     expect(page.get_by_role("heading", name="Line of example-limits: 12.00 km")).to_be_visible()
     for chart in ("import_height", "import_limits", "import_curves"):
         expect(page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
-    take = page.get_by_role("button", name="Take this line", exact=True)
+    take = page.get_by_role("button", name="Use this line", exact=True)
     expect(take).to_be_enabled()
-    expect(page.get_by_text("1.1 \u00d7 the shortest")).to_be_visible()
+    expect(page.get_by_text("proposed: 1.1 \u00d7 the shortest")).to_be_visible()
     take.click()
     expect(user.question("Drive")).to_be_visible()
     expect(user.scenario("Line of example-limits, Metro 81-7036, 5 cars")).to_be_visible()
     user.see_drive()
-    open_page(user, "Measured runs")
-    with page.expect_file_chooser() as file:
-        page.locator("label:visible", has_text="Choose files").click()
-    file.value.set_files(recorder_file)
+    open_page(user, "Files")
+    bring(user, recorder_file)
     # the sum of current times voltage, and the model of the same train
     expect(user.figure_value("Measured")).not_to_have_text("\u2014")
     expect(user.figure_value("Could save")).to_have_text(re.compile(r"1[5-9]\.\d%"))
@@ -110,14 +108,14 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
 
 def test_hostile_files_get_a_sentence(user: User, tmp_path: Path) -> None:
     page = user.page
-    open_page(user, "Import")
+    open_page(user, "Files")
     bad = tmp_path / "limits.csv"
     bad.write_text(f"from,to,{CANARY}\n0,{CANARY},80\n")
     bring(user, bad)
-    expect(card(user, "limits.csv").get_by_role("alert")).to_contain_text("limits.csv: ")
+    expect(page.get_by_role("alert").filter(has_text="limits.csv: ").first).to_be_visible()
     large = tmp_path / "large.csv"
-    large.write_bytes(b"0" * 4_000_001)
+    large.write_bytes(b"0" * 8_000_001)
     bring(user, large)
-    expect(page.get_by_text("large.csv: larger than the 4 MB allowed for one file.")).to_be_visible()
+    expect(page.get_by_text("larger than the 8 MB that a file may have.")).to_be_visible()
     assert page.evaluate("window.pwned === undefined")
     page.get_by_role("button", name="Remove limits.csv").click()

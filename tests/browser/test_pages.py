@@ -70,8 +70,7 @@ CHANGES = {
     "Line": Change(type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")),
     "Study": Change(type_text("Runs", "77"), ':text("on this computer."):visible'),
     "Learn": Change(press("This is my guess"), "main:visible", "lesson_coasting"),
-    "Measured runs": Change(press("Try the example"), "main:visible", "measured_speed"),
-    "Import": Change(press("Load the example"), "main:visible", "import_limits"),
+    "Files": Change(press("Try the example"), "main:visible", "import_limits"),
     "Papers": Change(press("Compute all again"), "main:visible"),
     "Help": Change(lambda user: user.page.locator("[data-open=Compare]").click(), "h1:visible", leaves=True),
 }

@@ -1,6 +1,5 @@
 """The page's scripts by themselves, in a blank page: as they are sent, what they compute, rules of the house."""
 
-import json
 import math
 import re
 from collections.abc import Iterator
@@ -179,7 +178,6 @@ VALUES: dict[str, dict[str, Any]] = {
         },
     },
     "editor_head": {"status": "", "alert": "", "open": False},
-    "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "max_bytes": 1, "version": 0},
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
@@ -206,30 +204,6 @@ def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> N
     first, second, left = run(page, name, code, VALUES[name])
     assert first == second
     assert left == 0
-
-
-def test_what_can_be_taken_is_drawn_whatever_comes_first_of_it(page: Page) -> None:
-    """The counter of what was sent may come before what was: the document combines changes that it holds."""
-    offer = {
-        "what": "line",
-        "label": "Take this line",
-        "time": "700",
-        "why": "",
-        "about": "",
-        "failure": "",
-        "main": True,
-    }
-    code = f"""
-      {MODEL}
-      const host = shown(m.render({{model}}));
-      change({{version: 1}});
-      change({{status: ""}});
-      change({{offers: [{json.dumps(offer)}]}});
-      await drawn();
-      return [...host.querySelectorAll("button")].map((one) => one.textContent);
-    """
-    start = {"offers": [], "stretch": {"begin": "", "end": "", "reverse": False}, "has_stretch": False, "version": 0}
-    assert run(page, "import_take", code, {**start, "status": "Computing.", "refusal": ""}) == ["Take this line"]
 
 
 def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None:

@@ -99,7 +99,7 @@ class AnyOrder(RuleBasedStateMachine):
     def set_on_another_page(self, seed: int, percent: float) -> None:
         self.state.day.seed, self.state.pages["Speed limits"].time_window_percent = seed, percent
 
-    @rule(page=st.sampled_from(["Start", "Help", "Import"]))
+    @rule(page=st.sampled_from(["Start", "Help", "Files"]))
     def turn(self, page: str) -> None:
         assert page in PAGES
         self.state.page = page

@@ -2,4 +2,4 @@
 
 from railjoule.dashboard.page_entry import PageEntry
 
-PAGE = PageEntry("Strategies and pinned runs side by side", strategies="draw", group="Compare")
+PAGE = PageEntry("Strategies and pinned runs side by side", strategies="draw")

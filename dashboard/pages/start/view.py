@@ -160,7 +160,7 @@ class StartView(PageView):
             variant="outlined",
             size="small",
             margin=(10, 20, 2, 20),
-            on_click=lambda _: setattr(self.state, "page", "Import"),
+            on_click=lambda _: setattr(self.state, "page", "Files"),
         )
         self.shows(self._show_files, (files, ["listing", "refusal", "current"]))
         self.shows(self._show_picture, (self.state, ["runs"]))

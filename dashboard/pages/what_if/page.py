@@ -1,15 +1,12 @@
 """The page What if: the plan under another load, a position error, events on the way, and random draws."""
 
 from collections.abc import Mapping
-from typing import Any
 
-import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.dashboard import day
-from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.look import words
 from railjoule.dashboard.page import shows
 from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
@@ -19,16 +16,12 @@ from railjoule.dashboard.pages.what_if.live_view import PLAYED
 from railjoule.dashboard.pages.what_if.load import BRAKING, DRIVEN, HEAT_MAP, LOAD, PLACE, LoadTab
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.program import PageRun
 from railjoule.dashboard.state.programs import FOLLOWING, actual_run, followed
 
 TABS: Mapping[str, str] = {LOAD: "Load and position", RIDES: "Events", DRAWS: "Chance"}
 """The tabs by their names in the address."""
-TABS_PX = 42
-TABS_STYLE = {
-    "& .MuiTabs-root": {"minHeight": TABS_PX},
-    "& .MuiTab-root": {"textTransform": "none", "fontSize": "14px", "minHeight": TABS_PX, "padding": "8px 12px"},
-}
 
 
 class WhatIf(LoadTab, EventsTab, ChanceTab):
@@ -55,7 +48,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
 
     def is_shown(self, tab: str) -> bool:
         """Return whether the parts of a tab can be drawn."""
-        return super().is_shown(tab) and (not tab or bool(list(self.bodies[tab])))
+        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
 
     def is_over_time(self, axis: str) -> bool:
         """Return whether an axis is one of times: that of the events can be."""
@@ -76,32 +69,9 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
 
     def layout(self) -> Viewable:
         """Make the tabs and the parts of the one that is open, and return them laid out."""
-        places = list(TABS)
-        self.bar = pmui.Tabs(
-            *((title, parts.stack()) for title in TABS.values()),
-            active=places.index(self.tab),
-            height=TABS_PX,
-            margin=(0, 8),
-            sizing_mode="stretch_width",
-            sx=TABS_STYLE,
-        )
-        self.bar.param.watch(lambda event: self.param.update(tab=places[event.new]), "active")
-        self.bodies = {tab: parts.stack(visible=False) for tab in TABS}
-        # before the figures of the tab are drawn
-        self.param.watch(self._turn, "tab")
-        self._turn()
-        return parts.stack(self.bar, *self.bodies.values())
-
-    def _turn(self, *_: Any) -> None:
-        """Show the tab that is open; its parts are made when it is first open."""
-        made = {LOAD: self.layout_load, RIDES: self.layout_events, DRAWS: self.layout_chance}
-        body = self.bodies[self.tab]
-        self.bar.active = list(TABS).index(self.tab)
-        if not list(body):
-            with added_to(body):
-                body[:] = [made[self.tab]()]
-        for tab, one in self.bodies.items():
-            one.visible = tab == self.tab
+        makers = {LOAD: self.layout_load, RIDES: self.layout_events, DRAWS: self.layout_chance}
+        self.tabs = PageTabs(self, TABS, makers)
+        return self.tabs.view
 
     @shows("scenario", "failure", "tab", "desk.chosen", "desk.day.events", "desk.day.on")
     def _show_heading(self) -> None:

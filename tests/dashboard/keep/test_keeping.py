@@ -1,3 +1,4 @@
+import base64
 import json
 import tracemalloc
 from urllib.parse import urlencode
@@ -12,6 +13,7 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
@@ -88,6 +90,26 @@ def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
     assert not keeping.can_undo
 
 
+def drop(keeping: Keeping, name: str, content: bytes) -> None:
+    data = base64.b64encode(content).decode()
+    keeping.lifeline._handle_msg({"kind": "drop", "name": name, "data": data})
+
+
+def test_a_dropped_file_is_shown_on_the_page_of_its_kind(keeping: Keeping) -> None:
+    state = keeping.state
+    drop(keeping, "limits.csv", b"from_m,to_m,limit_kmh\n0,500,60\n")
+    assert state.page == "Files"
+    assert [file.name for file in state.pages["Files"].files] == ["limits.csv"]
+    drop(keeping, "large.nc", b"0" * (LARGEST_RUN_BYTES + 1))
+    assert "larger than the 8 MB that can be dropped" in state.notice
+    drop(keeping, "study.nc", b"CDF")
+    assert state.page == "Study"
+    drop(keeping, "mine.toml", format_scenario(load_scenario("ftorek-300s").replace(title="Mine")).encode())
+    assert state.scenario.base.title == "Mine"
+    keeping.lifeline._handle_msg({"kind": "drop", "name": "a.csv", "data": "no base64!"})
+    assert len(state.pages["Files"].files) == 1
+
+
 def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
     text = format_scenario(load_scenario("ftorek-300s").replace(title="Mine"))
     keeping.open_file("mine.toml", text)
@@ -96,7 +118,7 @@ def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
     keeping.open_file("other.toml", "railjoule = 99")
     assert keeping.state.notice.startswith("other.toml: ")
     assert keeping.state.scenario.base.title == "Mine"
-    keeping.lifeline._handle_msg({"kind": "no_text", "name": "picture.png"})
+    drop(keeping, "picture.png", b"\x89PNG\xff")
     assert keeping.state.notice.startswith("picture.png: it is not UTF-8 text. Only scenarios")
     keeping.undo()
     assert keeping.state.scenario.opened is None

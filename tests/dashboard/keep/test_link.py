@@ -75,7 +75,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),
         ("?v=1&robustness.seed=1.5", "robustness.seed = 1.5 must be a whole number."),
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
-        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 14 known."),
+        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 13 known."),
         ("?v=1&colours=green", "colours = green must be one of system, light, dark."),
         ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 16 known; did you mean liashenko-i?"),
         ("?v=1&wings=2", "wings is not known."),

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.keep.snapshot import lay, snapshot_of
-from railjoule.dashboard.pages.measured_runs.work import MeasuredRuns, try_example
+from railjoule.dashboard.page import PageWorks
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -66,16 +66,16 @@ def test_seven_pins_of_an_address_are_refused() -> None:
 
 def test_a_measured_run_comes_back_by_a_step_back_and_is_in_no_link() -> None:
     state = opened()
-    state.page = "Measured runs"
-    MeasuredRuns(state)
-    try_example(state)
-    measured = state.measured_runs.measured
-    assert measured is not None
-    assert measured.shown.run is not None
-    state.pin_measured()
-    state.pin_measured()
+    state.page = "Files"
+    page = state.pages["Files"]
+    PageWorks(page)
+    page.tab = "runs"
+    page.try_example()
+    assert page.run is not None
+    state.pin_measured(page.run)
+    state.pin_measured(page.run)
     (pinned,) = state.pins
-    assert pinned.trajectory is measured.shown.run.trajectory
+    assert pinned.trajectory is page.run.trajectory
     assert pinned.name == "Measured, 171.0 s, metro-0714.csv"
     pin(state, vehicle__load_factor=0.2)
     snapshot = snapshot_of(state)

@@ -69,7 +69,7 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
     refusals = lay(state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "day.seed": 5, "page": "Nowhere"})
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
-    assert refusals[1].startswith("page is not one of the 14 known")
+    assert refusals[1].startswith("page is not one of the 13 known")
     assert state.scenario.load_percent == 30.0
     assert state.day.seed == 5
     assert state.page == Workbench().page

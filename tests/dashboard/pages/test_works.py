@@ -12,8 +12,6 @@ from panel.io.state import set_curdoc
 from turns import PATIENCE_S, Page
 
 from railjoule.dashboard.app import VIEWS
-from railjoule.dashboard.pages.imports.compute import examples
-from railjoule.dashboard.pages.measured_runs.work import try_example
 from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.what_if.compute import compute_reality
 from railjoule.dashboard.state.plan_work import Plans
@@ -69,16 +67,18 @@ class Desk:
         found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
         self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
         self.state.day.on = True
-        if made.__name__ == "MeasuredRuns":
-            try_example(self.state)
         if made.__name__ == "What if":
             # tables and curves follow from these
             self.state.day.add_stop()
             page = self.state.pages["What if"]
             compute, *asked = page._rides()
             page.param.update(reality=compute_reality(page._reality()[1]), rides=compute(*asked))
-        if made.__name__ == "Imports":
-            self.state.imports.add_sources(examples())
+        if made.__name__ == "Files":
+            page = self.state.pages["Files"]
+            page.tab = "runs"
+            page.try_example()
+            compute, *asked = page._read()
+            *_, page.reading = compute(*asked)
 
     @property
     def asked(self):
@@ -190,6 +190,4 @@ def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
 def test_every_page_that_computes_has_a_mark_or_none_by_intent():
     """A page without one waits for nothing that a slider changes, or shows by itself how far it is."""
     marked = {name for name, made in WORKS.items() if any(job.is_marked for job in Desk(made).jobs.values())}
-    assert WORKS.keys() - marked == {
-        *("Compare", "Imports", "Learn", "Papers", "Proving", "SimpleAdvising", "Start", "Studies")
-    }
+    assert WORKS.keys() - marked == {*("Compare", "Learn", "Papers", "Proving", "SimpleAdvising", "Start", "Studies")}

@@ -22,9 +22,9 @@ from railjoule.core.scenario.options import EnocOptions, MonteCarloOptions, Sear
 from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.dashboard.day import Day, EventModel
+from railjoule.dashboard.pages.files.page import Files
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.pages.line.page import WholeLines
-from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
 from railjoule.dashboard.pages.speed_limits.sections import SectionModel
@@ -110,7 +110,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         },
     ),
     "line": (WholeLines(Workbench()), {}),
-    "measured runs": (MeasuredRunsModel(), {}),
+    "files": (Files(Workbench()), {}),
     "study": (StudyModel(ScenarioModel().base), {}),
     "scenario": (
         ScenarioModel(),

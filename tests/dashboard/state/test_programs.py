@@ -152,11 +152,10 @@ CASES = (
         has_command=False,
     ),
     Case("Study", "liashenko-i", plan, prepare=slide),
-    Case("Measured runs", "metro-with-limit", plan),
 )
 OTHERS = ("Learn", "Papers")
 """Pages of no scenario of the user's."""
-AS_START = ("Import", "Help")
+AS_START = ("Files", "Help")
 """Pages that show nothing of the scenario: what leaves them is what leaves Start."""
 
 

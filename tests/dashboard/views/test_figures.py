@@ -13,9 +13,7 @@ from railjoule.dashboard.app import VIEWS, Session
 from railjoule.dashboard.charts.figures import DARK_INK, WHITE, dress_alone
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
-from railjoule.dashboard.pages.imports.compute import examples
 from railjoule.dashboard.pages.learn.lessons import LESSONS
-from railjoule.dashboard.pages.measured_runs.work import try_example
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
 COUNTED = ("Trip", "Printed number, in the order of the tables", "Changes of regime between two stops")
@@ -56,10 +54,13 @@ def with_simple_advice(state):
 
 
 def with_files(state):
-    state.imports.add_sources(examples())
-    state.imports.files = tuple(
-        one.told("rows NOM_VOIE", "V1") if one.kind == "gradients" else one for one in state.imports.files
-    )
+    state.pages["Files"].try_example()
+    state.pages["Files"].say(2, "rows NOM_VOIE", "V1")
+
+
+def with_runs(state):
+    state.pages["Files"].tab = "runs"
+    state.pages["Files"].try_example()
 
 
 def with_a_study(state):
@@ -104,8 +105,7 @@ CASES = {
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
     "Study": [("metro-with-limit", with_a_study)],
     "Learn": [("metro-with-limit", with_guesses)],
-    "Measured runs": [("metro-with-limit", None), ("metro-with-limit", try_example)],
-    "Import": [("metro-with-limit", None), ("metro-with-limit", with_files)],
+    "Files": [("metro-with-limit", None), ("metro-with-limit", with_files), ("metro-with-limit", with_runs)],
     "Papers": [("metro-with-limit", None)],
     "Help": [("metro-with-limit", None)],
 }
@@ -141,7 +141,7 @@ def test_all_figures_of_a_page_are_drawn(page, caplog):
 
 def in_open_tab(view, chart):
     """Return whether a chart can be seen: behind another tab it is drawn in other colours once that is open."""
-    bodies = getattr(getattr(view, "of", None), "bodies", {})
+    bodies = getattr(getattr(getattr(view, "of", None), "tabs", None), "bodies", {})
     return not any(chart.host in body.select() for tab, body in bodies.items() if tab != view.of.tab)
 
 

@@ -4,19 +4,19 @@ import openpyxl
 import pytest
 
 from railjoule.core import RailjouleError, load_scenario
+from railjoule.core.imports import SourceFile
 from railjoule.core.measured import to_recording
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
-from railjoule.dashboard.pages.measured_runs.columns import (
+from railjoule.dashboard.pages.files.columns import (
     MAX_ROWS,
     Meaning,
     RunFile,
     meanings_of,
     read_run_file,
+    read_runs,
     run_sheets,
     settled,
     used_table,
 )
-from railjoule.dashboard.pages.measured_runs.work import read_brought
 
 VEHICLE = load_scenario("metro-with-limit").vehicle
 """212 t, 285 kN, 80 km/h."""
@@ -25,7 +25,7 @@ VEHICLE = load_scenario("metro-with-limit").vehicle
 def file(header: str, *rows: str) -> RunFile:
     """Return a file; without rows it holds a short run of five columns."""
     usual = tuple(f"{k},{10 * k},36,{150 + k},900" for k in range(12))
-    return read_run_file("run.csv", "\n".join([header, *(rows or usual)]).encode())
+    return read_run_file(SourceFile("run.csv", "\n".join([header, *(rows or usual)]).encode()))
 
 
 def test_columns_are_known_by_their_names() -> None:
@@ -61,11 +61,11 @@ def test_a_unit_that_cannot_be_is_asked_about_and_not_used_before() -> None:
     _, doubts, _ = settled(table, {}, VEHICLE)
     (doubt,) = doubts
     assert doubt.sentence == "At most 161.0 N in a train of 212 t: was kN meant?"
-    assert doubt.choices == (Meaning("effort", "kN"), Meaning("effort", "N"))
-    for answer in doubt.choices:
-        found, left, _ = settled(table, {"effort_n": answer.text}, VEHICLE)
+    assert doubt.answers == (("Use kN", "effort kN"), ("Keep N", "effort N"))
+    for _, answer in doubt.answers:
+        found, left, _ = settled(table, {"effort_n": answer}, VEHICLE)
         assert left == ()
-        assert found["effort_n"] == answer
+        assert found["effort_n"] == Meaning.of(answer)
 
 
 def test_a_unit_that_is_not_named_is_assumed_where_one_alone_fits() -> None:
@@ -143,7 +143,7 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
             sheet.append(row)
     written = io.BytesIO()
     book.save(written)
-    found = read_brought(("runs.xlsx", written.getvalue()))
+    found = read_runs(SourceFile("runs.xlsx", written.getvalue()))
     assert [file.name for file in found] == ["runs.xlsx, Monday", "runs.xlsx, Tuesday"]
     cells, form = used_table(found[1], meanings_of(found[1], {}))
     assert to_recording(cells, form).name == "runs.xlsx, Tuesday"
@@ -151,7 +151,7 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
     with pytest.raises(
         RailjouleError, match=r"^runs.xlsx: none of its sheets is a table with a speed; it has About\.$"
     ):
-        run_sheets("runs.xlsx", written.getvalue(), ("About",))
+        run_sheets(SourceFile("runs.xlsx", written.getvalue()), ("About",))
 
 
 @pytest.mark.parametrize(
@@ -162,12 +162,11 @@ def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
         (b"\x00\x01\x02", "not a text file"),
         (b"PK\x03\x04junk", "not a workbook that can be read"),
         (b"time_s,time_s\n1,2\n", "appears twice"),
-        (b"a" * (LARGEST_RUN_BYTES + 1), "larger than the 8 MB"),
         (b"t,v\n" + b"1,1\n" * (MAX_ROWS + 1), "at most 20\u202f000 can be read"),
     ],
 )
 def test_what_is_no_run_is_told_in_one_sentence(content: bytes, told: str) -> None:
     with pytest.raises(RailjouleError) as caught:
-        read_run_file("run.csv", content)
+        read_run_file(SourceFile("run.csv", content))
     assert told in str(caught.value)
     assert len(str(caught.value)) < 200

@@ -8,6 +8,7 @@ import numpy as np
 
 from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import ChoiceError
 from railjoule.core.imports.cells import Cell, CellTable
 from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.measured import RecorderFormat, recorder_cells
@@ -16,9 +17,7 @@ from railjoule.core.measured.table import EPOCH_UNITS, unit_of_times
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario._sentences import shown_list
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.work.uploads import too_large
 
 MAX_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
@@ -83,38 +82,40 @@ class Meaning:
 
 
 @dataclass(frozen=True)
-class Doubt:
-    """A question about the unit of a column.
+class Question:
+    """Something in doubt of a file.
 
     Parameters
     ----------
-    header : str
-        The column.
     sentence : str
-    choices : tuple of Meaning
-        The likelier one first.
+    key : str
+        The choice or the number that it is about.
+    answers : tuple of (str, str)
+        The words of each and the value that it gives to the key, the likelier one first.
     """
 
-    header: str
     sentence: str
-    choices: tuple[Meaning, Meaning]
+    key: str
+    answers: tuple[tuple[str, str], ...]
+
+    @property
+    def header(self) -> str:
+        """The column that it is about."""
+        return self.key.partition(" ")[2]
 
 
 @dataclass(frozen=True, eq=False)
 class RunFile:
-    """A file that was brought to the page, as a table.
+    """A recorded run as a table: a file, or a sheet of a workbook.
 
     Parameters
     ----------
     name : str
     cells : CellTable
-    is_example : bool
-        Whether it is one of ours.
     """
 
     name: str
     cells: CellTable
-    is_example: bool = False
 
     def samples(self, header: str) -> list[str]:
         """Return some cells of a column: the first, and those after a third of the rows."""
@@ -124,7 +125,26 @@ class RunFile:
         return [_text(cells[index]) for _, cells in shown]
 
 
-def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFile, ...]:
+def find_quantities(header: Sequence[str]) -> set[str]:
+    """Return the quantities of columns of these names."""
+    return {column.quantity for column in recognised(header, RecorderFormat())}
+
+
+def read_runs(source: SourceFile, sheet: str | None = None) -> tuple[RunFile, ...]:
+    """Return a file as a table, or each sheet of a workbook that names a speed as one.
+
+    Raises
+    ------
+    RailjouleError
+        If it is none, or too large.
+    """
+    try:
+        return (read_run_file(source, sheet),)
+    except ChoiceError as several:
+        return run_sheets(source, several.names)
+
+
+def run_sheets(source: SourceFile, sheets: Sequence[str]) -> tuple[RunFile, ...]:
     """Return the sheets of a workbook that name a speed, each as a file of its own.
 
     Raises
@@ -136,11 +156,12 @@ def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFil
     for sheet in sheets[:MOST_SHEETS]:
         # a sheet of notes is no table
         with suppress(RailjouleError):
-            file = read_run_file(name, content, sheet=sheet)
-            if any(column.quantity == "speed" for column in recognised(file.cells.header, RecorderFormat())):
+            file = read_run_file(source, sheet)
+            if "speed" in find_quantities(file.cells.header):
                 found.append((sheet, file))
                 continue
         others.append(sheet)
+    name = source.name
     if not found:
         raise RailjouleError(f"{name}: none of its sheets is a table with a speed; it has {shown_list(list(sheets))}.")
     told = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
@@ -153,17 +174,15 @@ def _sheet_as_file(file: RunFile, name: str, told: tuple[str, ...]) -> RunFile:
     return RunFile(name, replace(file.cells, source=name, unused=(*kept, *told)))
 
 
-def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: str | None = None) -> RunFile:
+def read_run_file(source: SourceFile, sheet: str | None = None) -> RunFile:
     """Return a file, of a workbook a sheet, as a table.
 
     Raises
     ------
     RailjouleError
-        If it is too large, or no table with names above its columns.
+        If it is no table with names above its columns, or one of too many rows.
     """
-    if len(content) > LARGEST_RUN_BYTES:
-        raise RailjouleError(too_large(name))
-    cells = recorder_cells(SourceFile(name, content), sheet=sheet)
+    cells, name = recorder_cells(source, sheet=sheet), source.name
     if not cells.has_header:
         raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
     if len(cells.rows) > MAX_ROWS:
@@ -171,7 +190,7 @@ def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: st
             f"{name}: {words.number(len(cells.rows), 0)} rows; at most {words.number(MAX_ROWS, 0)} can be read. Leave "
             "out some samples, or cut the file into its runs."
         )
-    return RunFile(name, cells, is_example)
+    return RunFile(name, cells)
 
 
 def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
@@ -212,7 +231,7 @@ def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
 
 def settled(
     file: RunFile, answers: Mapping[str, str], vehicle: Vehicle
-) -> tuple[dict[str, Meaning], tuple[Doubt, ...], tuple[str, ...]]:
+) -> tuple[dict[str, Meaning], tuple[Question, ...], tuple[str, ...]]:
     """Return what the columns hold, the questions that are open, and what was assumed, in sentences.
 
     A column with an open question is not used; nor is it asked about what the user has said.
@@ -221,21 +240,18 @@ def settled(
     for header, meaning in meanings.items():
         if header in answers:
             continue
-        if unknown := unknown_unit(header, meaning.quantity) if meaning.quantity else "":
-            doubts.append(_unit_question(file, header, meaning.quantity, unknown, vehicle))
-            continue
+        unknown = unknown_unit(header, meaning.quantity) if meaning.quantity else ""
         if meaning.quantity == "time" and meaning.unit in EPOCH_UNITS and unit_of_times(file.cells, header):
             assumed.append(f"{header}: read in {meaning.unit}, as a time since 1970.")
-        if meaning.quantity not in NEEDED_UNITS:
+        needed = meaning.quantity in NEEDED_UNITS
+        fitting = fitting_units(file, header, meaning.quantity, vehicle) if needed else []
+        if not unknown and (not needed or meaning.unit in fitting or (meaning.unit and not fitting)):
             continue
-        fitting = fitting_units(file, header, meaning.quantity, vehicle)
-        if meaning.unit in fitting or (meaning.unit and not fitting):
-            continue
-        if not meaning.unit and len(fitting) == 1:
+        if not unknown and not meaning.unit and len(fitting) == 1:
             meanings[header] = Meaning(meaning.quantity, fitting[0])
             assumed.append(f"{header}: no unit is named, taken as {fitting[0]}.")
             continue
-        doubts.append(_doubt(file, header, meaning, fitting, vehicle))
+        doubts.append(_question(file, header, meaning, fitting, vehicle, unknown))
     return meanings, tuple(doubts), tuple(assumed)
 
 
@@ -247,26 +263,29 @@ def fitting_units(file: RunFile, header: str, quantity: str, vehicle: Vehicle) -
     return [unit for unit, factor in UNITS[quantity].items() if low * whole <= size * factor <= high * whole]
 
 
-def _doubt(file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str], vehicle: Vehicle) -> Doubt:
-    units = dict.fromkeys([*fitting, *UNITS[meaning.quantity]])
-    size = words.number(_extent(file, header, meaning.quantity), 1)
-    tonnes = words.number(vehicle.total_mass_kg / 1000, 0)
-    what = "Rises by" if meaning.quantity == "energy" else "At most"
-    if meaning.unit:
-        first, second = next(unit for unit in units if unit != meaning.unit), meaning.unit
-        sentence = f"{what} {size} {second} in a train of {tonnes} t: was {first} meant?"
+def _question(
+    file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str], vehicle: Vehicle, unknown: str
+) -> Question:
+    """Return the question about the unit of a column, the likelier units first."""
+    known = [unit for unit in UNITS[meaning.quantity] if unit != CLOCK]
+    others = [unit for unit in dict.fromkeys([*fitting, *known]) if unit != meaning.unit]
+    first, second = others[0], meaning.unit or others[1]
+    if unknown:
+        sentence = f"The unit {unknown} is not known: is it {first} or {second}?"
     else:
-        first, second = list(units)[:2]
-        sentence = f"{what} {size} in a train of {tonnes} t, and no unit is named: is it {first} or {second}?"
-    return Doubt(header, sentence, (Meaning(meaning.quantity, first), Meaning(meaning.quantity, second)))
-
-
-def _unit_question(file: RunFile, header: str, quantity: str, unknown: str, vehicle: Vehicle) -> Doubt:
-    """Return the question about a column whose name has a unit that is not known, the likelier units first."""
-    fitting = fitting_units(file, header, quantity, vehicle) if quantity in NEEDED_UNITS else []
-    first, second, *_ = dict.fromkeys([*fitting, *(unit for unit in UNITS[quantity] if unit != CLOCK)])
-    sentence = f"The unit {unknown} is not known: is it {first} or {second}?"
-    return Doubt(header, sentence, (Meaning(quantity, first), Meaning(quantity, second)))
+        what = "Rises by" if meaning.quantity == "energy" else "At most"
+        size = words.number(_extent(file, header, meaning.quantity), 1)
+        train = f"in a train of {words.number(vehicle.total_mass_kg / 1000, 0)} t"
+        sentence = (
+            f"{what} {size} {second} {train}: was {first} meant?"
+            if meaning.unit
+            else f"{what} {size} {train}, and no unit is named: is it {first} or {second}?"
+        )
+    answers = tuple(
+        (f"{'Keep' if unit == meaning.unit else 'Use'} {unit}", Meaning(meaning.quantity, unit).text)
+        for unit in (first, second)
+    )
+    return Question(sentence, f"unit {header}", answers)
 
 
 def _sizes(vehicle: Vehicle) -> dict[str, float]:

@@ -12,7 +12,9 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, columns, nice_range, xy
 from railjoule.dashboard.charts.label_places import Box, text_width_px
 from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED, Quantity, along
+from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import (
     Curve,
     Form,
@@ -25,7 +27,7 @@ from railjoule.dashboard.charts.run_lines import (
 )
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.measured_runs.compute import energy_so_far
+from railjoule.dashboard.pages.files.measured import energy_so_far
 
 LINES: Mapping[str, Line] = {
     "modelled": Line("pinned", {"line_width": 1.8}),
@@ -178,3 +180,9 @@ class MeasuredEnergyChart(MeasuredLines):
             return
         (x, high), (places, low) = lines["modelled"], lines["optimal"]
         self.put("extra", **columns(x=x, low=np.interp(x, places, low), high=high))
+
+
+SPEEDS = AxisPlot("measured_speed", MeasuredSpeedChart, (270, 340, 220), "runs")
+TRACK = AxisPlot("line", LineStrip, (88, 96, 80), "runs")
+ENERGIES = AxisPlot("measured_energy", MeasuredEnergyChart, (200, 240, 180), "runs")
+RUN_PLOTS = (SPEEDS, TRACK, ENERGIES)

@@ -1,38 +1,37 @@
-"""What is read from the files that a user brings, and the scenarios that can be made of it."""
+"""The line and the train in the files that a user brings, and the scenarios that can be made of them."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
-from importlib.resources import files
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, SourceFile, build_line
+from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, build_line
 from railjoule.core.imports.numbers import parse_position
 from railjoule.core.imports.ttobench import read_ttobench
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario import format_scenario, scenario_from_document
 from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.pages.imports.brought import TABLE_WORDS, Brought
-from railjoule.dashboard.pages.imports.cards import Card, card_of
+from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
+from railjoule.dashboard.pages.files.cards import Card, card_of
+from railjoule.dashboard.pages.files.columns import RunFile
 
 SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
 LONGEST_TIME_S = 86_400.0
-EXAMPLES = ("limits", "gradients", "curves")
 KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey")
 TABLES_AND_LINE = "the line of the tables is taken"
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """The part of the line that is wanted, as it was typed, and whether it is run in falling chainage."""
+    """The part of the line that is wanted, as it was typed, whether it is run in falling chainage, and its name."""
 
     begin: str = ""
     end: str = ""
     reverse: bool = False
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class Offer:
     shortest_s, time_s : float
         The shortest travel time, and the one that is proposed.
     why : str
-        Where the proposed time is from.
+        The origin of the proposed time.
     failure : str
         Why no train can run it.
     waits_for : tuple of str
@@ -62,8 +61,14 @@ class Offer:
     failure: str = ""
     waits_for: tuple[str, ...] = ()
 
+    @property
+    def waiting(self) -> str:
+        """Why it is not taken."""
+        parts = " and ".join(self.waits_for)
+        return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or use it without."
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True)
 class Request:
     """All files, the wanted stretch, and the scenario whose vehicle or line stays where none is brought."""
 
@@ -74,7 +79,7 @@ class Request:
 
 @dataclass(frozen=True, eq=False)
 class Reading:
-    """What all files together give.
+    """The line, the train and the runs of all files together.
 
     Parameters
     ----------
@@ -84,9 +89,11 @@ class Reading:
         Of which the line was put together.
     vehicle : ImportedVehicle or None
     travel_time_s : float or None
-        What a journey says.
+        That of a journey.
     findings, unused : tuple of str
         Of the line as a whole.
+    runs : tuple of RunFile
+        Recorded runs.
     failure : str
         Why there is no line.
     offers : tuple of Offer or None
@@ -100,23 +107,14 @@ class Reading:
     travel_time_s: float | None = None
     findings: tuple[str, ...] = ()
     unused: tuple[str, ...] = ()
+    runs: tuple[RunFile, ...] = ()
     failure: str = ""
     offers: tuple[Offer, ...] | None = None
     extra: Mapping[str, Any] = field(default_factory=dict)
 
 
-@cache
-def examples() -> tuple[SourceFile, ...]:
-    """Return the files of the shipped example, an invented line in the columns that SNCF publishes."""
-    folder = files("railjoule.assets") / "imports"
-    return tuple(SourceFile(f"example-{name}.csv", (folder / f"example-{name}.csv").read_bytes()) for name in EXAMPLES)
-
-
 def read_files(request: Request) -> Iterator[Reading]:
     """Yield what the files give, then the same with the scenarios that can be made of it."""
-    if not request.files:
-        yield Reading(offers=())
-        return
     reading = put_together(tuple(card_of(file) for file in request.files), request)
     yield reading
     yield replace(reading, offers=tuple(offers_of(reading, request.base)))
@@ -127,25 +125,22 @@ def read_files(request: Request) -> Iterator[Reading]:
 
 def put_together(cards: Sequence[Card], request: Request) -> Reading:
     """Return the line and the vehicle of all cards; of two that tell of the same the last one counts."""
-    kinds = {card.kind: card for card in cards if not card.failure}
-    unused = [
-        f"{card.name}: {kinds[card.kind].name} is taken for it."
-        for card in cards
-        if not card.failure and kinds[card.kind] is not card
-    ]
-    taken = list(kinds.values())
-    tables = {card.kind: card.result for card in taken if isinstance(card.result, ImportedTable)}
-    lines = [card for card in taken if isinstance(card.result, ImportedLine)]
-    trains = [card for card in taken if isinstance(card.result, ImportedVehicle)]
-    unused += [f"{card.name}: {TABLES_AND_LINE}." for card in lines if tables]
-    unused += [f"{card.name}: the line of {lines[-1].name} is taken." for card in lines[:-1] if not tables]
-    unused += [f"{card.name}: the train of {trains[-1].name} is taken." for card in trains[:-1]]
-    reading = Reading(tuple(cards), vehicle=trains[-1].result if trains else None, unused=tuple(unused))
+    read = [card for card in cards if not card.failure]
+    runs = tuple(run for card in read if card.is_run for run in card.result)
+    read = [card for card in read if not card.is_run]
+    kinds = {card.kind: card for card in read}
+    unused = [f"{card.name}: {kinds[card.kind].name} is taken for it." for card in read if kinds[card.kind] is not card]
+    tables = {card.kind: card.result for card in kinds.values() if isinstance(card.result, ImportedTable)}
+    track = kinds.get("track")
+    if track is not None and tables:
+        unused.append(f"{track.name}: {TABLES_AND_LINE}.")
+    train = kinds["train"].result if "train" in kinds else None
+    reading = Reading(tuple(cards), vehicle=train, unused=tuple(unused), runs=runs)
     try:
         if tables:
-            return _with_tables(reading, tables, request.stretch)
-        if lines:
-            return _with_line(reading, lines[-1], taken, request.files)
+            return with_name(_with_tables(reading, tables, request.stretch), request.stretch.name)
+        if track is not None:
+            return with_name(_with_track(reading, kinds, request.files), request.stretch.name)
     except RailjouleError as error:
         return replace(reading, failure=str(error))
     if "journey" in kinds:
@@ -178,6 +173,15 @@ def _line_name(tables: Mapping[str, ImportedTable]) -> str:
     return f"Line of {first.rpartition('.')[0] or first}"[:200]
 
 
+def with_name(reading: Reading, name: str) -> Reading:
+    """Return the reading with another name of its line; an empty one changes nothing."""
+    line = reading.line
+    if not name or line is None:
+        return reading
+    document = {**line.document, "line": {**line.document["line"], "name": name}}
+    return replace(reading, line=replace(line, document=document, line=line.line.model_copy(update={"name": name})))
+
+
 def _place(label: str, text: str) -> float | None:
     if not text.strip():
         return None
@@ -187,15 +191,17 @@ def _place(label: str, text: str) -> float | None:
         raise ScenarioError(f"{label}: {text[:40]!r} {error}.") from None
 
 
-def _with_line(reading: Reading, card: Card, taken: Sequence[Card], brought: Sequence[Brought]) -> Reading:
-    """Return the reading with the line of one file; that of TTOBench with what its train and its journey say of it."""
-    by_kind = {one.kind: next(file for file in brought if file.number == one.number) for one in taken}
-    if card.kind != "track" or "train" not in by_kind:
-        return replace(reading, line=card.result)
-    journey = by_kind.get("journey")
-    made = read_ttobench(by_kind["track"].source, by_kind["train"].source, journey.source if journey else None)
-    line = replace(card.result, document={"line": made.document["line"]}, line=made.line)
-    told = (*card.result.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
+def _with_track(reading: Reading, kinds: Mapping[str, Card], files: Sequence[Brought]) -> Reading:
+    """Return the reading with the line of TTOBench, and with what its train and its journey say of it."""
+    track = kinds["track"].result
+    if "train" not in kinds:
+        return replace(reading, line=track)
+    sources = {file.number: file.source for file in files}
+    of_train, of_track = (sources[kinds[kind].number] for kind in ("train", "track"))
+    journey = sources[kinds["journey"].number] if "journey" in kinds else None
+    made = read_ttobench(of_track, of_train, journey)
+    line = replace(track, document={"line": made.document["line"]}, line=made.line)
+    told = (*track.sentences, *(reading.vehicle.sentences if reading.vehicle else ()))
     return replace(
         reading,
         line=line,
@@ -229,15 +235,9 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
 
 def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
     """Return in words what the files tell that could not be read, but for `others`, kinds that do not matter."""
-    refused = [card for card in reading.cards if card.failure and card.kind not in others]
+    refused = [card for card in reading.cards if card.failure and card.kind not in (*others, "run")]
     words = (f"the {TABLE_WORDS[card.kind].lower()}" if card.kind in TABLE_WORDS else card.name for card in refused)
     return tuple(dict.fromkeys(words))
-
-
-def waiting_words(offer: Offer) -> str:
-    """Return why an offer is not taken."""
-    parts = " and ".join(offer.waits_for)
-    return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or take it without."
 
 
 def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:
@@ -270,18 +270,6 @@ def _offer(what: str, document: Mapping[str, Any], reading: Reading, now_s: floa
 
 
 def taken(offer: Offer, time_s: float) -> str:
-    """Return the scenario of an offer with a travel time, as TOML.
-
-    Raises
-    ------
-    ScenarioError
-        If the time is too short or too long.
-    """
-    # up to the tenth of a second that the page shows
-    if not offer.shortest_s - 0.05 <= time_s <= LONGEST_TIME_S:
-        raise ScenarioError(
-            f"Travel time: {time_s:g} s must be at least the shortest possible {offer.shortest_s:.1f} s and at most "
-            f"{LONGEST_TIME_S:g} s."
-        )
+    """Return the scenario of an offer with a travel time, as TOML."""
     timetable = {**offer.document["timetable"], "travel_time_s": time_s}
     return format_scenario(scenario_from_document({**offer.document, "timetable": timetable}, "the import"))

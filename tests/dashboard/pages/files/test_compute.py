@@ -7,19 +7,17 @@ from pathlib import Path
 import pytest
 
 from railjoule.core import Scenario, load_scenario
-from railjoule.core.errors import RailjouleError
-from railjoule.core.imports import SourceFile
 from railjoule.core.scenario import parse_scenario
-from railjoule.dashboard.pages.imports.brought import Brought
-from railjoule.dashboard.pages.imports.cards import card_of
-from railjoule.dashboard.pages.imports.compute import (
+from railjoule.dashboard.pages.files.brought import Brought
+from railjoule.dashboard.pages.files.cards import card_of
+from railjoule.dashboard.pages.files.compute import (
     Reading,
     Request,
     Stretch,
-    examples,
     read_files,
     taken,
 )
+from railjoule.dashboard.pages.files.page import EXAMPLE_LINE, sources
 
 FILES = Path(__file__).parents[3] / "core" / "imports" / "files"
 
@@ -31,8 +29,8 @@ def base() -> Scenario:
 
 def example(stretch: Stretch | None = None) -> tuple[tuple[Brought, ...], Stretch]:
     """The shipped example with its first track."""
-    brought = tuple(Brought.of(number, source) for number, source in enumerate(examples(), 1))
-    chosen = tuple(file.told("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
+    brought = tuple(Brought(number, one.name, one.content) for number, one in enumerate(sources(EXAMPLE_LINE), 1))
+    chosen = tuple(file.with_choice("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
     return chosen, stretch or Stretch()
 
 
@@ -42,11 +40,11 @@ def read(base: Scenario, files: tuple[Brought, ...], stretch: Stretch | None = N
 
 
 def brought(*names: str) -> tuple[Brought, ...]:
-    return tuple(Brought.of(number, SourceFile.read(FILES / name)) for number, name in enumerate(names, 1))
+    return tuple(Brought(number, name, (FILES / name).read_bytes()) for number, name in enumerate(names, 1))
 
 
 def test_the_example_asks_for_its_track() -> None:
-    cards = [card_of(Brought.of(1, source)) for source in examples()]
+    cards = [card_of(Brought(1, one.name, one.content)) for one in sources(EXAMPLE_LINE)]
     assert [card.kind for card in cards] == ["limits", "gradients", "curves"]
     failures = [card.failure for card in cards]
     assert failures == ["", "example-gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one.", ""]
@@ -86,11 +84,13 @@ def test_a_place_that_is_none_is_refused(base: Scenario) -> None:
     assert reading.failure.startswith("From: 'here' ")
 
 
-def test_a_time_below_the_shortest_is_refused(base: Scenario) -> None:
+def test_a_line_can_be_given_a_name(base: Scenario) -> None:
     files, _ = example()
-    (offer,) = read(base, files).offers or ()
-    with pytest.raises(RailjouleError, match=r"Travel time: 10 s must be at least the shortest possible"):
-        taken(offer, 10.0)
+    for brought_files in (files, brought("ttobench-track.json")):
+        reading = read(base, brought_files, Stretch(name="Harbour line"))
+        (offer,) = reading.offers or ()
+        scenario = parse_scenario(taken(offer, offer.time_s), "test")
+        assert (scenario.line.name, scenario.title) == ("Harbour line", "Harbour line, Metro 81-7036, 5 cars")
 
 
 def test_ttobench_gives_line_train_and_time(base: Scenario) -> None:
@@ -116,25 +116,26 @@ def test_a_journey_alone_says_what_it_needs(base: Scenario) -> None:
 def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
     document = json.loads((FILES / "ttobench-train.json").read_text())
     document["max traction force"] = {"unit": "N", "value": 190}
-    file = Brought.of(1, SourceFile("train.json", json.dumps(document).encode()))
+    file = Brought(1, "train.json", json.dumps(document).encode())
     (question,) = card_of(file).questions
     assert question.sentence == "vehicle.traction.max_effort_kn = 0.19 kN for a train of 160 t: was 190 kN meant?"
-    assert (question.use, question.keep) == ("Use 190 kN", "Keep 0.19 kN")
-    used = card_of(file.told(question.key, question.value))
+    assert [word for word, _ in question.answers] == ["Use 190 kN", "Keep 0.19 kN"]
+    use, keep = (value for _, value in question.answers)
+    used = card_of(file.with_choice(question.key, use))
     assert used.questions == ()
     assert used.result.vehicle.traction.max_effort_kn == 190
-    kept = card_of(file.told(question.key, question.kept))
+    kept = card_of(file.with_choice(question.key, keep))
     assert kept.questions == ()
     assert kept.result.vehicle.traction.max_effort_kn == 0.19
 
 
 def test_positions_in_doubt_are_asked_and_answered() -> None:
     content = b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n"
-    file = Brought.of(1, SourceFile("g.csv", content))
+    file = Brought(1, "g.csv", content)
     (question,) = card_of(file).questions
-    assert (question.sentence, question.use, question.keep) == ("Positions in km or in m?", "Use km", "Keep m")
-    assert card_of(file.told(question.key, question.value)).result.end_m == 4000
-    assert card_of(file.told(question.key, question.kept)).questions == ()
+    assert (question.sentence, question.answers) == ("Positions in km or in m?", (("Use km", "km"), ("Keep m", "m")))
+    assert card_of(file.with_choice(question.key, "km")).result.end_m == 4000
+    assert card_of(file.with_choice(question.key, "m")).questions == ()
 
 
 def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -> None:
@@ -153,36 +154,36 @@ TWO_FAULTS = b"""PKD;PKF;VALEUR;TYPE;NOM_VOIE
 
 def offers_with(base: Scenario, gradients: Brought) -> dict[str, tuple[str, ...]]:
     """Return what each offer waits for where the example's limits come with a table of gradients."""
-    limits = next(Brought.of(1, source) for source in examples() if "limits" in source.name)
+    limits = next(Brought(1, one.name, one.content) for one in sources(EXAMPLE_LINE) if "limits" in one.name)
     return {offer.what: offer.waits_for for offer in read(base, (limits, gradients)).offers or ()}
 
 
 def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
     """Both faults of one file: rows of two tracks, and behind that choice a cell that is no number."""
-    file = Brought.of(2, SourceFile("gradients.csv", TWO_FAULTS))
+    file = Brought(2, "gradients.csv", TWO_FAULTS)
     assert card_of(file).failure == "gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one."
     assert offers_with(base, file) == {"line": ("the gradients",)}
-    file = file.told("rows NOM_VOIE", "V1")
+    file = file.with_choice("rows NOM_VOIE", "V1")
     assert card_of(file).failure == "gradients.csv, row 3: VALEUR = 'abc' must be a number."
     assert offers_with(base, file) == {"line": ("the gradients",)}
-    assert offers_with(base, file.told("rows NOM_VOIE", "V2")) == {"line": ()}
+    assert offers_with(base, file.with_choice("rows NOM_VOIE", "V2")) == {"line": ()}
 
 
 def test_a_file_of_an_unknown_kind_is_waited_for_too(base: Scenario) -> None:
-    file = Brought.of(2, SourceFile("stations.csv", b"name,km\nA,1\n"))
+    file = Brought(2, "stations.csv", b"name,km\nA,1\n")
     assert offers_with(base, file) == {"line": ("stations.csv",)}
 
 
 def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:
     train = replace(brought("ttobench-train.json")[0], number=3)
-    limits = next(Brought.of(1, source) for source in examples() if "limits" in source.name)
-    reading = read(base, (limits, Brought.of(2, SourceFile("gradients.csv", TWO_FAULTS)), train))
+    limits = next(Brought(1, one.name, one.content) for one in sources(EXAMPLE_LINE) if "limits" in one.name)
+    reading = read(base, (limits, Brought(2, "gradients.csv", TWO_FAULTS), train))
     waits = {offer.what: offer.waits_for for offer in reading.offers or ()}
     assert waits == {"both": ("the gradients",), "line": ("the gradients",), "train": ()}
 
 
 def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
-    file = Brought.of(1, SourceFile("g.csv", b"from_m,to_m,gradient (x)\n0,500,1.2\n"))
+    file = Brought(1, "g.csv", b"from_m,to_m,gradient (x)\n0,500,1.2\n")
     card = card_of(file)
     assert card.failure == "g.csv: 'gradient (x)' says 'x', which is not understood; choose the unit."
     choice = next(choice for choice in card.choices if choice.key == "value_unit")
@@ -191,14 +192,14 @@ def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
         (("", "choose"), ("permille", "per mille"), ("percent", "per cent")),
     )
     assert card.questions == ()
-    answered = card_of(file.told("value_unit", "percent"))
+    answered = card_of(file.with_choice("value_unit", "percent"))
     assert (answered.failure, answered.result.intervals[0].value) == ("", 12)
-    assert card_of(file.told("value_unit", "percent").told("value_unit", "")).failure == card.failure
+    assert card_of(file.with_choice("value_unit", "percent").with_choice("value_unit", "")).failure == card.failure
 
 
 def test_a_code_page_is_chosen_on_the_card() -> None:
     text = "Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n"
-    file = Brought.of(1, SourceFile("gradients.csv", text.encode("cp1251")))
+    file = Brought(1, "gradients.csv", text.encode("cp1251"))
     card = card_of(file)
     assert (card.failure, card.kind, card.choices[0].label, card.choices[0].value) == (
         "",
@@ -207,14 +208,14 @@ def test_a_code_page_is_chosen_on_the_card() -> None:
         "cp1251",
     )
     assert card.findings == ("Not UTF-8, and so read as Windows-1251.",)
-    assert card_of(file.told("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
+    assert card_of(file.with_choice("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
     # Polish in Latin-2 is in no code page that is looked for
     polish = "od;do;pochylenie \u015brednie (\u2030)\n0;500;3\n".replace("\u2030", "o/oo").encode("iso8859_2")
-    file = Brought.of(1, SourceFile("gradients.csv", polish))
+    file = Brought(1, "gradients.csv", polish)
     card = card_of(file)
     assert card.failure == (
         "gradients.csv: not UTF-8, and none of Windows-1250, -1251, -1252 and GBK is possible; save it as UTF-8, or "
         "name its code page."
     )
     assert [choice.key for choice in card.choices] == ["encoding"]
-    assert card_of(file.told("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"
+    assert card_of(file.with_choice("encoding", "iso8859_2")).cells.header[2] == "pochylenie \u015brednie (o/oo)"

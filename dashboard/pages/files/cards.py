@@ -2,25 +2,29 @@
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 from railjoule.core import RailjouleError
 from railjoule.core.errors import ChoiceError, UnitError
 from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
+from railjoule.core.imports.cells import CellTable
 from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
-from railjoule.dashboard.pages.imports.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.core.measured.columns import UNITS
+from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Question
+from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
+from railjoule.dashboard.pages.files.measured import ReadRun
 
-FIRST_ROWS = 4
-"""Rows of each file that are shown."""
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
-TOLD_IN_A_TERMINAL = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
+COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
 """How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
 
 UNIT_WORDS = {
@@ -33,7 +37,7 @@ UNIT_WORDS = {
     "m2": "m\u00b2",
     "pk": "km+m",
 }
-"""What units are called, where that is not their key."""
+"""Names of units that are not their keys."""
 CODE_PAGES = {
     "cp1250": "Central Europe (Windows-1250)",
     "cp1251": "Cyrillic (Windows-1251)",
@@ -50,37 +54,46 @@ CODE_PAGES = {
 """Among which the user can choose for a text that is not UTF-8."""
 
 
+NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, ENCODING)
+"""Keys of choices without which a file cannot be read."""
+
+
 @dataclass(frozen=True)
 class Choice:
-    """One thing that can be chosen of a file: its key, what it is called, what there is, and what is chosen."""
+    """One thing that can be chosen of a file.
+
+    Parameters
+    ----------
+    key : str
+    label : str
+    options : tuple of (str, str)
+        Values with the words for them; the choice is hidden where there are none.
+    value : str
+    sample : str
+        The first values that it is about; what follows begins a new line.
+    """
 
     key: str
     label: str
     options: tuple[tuple[str, str], ...]
     value: str
+    sample: str = ""
 
-
-@dataclass(frozen=True)
-class Question:
-    """A number in doubt: in words, and both answers with what each says when it is sent."""
-
-    sentence: str
-    use: str
-    keep: str
-    key: str
-    value: str
-    kept: str
+    @property
+    def is_missing(self) -> bool:
+        """Whether the file waits for it."""
+        return not self.value and (self.key in NEEDED or self.key.startswith("rows "))
 
 
 @dataclass(frozen=True, eq=False)
 class Card:
-    """What is known of one file.
+    """The contents of one file.
 
     Parameters
     ----------
     number, name, kind : int, str, str
-    header, rows : tuple
-        The first rows of a table.
+    cells : CellTable or None
+        The cells of a table of the line.
     choices : tuple of Choice
         Its columns, units, line and track.
     result : ImportedTable or ImportedLine or ImportedVehicle or None
@@ -92,9 +105,7 @@ class Card:
     number: int
     name: str
     kind: str = ""
-    header: tuple[str, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-    row_count: int = 0
+    cells: CellTable | None = None
     choices: tuple[Choice, ...] = ()
     result: Any = None
     findings: tuple[str, ...] = ()
@@ -102,65 +113,69 @@ class Card:
     questions: tuple[Question, ...] = ()
     failure: str = ""
 
+    @property
+    def is_run(self) -> bool:
+        """Whether it is a recorded run that could be read."""
+        return self.kind == "run" and not self.failure
+
+    def allows(self, key: str, value: str) -> bool:
+        """Return whether it offers this: a message of a browser may hold anything."""
+        chosen = any(one.key == key and value in dict(one.options) for one in self.choices)
+        return chosen or any(one.key == key and value in dict(one.answers).values() for one in self.questions)
+
 
 def card_of(file: Brought) -> Card:
-    """Return what is known of a file; what is wrong with it is told, never raised."""
+    """Return the card of a file; an error in it becomes its failure, and is never raised."""
     card = Card(file.number, file.name)
+    first = []
     try:
         card = replace(card, kind=file.kind)
-        is_table = file.kind in INTERVAL_KINDS
-        card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
+        if file.kind == "run":
+            card = replace(card, result=file.runs)
+        else:
+            is_table = file.kind in INTERVAL_KINDS
+            card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
         if file.columns.sheet is not None:
-            card = replace(card, choices=(_sheets(file.cells.sheets, file.columns.sheet), *card.choices))
-        return _with_code_page(card, file)
+            first.append(_menu(SHEET, "Sheet", file.cells.sheets, file.columns.sheet))
     except ChoiceError as error:
-        card = replace(card, failure=str(error), choices=(_sheets(error.names, ""),))
-        return _with_code_page(card, file)
+        card = replace(card, failure=str(error), choices=(_menu(SHEET, "Sheet", error.names),))
     except RailjouleError as error:
-        return _with_code_page(_failed(card, file, str(error)), file)
+        card = _failed(card, file, str(error))
     except (MemoryError, RecursionError):
         return replace(card, failure=f"{file.name}: it is too large or too deeply nested to be read.")
+    with suppress(RailjouleError):
+        if file.code_page is not None:
+            first.append(_menu(ENCODING, "Text in", tuple(CODE_PAGES), file.code_page, CODE_PAGES))
+    return replace(card, choices=(*first, *card.choices))
 
 
-def _with_code_page(card: Card, file: Brought) -> Card:
-    """Return the card of a text that is not Unicode with the choice of its code page first."""
-    try:
-        page = file.code_page
-    except RailjouleError:
-        return card
-    if page is None:
-        return card
-    options = (("", "choose"), *CODE_PAGES.items())
-    return replace(card, choices=(Choice(ENCODING, "Text in", options, page), *card.choices))
-
-
-def _sheets(names: Sequence[str], value: str) -> Choice:
-    """Return the choice among the sheets of a workbook."""
-    return Choice(SHEET, "Sheet", (("", "choose"), *((name, name) for name in names[:MOST_CHOICES])), value)
+def _menu(
+    key: str,
+    label: str,
+    values: Sequence[str],
+    value: str = "",
+    shown: Mapping[str, str] | None = None,
+    nothing: str = "choose",
+) -> Choice:
+    """Return a choice among values, or nothing; `shown` has the words for some of them."""
+    options = ((one, (shown or {}).get(one, one)) for one in values[:MOST_CHOICES])
+    return Choice(key, label, (("", nothing), *options), value)
 
 
 def _failed(card: Card, file: Brought, sentence: str) -> Card:
-    """Return the card of a file that could not be read: of a table nobody knows, with its first rows."""
-    card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
-    if card.kind:
-        return card
-    try:
-        return _with_rows(card, file)
-    except RailjouleError:
-        return card
-
-
-def _with_rows(card: Card, file: Brought) -> Card:
-    cells = file.cells
-    rows = tuple(tuple(map(text_of_cell, row)) for _, row in cells.rows[:FIRST_ROWS])
-    return replace(card, header=cells.header, rows=rows, row_count=len(cells.rows))
+    """Return the card of a file that could not be read: of an unknown table with its first rows."""
+    card = replace(card, failure=COMMAND_OPTION.sub("", sentence))
+    if not card.kind:
+        with suppress(RailjouleError):
+            return replace(card, cells=file.cells)
+    return card
 
 
 def _with_table(card: Card, file: Brought) -> Card:
     """Return the card of a table of intervals, with its columns even where it cannot be read yet."""
     cells, kind = file.cells, file.kind
     assert kind in INTERVAL_KINDS
-    card = _with_rows(card, file)
+    card = replace(card, cells=cells)
     try:
         with encoding_mentioned(cells.findings):
             found: ResolvedColumns | None = resolve(cells, kind, file.wanted)
@@ -187,39 +202,33 @@ def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
     likely, kept = error.likely[0], error.likely[-1]
     use, keep = (UNIT_WORDS.get(unit, unit) for unit in (likely, kept))
     what = "Positions" if error.key == "position_unit" else "Values"
-    question = Question(f"{what} in {use} or in {keep}?", f"Use {use}", f"Keep {keep}", error.key, likely, kept)
+    answers = ((f"Use {use}", likely), (f"Keep {keep}", kept))
+    question = Question(f"{what} in {use} or in {keep}?", error.key, answers)
     return replace(card, choices=choices, questions=(question,))
 
 
 def _choices(file: Brought, found: ResolvedColumns | None) -> Iterator[Choice]:
     """Yield what can be said of a table's columns."""
     cells, kind, wanted = file.cells, file.kind, file.wanted
-    columns = tuple((name, name) for name in cells.header)
     named = wanted.columns
-    roles = [("from", "From", found and found.begin), ("to", "To", found and found.end)]
+    roles = {"from": ("From", found and found.begin), "to": ("To", found and found.end)}
     if kind != "neutral":
-        roles.append(("value", "Value", found and found.value))
+        roles["value"] = "Value", found and found.value
     if kind == "gradients":
-        roles.append(("direction", "Rises or falls", found and found.direction))
-    for role, label, column in roles:
-        free = (("", "none" if found else "choose"), *columns)
-        yield Choice(role, label, free, column or named.get(role, ""))
+        roles["direction"] = "Rises or falls", found and found.direction
+    for role, (label, column) in roles.items():
+        nothing = "none" if found else "choose"
+        yield _menu(role, label, cells.header, column or named.get(role, ""), nothing=nothing)
     guess = (found and found.position.unit) or wanted.position_unit or "m"
-    yield _unit_choice("position_unit", "Positions in", ALL_POSITION_UNITS, guess)
+    yield _menu("position_unit", "Positions in", ALL_POSITION_UNITS, guess, UNIT_WORDS)
     if values := VALUE_UNITS[kind]:  # type: ignore[index]
-        yield _unit_choice(
-            "value_unit", "Values in", values, (found and found.amount.unit) or wanted.value_unit or values[0]
-        )
+        guess = (found and found.amount.unit) or wanted.value_unit or values[0]
+        yield _menu("value_unit", "Values in", values, guess, UNIT_WORDS)
     used = (found.begin, found.end, found.value, found.direction) if found else ()
     for column in selectors_of(cells, used):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:
-            options = (("", "choose"), *((text, text) for text in texts[:MOST_CHOICES]))
-            yield Choice(f"rows {column}", f"Only {column}", options, wanted.rows.get(column, ""))
-
-
-def _unit_choice(key: str, label: str, units: Sequence[str], value: str) -> Choice:
-    return Choice(key, label, (("", "choose"), *((unit, UNIT_WORDS.get(unit, unit)) for unit in units)), value)
+            yield _menu(f"rows {column}", f"Only {column}", texts, wanted.rows.get(column, ""))
 
 
 def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
@@ -264,20 +273,47 @@ def _unit(finding: Finding) -> OtherUnit:
 def _with_result(card: Card, file: Brought, result: Any) -> Card:
     if result is None:
         return card
-    asked = [finding for finding in result.findings if finding.other_unit is not None]
-    told = [finding for finding in result.findings if finding.other_unit is None and finding.kind != "question"]
-    plain = [finding for finding in result.findings if finding.other_unit is None and finding.kind == "question"]
-    # questions that the user answers by other means stand with what is told
+    others = [finding for finding in result.findings if finding.other_unit is None]
+    # first the questions that the user answers by other means
+    others.sort(key=lambda finding: finding.kind != "question")
     return replace(
         card,
         result=result,
-        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
+        findings=tuple(without_name(finding.sentence, file.name) for finding in others),
         unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
-        questions=tuple(_asked(finding) for finding in asked),
+        questions=tuple(_asked(finding) for finding in result.findings if finding.other_unit is not None),
     )
 
 
 def _asked(finding: Finding) -> Question:
     unit = _unit(finding)
     sentence = finding.sentence.partition(": ")[2]
-    return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
+    answers = ((f"Use {unit.meant}", f"{unit.factor:g}"), (f"Keep {unit.given}", "1"))
+    return Question(sentence, f"factor {unit.key}", answers)
+
+
+def describe_run(read: ReadRun, number: int) -> Card:
+    """Return the columns of a recorded run with their meanings, and the questions about them."""
+    choices = (choice for column in read.meanings.items() for choice in _choices_of_column(read, *column))
+    questions = tuple(replace(one, sentence=f"{one.header}: {one.sentence}") for one in read.doubts)
+    name = read.file.name
+    return Card(number, name, "run", choices=tuple(choices), questions=questions, failure=read.refusal)
+
+
+def _choices_of_column(read: ReadRun, header: str, meaning: Meaning) -> Iterator[Choice]:
+    """Yield what a column of a run holds, and in which unit; values are texts of meanings."""
+    yield Choice(f"meaning {header}", header, tuple(QUANTITY_WORDS.items()), meaning.quantity)
+    units = UNITS.get(meaning.quantity, {})
+    options = tuple((Meaning(meaning.quantity, unit).text, RUN_UNIT_WORDS.get(unit, unit)) for unit in units)
+    unnamed = (("", "choose"),) if options and not meaning.unit else ()
+    samples = ", ".join(read.file.samples(header))
+    yield Choice(
+        f"unit {header}", f"Unit of {header}", (*unnamed, *options), meaning.text if meaning.unit else "", samples
+    )
+
+
+def read_meaning(key: str, value: str) -> tuple[str, str]:
+    """Return the column that a choice of a run is about, and the text of what it then means."""
+    what, _, header = key.partition(" ")
+    first = next(iter(UNITS.get(value, {})), "")
+    return header, Meaning(value, first).text if what == "meaning" else value

@@ -15,7 +15,7 @@ from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
 from railjoule.core.scenario._sentences import shown_list
-from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, used_table
+from railjoule.dashboard.pages.files.columns import Meaning, Question, RunFile, settled, used_table
 
 ANY_TIMETABLE = Timetable(travel_time_s=100.0)
 """A measured run brings its own: that of the scenario changes nothing."""
@@ -68,7 +68,7 @@ class ReadRun:
     file : RunFile
     meanings : mapping of str to Meaning
         What each column holds.
-    doubts : tuple of Doubt
+    doubts : tuple of Question
         Questions about columns, which are not used until they are answered.
     run : MeasuredRun or None
         None where it cannot be laid on the line.
@@ -80,7 +80,7 @@ class ReadRun:
 
     file: RunFile
     meanings: Mapping[str, Meaning]
-    doubts: tuple[Doubt, ...]
+    doubts: tuple[Question, ...]
     run: MeasuredRun | None
     refusal: str
     notes: tuple[str, ...]

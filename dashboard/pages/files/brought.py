@@ -1,18 +1,19 @@
-"""Files that a user brings: what each of them is, by its content."""
+"""Files that a user brings: what each of them is, by its content, and what the user says of it."""
 
-import base64
-import binascii
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, RailjouleError, ScenarioError
 from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
 from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json
+from railjoule.core.measured import recorder_cells
+from railjoule.dashboard.pages.files.columns import RunFile, find_quantities, read_runs
 
-OtherKind = Literal["track", "train", "journey"]
+OtherKind = Literal["track", "train", "journey", "run"]
 Kind = IntervalKind | OtherKind | Literal[""]
 TABLE_WORDS: dict[str, str] = {
     "gradients": "Gradients",
@@ -20,8 +21,9 @@ TABLE_WORDS: dict[str, str] = {
     "curves": "Curves",
     "tunnels": "Tunnels",
     "neutral": "Neutral sections",
+    "run": "Recorded run",
 }
-"""Kinds of tables of intervals, among which the user can choose."""
+"""Kinds of tables, among which the user can choose."""
 KIND_WORDS: dict[str, str] = {
     **TABLE_WORDS,
     "track": "Track of TTOBench",
@@ -47,8 +49,9 @@ WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
     "neutral": ("neutral", "neutre"),
 }
 UNKNOWN = (
-    "it is none of the files that can be read: tables of gradients, speed limits, curves, tunnels or neutral "
-    "sections (CSV, XLSX), TTOBench (JSON); files of OSRD and railtoolkit are read by the command railjoule import"
+    "it is none of the files that can be read: recorded runs, tables of gradients, speed limits, curves, tunnels or "
+    "neutral sections (CSV, XLSX), TTOBench (JSON); files of OSRD and railtoolkit are read by the command railjoule "
+    "import"
 )
 
 
@@ -61,8 +64,7 @@ class Brought:
     number : int
         By which the page knows it.
     name : str
-    encoded : str
-        What it holds, in base64, as a browser sends it.
+    content : bytes
     said_kind : str
         What it is, where the user says so.
     columns : ColumnMap
@@ -71,77 +73,69 @@ class Brought:
         What numbers of a vehicle are multiplied with, by their keys: answers to questions about units.
     encoding : str
         The code page of a text that is not UTF-8, where the user says it.
+    is_example : bool
+        Whether it is one of the example runs.
     """
 
     number: int
     name: str
-    encoded: str
+    content: bytes
     said_kind: Kind = ""
     columns: ColumnMap = field(default_factory=ColumnMap)
     factors: dict[str, float] = field(default_factory=dict)
     encoding: str = ""
-
-    @classmethod
-    def of(cls, number: int, source: SourceFile) -> "Brought":
-        """Return a file of this machine."""
-        return cls(number, source.name, base64.b64encode(source.content).decode())
+    is_example: bool = False
 
     def with_kind(self, kind: Kind) -> "Brought":
         """Return it as a file of another kind; what was said of its columns is forgotten."""
         return replace(self, said_kind=kind, columns=ColumnMap(sheet=self.columns.sheet))
 
-    def told(self, key: str, value: str) -> "Brought":
-        """Return it with one thing more that the user says: a column, a unit, a line, or an answer about a number."""
+    def with_choice(self, key: str, value: str) -> "Brought":
+        """Return it with one more choice of the user: a column, a unit, a line, or an answer about a number."""
         what, _, name = key.partition(" ")
+        said = self.columns
         if what == "factor":
-            return replace(self, factors={**self.factors, name: 1.0 if value == "1" else float(value)})
-        if what == ENCODING:
-            # the names of its columns may be others in this code page
-            return replace(self, encoding=value, columns=ColumnMap())
-        if what == SHEET:
-            # another sheet has other columns
-            return replace(self, columns=ColumnMap(sheet=value or None))
+            return replace(self, factors={**self.factors, name: float(value)})
+        # another sheet has other columns, and in another code page their names may be others
+        if what in {SHEET, ENCODING}:
+            encoding = value if what == ENCODING else self.encoding
+            return replace(self, encoding=encoding, columns=ColumnMap(sheet=value or None if what == SHEET else None))
+        # an empty value gives back the guess
+        chosen = {name or what: value} if value else {}
         if what == "rows":
-            rows = {column: text for column, text in self.columns.rows.items() if column != name}
-            return replace(self, columns=replace(self.columns, rows={**rows, name: value} if value else rows))
-        if what in {"position_unit", "value_unit"} and not value:
-            is_position = what == "position_unit"
-            kept = replace(self.columns, position_unit=None) if is_position else replace(self.columns, value_unit=None)
-            return replace(self, columns=kept)
-        if not value:
-            # the guess again
-            columns = {role: column for role, column in self.columns.columns.items() if role != what}
-            return replace(self, columns=replace(self.columns, columns=columns))
-        if what in {*ROLES, "position_unit", "value_unit"}:
-            return replace(self, columns=ColumnMap.of(what, value).over(self.columns))
-        return self
+            rows = {column: text for column, text in said.rows.items() if column != name}
+            said = replace(said, rows={**rows, **chosen})
+        elif what == "position_unit":
+            said = replace(said, position_unit=value or None)
+        elif what == "value_unit":
+            said = replace(said, value_unit=value or None)
+        elif what in ROLES:
+            roles = {role: column for role, column in said.columns.items() if role != what}
+            said = replace(said, columns={**roles, **chosen})
+        return replace(self, columns=said)
 
-    @cached_property
+    @property
     def source(self) -> SourceFile:
-        """The file.
-
-        Raises
-        ------
-        ScenarioError
-            If it did not arrive whole.
-        """
-        try:
-            return SourceFile(self.name, base64.b64decode(self.encoded, validate=True), self.encoding)
-        except (binascii.Error, ValueError):
-            raise ScenarioError(f"{self.name}: it did not arrive whole; choose it again.") from None
+        """The file as the core reads it."""
+        return SourceFile(self.name, self.content, self.encoding)
 
     @cached_property
     def code_page(self) -> str | None:
         """The code page of a text that is not Unicode, empty where it is in doubt; None of other files."""
-        if self.source.content.startswith(WORKBOOKS):
+        if self.content.startswith(WORKBOOKS):
             return None
-        found = found_code_page(self.source.content)
+        found = found_code_page(self.content)
         return found if found is None else self.encoding or found
 
     @cached_property
     def cells(self) -> CellTable:
         """Its cells, where it is a table."""
         return read_cells(self.source, self.columns.sheet)
+
+    @cached_property
+    def runs(self) -> tuple[RunFile, ...]:
+        """The recorded runs in it: each sheet of a workbook may be one."""
+        return read_runs(self.source, self.columns.sheet)
 
     @cached_property
     def kind(self) -> Kind:
@@ -164,9 +158,8 @@ class Brought:
         return self.columns.over(known)
 
     def _guess(self) -> Kind:
-        content = self.source.content
-        beginning = content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
-        if not content:
+        beginning = self.content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
+        if not self.content:
             raise ScenarioError(f"{self.name}: it is empty.")
         if beginning in {b"{", b"["}:
             document = read_json(self.source)
@@ -174,8 +167,35 @@ class Brought:
             if found is None:
                 raise ScenarioError(f"{self.name}: {UNKNOWN}.")
             return found
-        with encoding_mentioned(self.cells.findings):
-            return kind_of_table(self.cells)
+        try:
+            cells = self.cells
+        except ChoiceError as several:
+            return self._guess_of_workbook(several)
+        with encoding_mentioned(cells.findings):
+            kind = kind_of_table(cells) or ("run" if self._is_recorded() else "")
+        if not kind:
+            raise ScenarioError(f"{self.name}: {UNKNOWN}.")
+        return kind
+
+    def _guess_of_workbook(self, several: ChoiceError) -> Kind:
+        """Return that a workbook of several sheets holds runs, if one of them is one; else a sheet is to be chosen."""
+        try:
+            is_run = bool(self.runs)
+        except RailjouleError:
+            is_run = False
+        if not is_run:
+            raise several
+        return "run"
+
+    def _is_recorded(self) -> bool:
+        """Return whether it is a run with rows above the names of its columns."""
+        return is_recording(recorder_cells(self.source, sheet=self.columns.sheet).header)
+
+
+def is_recording(header: Sequence[str]) -> bool:
+    """Return whether a table with these columns is a recorded run: it names times, or places with speeds."""
+    found: Collection[str] = find_quantities(header)
+    return "time" in found or {"speed", "position"} <= set(found)
 
 
 def preset_of(cells: CellTable) -> str | None:
@@ -191,17 +211,13 @@ def preset_of(cells: CellTable) -> str | None:
 
 
 def kind_of_table(cells: CellTable) -> Kind:
-    """Return what a table tells of, by its columns, then by the file's name.
-
-    Raises
-    ------
-    ScenarioError
-        If neither says it.
-    """
+    """Return what a table tells of, by its columns, then by the file's name; empty where neither says it."""
     if preset := preset_of(cells):
         return PRESETS[preset][0]
     name = cells.source.lower()
     by_name = next((kind for kind, parts in WORDS_IN_NAMES.items() if any(part in name for part in parts)), None)
+    if is_recording(cells.header) and ("time" in find_quantities(cells.header) or by_name is None):
+        return "run"
     for kind in ("gradients", "limits", "curves", "tunnels"):
         try:
             value = resolve(cells, kind, ColumnMap()).value if cells.has_header else None
@@ -209,9 +225,7 @@ def kind_of_table(cells: CellTable) -> Kind:
             continue
         if value is not None and not any(same_name(value, word) for word in GENERIC):
             return kind
-    if by_name is None:
-        raise ScenarioError(f"{cells.source}: {UNKNOWN}.")
-    return by_name
+    return by_name or ""
 
 
 def selectors_of(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:

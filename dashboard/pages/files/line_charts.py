@@ -1,0 +1,235 @@
+"""The line that was read, before it is used: height, speed limits, curves; what its tables leave open is hatched."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise
+
+import numpy as np
+
+from railjoule.core.imports import ImportedLine, ImportedTable
+from railjoule.core.motion.line_profile import height_profile, section_borders
+from railjoule.core.scenario import Line
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, columns, xy
+from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.plot import AxisPlot
+from railjoule.dashboard.charts.run_lines import Curve, as_steps
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.files.compute import Reading
+
+Gap = tuple[float, float]
+"""Where it begins and ends, from the start of the run [m]."""
+Sign = tuple[float, float, float, str]
+"""Begin and end of what it is about [m], the value at which it stands, and its text."""
+SIGN_PX, ROOM_PX = 11, 4
+ROOM_SHARE, LEAST_RELIEF_M = 0.3, 1.0
+SIDES = ("left", "right", "bottom", "top")
+HATCHED = {"line_color": "line2", "hatch_color": "warn"}
+LEAST_M = 0.001
+"""A shorter stretch is left by rounding."""
+SHARPEST_1_PER_KM = 0.5
+"""Curvature to which the axis reaches at least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """The contents of a chart.
+
+    Parameters
+    ----------
+    curve : pair of array
+        Not a number where there is no value.
+    base : float
+        The area between it and the curve is tinted.
+    ends : tuple of float
+        Of the y axis.
+    gaps : sequence
+        Hatched stretches.
+    bands : sequence
+        Begin, end and name of each.
+    signs : sequence
+        Those that have room are written above their values; at the upper end of the axis below it.
+    """
+
+    curve: Curve
+    base: float
+    ends: tuple[float, float]
+    gaps: Sequence[Gap] = ()
+    bands: Sequence[tuple[float, float, str]] = ()
+    signs: Sequence[Sign] = ()
+
+
+class PreviewChart(DistanceChart):
+    """Draws a preview over the line.
+
+    Parameters
+    ----------
+    name, caption, height, axis, palette
+        As in `DistanceChart`.
+    unit : str
+    token : str
+        Colour of the curve.
+    digits : int
+        Decimals of the values.
+    last : bool
+        Whether it has the numbers of the x axis.
+    """
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        *,
+        name: str,
+        caption: str,
+        unit: str,
+        token: str = "groundline",
+        digits: int = 0,
+        last: bool = False,
+    ) -> None:
+        super().__init__(name, caption, height, axis, palette)
+        self.unit, self.token, self.digits, self.last = unit, token, digits, last
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=self.last, ticks=3, digits=min(self.digits, 1))
+        if self.last:
+            f.xaxis.axis_label = "Distance, m"
+        self.source("area", "x", "low", "high")
+        self.glyphs("varea", "area", "x", "low", "high", paint={"fill_color": "ground"})
+        self.glyphs("quad", "bands", *SIDES, paint={"fill_color": "grid", "line_color": "line2"})
+        self.glyphs("quad", "gaps", *SIDES, paint=HATCHED, fill_color=None, hatch_pattern="/", hatch_alpha=0.7)
+        self.line("curve", self.token, line_width=1.6)
+        self.signs("signs", "ink2", SIGN_PX, text_align="center", y_offset=-2)
+        self.signs("names", "ink2", SIGN_PX, text_align="center", text_baseline="top", y_offset=2)
+        self.follow_line("curve")
+
+    def draw(self, preview: Preview) -> None:
+        """Draw a preview."""
+        (low, high), (x, y) = preview.ends, preview.curve
+        self.set_range(low, high)
+        self.put("curve", **xy(x, y))
+        self.put("area", **columns(x=x, low=np.full(len(x), preview.base), high=np.nan_to_num(y, nan=preview.base)))
+        for name, stretches in (("bands", preview.bands), ("gaps", preview.gaps)):
+            left, right = (np.array([stretch[k] for stretch in stretches]) for k in range(2))
+            size = len(stretches)
+            self.put(name, **columns(left=left, right=right, bottom=np.full(size, low), top=np.full(size, high)))
+        texts = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
+        px = self.width_px / float(x[-1])
+        # above its value a text may stand out at both sides
+        fits = [
+            (begin, end, at, text)
+            for begin, end, at, text in texts
+            if text_width_px(text, SIGN_PX) * (1.0 if at >= high else 0.5) + ROOM_PX < (end - begin) * px
+        ]
+        for name, signs in (
+            ("signs", [sign for sign in fits if sign[2] < high]),
+            ("names", [sign for sign in fits if sign[2] >= high]),
+        ):
+            places = np.array([0.5 * (begin + end) for begin, end, _, _ in signs])
+            self.put(name, **xy(places, np.array([at for _, _, at, _ in signs])), text=[text for *_, text in signs])
+
+
+HEIGHT = AxisPlot(
+    "import_height",
+    partial(PreviewChart, name="import_height", caption=f"Height, m, with gradients, {words.PER_MILLE}", unit="m"),
+    (150, 170, 130),
+    "line",
+)
+LIMITS = AxisPlot(
+    "import_limits",
+    partial(PreviewChart, name="import_limits", caption="Speed limits, km/h", unit="km/h", token="limit"),
+    (130, 150, 120),
+    "line",
+)
+CURVES = AxisPlot(
+    "import_curves",
+    partial(
+        PreviewChart,
+        name="import_curves",
+        caption="Curvature, 1/km, with radii, m; tunnels and neutral sections",
+        unit="1/km",
+        digits=2,
+        last=True,
+    ),
+    (120, 130, 120),
+    "line",
+)
+LINE_PLOTS = (HEIGHT, LIMITS, CURVES)
+
+
+def previews(reading: Reading, imported: ImportedLine) -> dict[AxisPlot, Preview]:
+    """Return the contents of the charts of the line that was read."""
+    line = imported.line.in_running_order()
+    return {
+        HEIGHT: height_preview(line, gaps_of(reading, "gradients")),
+        LIMITS: limits_preview(line, gaps_of(reading, "limits")),
+        CURVES: curves_preview(line, imported),
+    }
+
+
+def height_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
+    """Return the height of a line with its gradients."""
+    y = height_profile(line)
+    relief = max(float(np.ptp(y)), LEAST_RELIEF_M)
+    low, high = float(y.min()) - 0.15 * relief, float(y.max()) + ROOM_SHARE * relief
+    stretches = alike(line, [one.gradient_permille for one in line.sections])
+    signs = [(a, b, high, words.signed(g, 0 if g == round(g) else 1)) for a, b, g in stretches]
+    return Preview((section_borders(line), y), low, (low, high), gaps, signs=signs)
+
+
+def limits_preview(line: Line, gaps: Sequence[Gap]) -> Preview:
+    """Return the speed limits as steps; where there is none, there is no value."""
+    limits = [one.speed_limit_kmh or np.nan for one in line.sections]
+    top = 1.2 * max((limit for limit in limits if limit > 0), default=100.0)
+    signs = [(a, b, limit, f"{limit:g}") for a, b, limit in alike(line, limits) if limit > 0]
+    return Preview(as_steps(section_borders(line), np.array(limits)), top, (0.0, top), gaps, signs=signs)
+
+
+def curves_preview(line: Line, imported: ImportedLine) -> Preview:
+    """Return the curvature with the radii; tunnels and neutral sections as bands."""
+    radii = [section.curve_radius_m for section in line.sections]
+    bends = np.array([1000 / radius if radius else 0.0 for radius in radii])
+    top = 1.6 * max(float(bends.max()), SHARPEST_1_PER_KM)
+    bands = [(one.from_m, one.to_m, "tunnel") for one in imported.tunnels]
+    bands += [(one.from_m, one.to_m, "neutral") for one in line.neutral_sections]
+    signs = [(a, b, 1000 / radius, words.number(radius, 0)) for a, b, radius in alike(line, radii) if radius]
+    return Preview(as_steps(section_borders(line), bends), 0.0, (0.0, top), bands=bands, signs=signs)
+
+
+def alike(line: Line, values: Sequence[float]) -> list[tuple[float, float, float]]:
+    """Return begin and end [m] of stretches over which a value of the sections stays the same, with the value."""
+    stretches: list[tuple[float, float, float]] = []
+    for (start, end), value in zip(pairwise(section_borders(line).tolist()), values, strict=True):
+        if stretches and stretches[-1][2] == value:
+            stretches[-1] = (stretches[-1][0], end, value)
+        else:
+            stretches.append((start, end, value))
+    return stretches
+
+
+def gaps_of(reading: Reading, kind: str) -> list[Gap]:
+    """Return where the table of a kind says nothing of the line, from the start of the run; nothing where none is."""
+    line = reading.line
+    table = next((one for one in reading.tables if one.kind == kind), None)
+    if line is None or table is None:
+        return []
+    length = line.line.length_m
+    found = open_stretches(table, line.begin_m, line.begin_m + length)
+    placed = [(start - line.begin_m, end - line.begin_m) for start, end in found]
+    return [(length - end, length - start) for start, end in reversed(placed)] if line.is_reversed else placed
+
+
+def open_stretches(table: ImportedTable, begin_m: float, end_m: float) -> list[Gap]:
+    """Return the chainages between which no row of a table lies [m]."""
+    found, reached = [], begin_m
+    for one in table.intervals:
+        start = min(one.from_m, end_m)
+        if start - reached > LEAST_M:
+            found.append((reached, start))
+        reached = max(reached, one.to_m)
+    if end_m - reached > LEAST_M:
+        found.append((reached, end_m))
+    return found

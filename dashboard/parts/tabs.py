@@ -1,0 +1,60 @@
+"""The tabs of a page."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import panel_material_ui as pmui
+from panel.viewable import Viewable
+
+from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.parts.html import stack
+
+TABS_PX = 42
+TABS_STYLE = {
+    "& .MuiTabs-root": {"minHeight": TABS_PX},
+    "& .MuiTab-root": {"textTransform": "none", "fontSize": "14px", "minHeight": TABS_PX, "padding": "8px 12px"},
+}
+
+
+class PageTabs:
+    """A bar of tabs over the parts of the one that is open.
+
+    Parameters
+    ----------
+    page : Page
+        Its `tab` names the open one.
+    titles : mapping of str to str
+    makers : mapping of str to callable
+        Make the parts of each tab when it is first open.
+    """
+
+    def __init__(self, page: Any, titles: Mapping[str, str], makers: Mapping[str, Callable[[], Viewable]]) -> None:
+        self.page, self.makers, places = page, makers, list(titles)
+        self.bar = pmui.Tabs(
+            *((title, stack()) for title in titles.values()),
+            active=places.index(page.tab),
+            height=TABS_PX,
+            margin=(0, 8),
+            sizing_mode="stretch_width",
+            sx=TABS_STYLE,
+        )
+        self.bar.param.watch(lambda event: page.param.update(tab=places[event.new]), "active")
+        self.bodies = {tab: stack(visible=False) for tab in titles}
+        self.view = stack(self.bar, *self.bodies.values())
+        # before the figures of the tab are drawn
+        page.param.watch(self._turn, "tab")
+        self._turn()
+
+    def is_made(self, tab: str) -> bool:
+        """Return whether the parts of a tab are there."""
+        return bool(list(self.bodies[tab]))
+
+    def _turn(self, *_: Any) -> None:
+        """Show the tab that is open."""
+        body = self.bodies[self.page.tab]
+        self.bar.active = list(self.bodies).index(self.page.tab)
+        if not list(body):
+            with added_to(body):
+                body[:] = [self.makers[self.page.tab]()]
+        for tab, one in self.bodies.items():
+            one.visible = tab == self.page.tab
