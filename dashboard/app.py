@@ -43,7 +43,6 @@ from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
-from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.share import Share
@@ -81,7 +80,6 @@ LOOK_MS = 3000
 EXTRA_PATTERNS = [
     ("/health", HealthHandler),
     ("/ready", ReadyHandler),
-    (r"/file/([\w-]+)", OfferedFileHandler),
     *documentation_patterns(),
 ]
 VIEWS: dict[str, type[PageView]] = {name: find_view(name) for name in PAGES}

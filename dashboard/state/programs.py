@@ -63,20 +63,6 @@ def followed(state: Workbench) -> Mapping[str, Any]:
     return {"simulation.kind": "following"} if in_loop else {}
 
 
-def _study(state: Workbench) -> PageRun:
-    """Return the study that is shown; before there is one, the plan."""
-    study = state.study.study
-    if study is None:
-        return PageRun(SOLVE, {"strategy": state.chosen_now})
-    over = {field.name: (field.low, field.high) for field in study.fields}
-    body = (
-        f"table = sweep(scenario, {over!r}, {study.sample}, {study.method!r}, seed={study.seed}, "
-        f"columns={study.columns!r})\nprint(table.to_dataframe())\n"
-    )
-    untold = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
-    return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold)
-
-
 def _learn(state: Workbench) -> PageRun:
     values = {lesson.name: float(getattr(state.learn, lesson.name)) for lesson in LESSONS}
     body = (
@@ -100,7 +86,6 @@ def _measured_runs(state: Workbench) -> PageRun:
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
-    "Study": _study,
     "Learn": _learn,
     "Measured runs": _measured_runs,
     "Import": _plan,

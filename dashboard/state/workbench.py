@@ -21,7 +21,6 @@ from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.start.model import StartModel
-from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -39,6 +38,7 @@ from railjoule.dashboard.state.pins import (
     same_run,
 )
 from railjoule.dashboard.state.scenario import ScenarioModel
+from railjoule.dashboard.work.run_table import RunTable
 from railjoule.dashboard.work.runs import Runs
 
 COLOURS = ("system", "light", "dark")
@@ -86,7 +86,6 @@ class Workbench(Kept, PageModel):
         self.start = StartModel()
         self.day = Day(self.scenario)
         self.measured_runs = MeasuredRunsModel()
-        self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()
         self.imports = ImportModel()
         self.proof = ProofModel()
@@ -99,8 +98,6 @@ class Workbench(Kept, PageModel):
             if model is not self.scenario:
                 model.address_prefix = f"{name}."
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
-        # here and not in its work: where a page has none, its ranges are those of its scenario all the same
-        self.scenario.follow(lambda _: None, self.study.take)
 
     def _tell_fault(self, sentence: str) -> None:
         self.notice = sentence
@@ -190,9 +187,14 @@ class Workbench(Kept, PageModel):
         self.measured_runs.bring([(name, content)])
 
     def show_study(self, name: str, content: bytes) -> None:
-        """Turn to Study with the file of one."""
-        self.page = "Study"
-        self.study.brought = Brought(name, content)
+        """Turn to Explore with the file of one."""
+        self.page = "Explore"
+        self.pages["Explore"].brought = (name, content)
+
+    def explore(self, table: RunTable) -> None:
+        """Turn to Explore with a table of runs."""
+        self.page = "Explore"
+        self.pages["Explore"].draws = table
 
     def pin_measured(self) -> None:
         """Pin the measured run that is shown."""
