@@ -2,7 +2,6 @@
 
 import math
 from functools import partial
-from io import BytesIO
 from typing import Any
 
 import panel as pn
@@ -25,7 +24,7 @@ from railjoule.dashboard.pages.explore.charts import (
     HistogramChart,
     histogram_name,
 )
-from railjoule.dashboard.pages.explore.compute import Look, Shares
+from railjoule.dashboard.pages.explore.compute import Look
 from railjoule.dashboard.pages.explore.ranges import Span, typed_ends
 from railjoule.dashboard.pages.explore.study import ROWS_AT_ONCE, STARTS, SUFFIX, Studies
 from railjoule.dashboard.parts import html as parts
@@ -91,9 +90,8 @@ class Explore(Studies):
         corner = parts.html_pane(css_classes=["study-corner"])
         margins = parts.stack(plots[ALONG_X].host, corner, plots[RUNS].host, plots[ALONG_Y].host, css=MARGINS_CSS)
         left = parts.stack(self._row("y", "x", "colour"), self.legend, margins)
+        self.map_part = parts.stack(self._row("map_y", "map_x"), plots[MAP].host)
         # on a narrow screen what decides comes first
-        map_row = self._row("map_y", "map_x")
-        self.map_part = parts.stack(map_row, plots[MAP].host)
         right = parts.stack(self.map_part, self.indices, css_classes=["study-shares"])
         self.others = parts.stack(css=OTHERS_CSS)
         self.body = parts.stack(
@@ -106,7 +104,7 @@ class Explore(Studies):
 
     def _download(self, suffix: str, label: str) -> pmui.FileDownload:
         made = pmui.FileDownload(
-            callback=_bound(self._file, suffix),
+            callback=partial(self._file, suffix),
             filename=f"study{suffix}",
             label=label,
             icon="download",
@@ -130,10 +128,9 @@ class Explore(Studies):
             margin=(8, 0, 0, 0),
             on_click=lambda _: self.param.update(choice={}, listed=ROWS_AT_ONCE),
         )
-        named = {axis: parts.html_pane() for axis in self.spans}
-        self.span_names = named
+        self.span_names = {axis: parts.html_pane() for axis in self.spans}
         fields = [
-            parts.stack(named[axis], typed_ends(span, f"Selection, {AXES[axis].lower()}", 2))
+            parts.stack(self.span_names[axis], typed_ends(span, f"Selection, {AXES[axis].lower()}", 2))
             for axis, span in self.spans.items()
         ]
         return parts.stack(
@@ -193,8 +190,7 @@ class Explore(Studies):
 
     @shows("progress", "asked", "preview", "table", "draws", "note", "may_go_on", *STARTS, "scenario")
     def _show_state(self) -> None:
-        progress, there, draws = self.progress, self.sweep is not None, self.draws
-        own = draws is None
+        progress, there, own = self.progress, self.sweep is not None, self.draws is None
         under_way = progress.is_under_way
         self.buttons["Stop"].param.update(visible=own and under_way, disabled=progress.state == "stopping")
         self.buttons["Resume"].visible = own and progress.state in {"stopped", "failed"} and self.may_go_on
@@ -235,23 +231,20 @@ class Explore(Studies):
             self.host.figures.visible = self.body.visible = bool(self.legend.object)
             return
         self.host.figures.visible = self.body.visible = True
-        dark, table = self.desk.dark, look.table
-        self.host.figures.object = parts.figures(texts.number_figures(look, self._own_shares(look)))
+        shares = self.shares if self.draws is None else None
+        # those of another table may still be on their way
+        if shares is not None and not set(shares.fields) <= set(look.table.columns):
+            shares = None
+        self.host.figures.object = parts.figures(texts.number_figures(look, shares))
         self._offer(look)
         self._show_selection(look)
-        if not len(table.rows):
+        if not len(look.table.rows):
             return
-        self.legend.object = texts.legend_html(look, dark)
-        shares = self._own_shares(look)
-        self.indices.object = "" if shares is None else texts.indices_html(shares, table.columns)
+        self.legend.object = texts.legend_html(look, self.desk.dark)
+        self.indices.object = "" if shares is None else texts.indices_html(shares, look.table.columns)
         self.map_part.visible = look.medians is not None
         self.host.draw(PLOTS, look)
         self._draw_others(look)
-
-    def _own_shares(self, look: Look) -> Shares | None:
-        """Return the shares where they are those of the table that is drawn."""
-        shares = self.shares if self.draws is None else None
-        return shares if shares is None or set(shares.fields) <= set(look.table.columns) else None
 
     def _offer(self, look: Look) -> None:
         """Offer the columns of the table, and the runs that are listed."""
@@ -266,10 +259,8 @@ class Explore(Studies):
         listed = {f"Run {words.number(row, 0)}": int(row) for row in table.rows[list(look.listed)]}
         self.opening.visible = self.draws is None and bool(listed)
         if self.chosen_run.options != listed:
-            value = (
-                self.chosen_run.value if self.chosen_run.value in listed.values() else next(iter(listed.values()), None)
-            )
-            self.chosen_run.param.update(options=listed, value=value)
+            rows, chosen = list(listed.values()), self.chosen_run.value
+            self.chosen_run.param.update(options=listed, value=chosen if chosen in rows else next(iter(rows), None))
         self.more.visible = look.chosen > len(look.listed)
 
     def _show_selection(self, look: Look) -> None:
@@ -310,13 +301,3 @@ def _pane() -> Any:
     pane = parts.html_pane()
     pane.stylesheets = [*pane.stylesheets, explore_css()]
     return pane
-
-
-def _bound(act: Any, suffix: str) -> Any:
-    """Return a coroutine function without arguments: only such a one does the library await."""
-
-    async def call() -> BytesIO:
-        made: BytesIO = await act(suffix)
-        return made
-
-    return call

@@ -27,6 +27,7 @@ from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, 
 from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
 from railjoule.dashboard.pages.what_if.draws import draws_table
 from railjoule.dashboard.pages.what_if.heat_map import percent_difference
+from railjoule.dashboard.pages.what_if.load import LAYOUT_CSS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, keyed
 from railjoule.dashboard.state.page_model import result
@@ -189,11 +190,6 @@ MORE = _histogram(
 )
 DELAYS = _histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
 SCATTER = Plot("scatter", "", heights=(220, 260, 200), chart=LoadScatter)
-LAYOUT_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
-  padding: 10px 20px 12px 14px; align-items: start; }
-@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
-"""
 
 
 class ChanceTab(Page):

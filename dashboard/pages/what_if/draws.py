@@ -9,6 +9,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.look import words
+from railjoule.dashboard.pages.what_if.heat_map import MEASURES
 from railjoule.dashboard.work.run_table import Column, RunTable
 
 Values = Callable[[StudyTable], FloatArray]
@@ -16,10 +17,6 @@ Values = Callable[[StudyTable], FloatArray]
 
 def _drawn(name: str, title: str, show: Callable[[float], str], scale: float = 1.0) -> tuple[str, Values, Any]:
     return title, lambda table: scale * table[name], show
-
-
-def _percent(percent: float) -> str:
-    return words.share_difference(percent / 100)
 
 
 INPUTS = {
@@ -33,11 +30,8 @@ INPUTS = {
 }
 """Quantity and unit, the values in that unit, and how a number of them is written."""
 RESULTS: dict[str, tuple[str, Values, Any]] = {
-    "extra": ("Extra energy, %", lambda table: 100 * table.over_replanned, _percent),
     "energy": ("Energy, kWh", lambda table: table.energy_kwh, words.energy),
-    "above_plan": ("Extra energy against the plan, %", lambda table: 100 * table.overconsumption, _percent),
-    "late": ("Delay at the stop, s", lambda table: table.delay_s, words.delay),
-    "overshoot": ("Overshoot, m", lambda table: table.stop_error_m, words.stop_error),
+    **{name: (measure.words, measure.values, measure.show) for name, measure in MEASURES.items()},
 }
 
 

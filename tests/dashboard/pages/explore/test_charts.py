@@ -52,7 +52,7 @@ def test_all_figures_show_the_runs(table: SweepTable) -> None:
     assert points["row"].tolist() == table.index.tolist()
     assert len(charts[RUNS].sources["others"].data["x"]) == 0
     assert charts[RUNS].figure.xaxis[0].axis_label == "Travel time, s"
-    assert charts[RUNS].figure.html_attributes["aria-label"] == "Energy, kWh, over travel time, s"
+    assert charts[RUNS].figure.html_attributes["aria-label"] == "Runs over two axes"
     assert sum(charts[ALONG_X].sources["all"].data["top"]) <= 200
     assert sum(charts[ALONG_X].sources["selected"].data["top"]) == 0
     assert charts[ALONG_Y].sources["signs"].data["text"][1].startswith("median ")

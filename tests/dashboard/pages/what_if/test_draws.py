@@ -21,7 +21,7 @@ def table() -> StudyTable:
 def test_columns_are_quantities_in_which_the_runs_differ(table: StudyTable) -> None:
     found = draws_table(table)
     assert found is not None
-    assert found.columns.keys() >= {"load", "error", "resistance", "energy", "extra"}
+    assert found.columns.keys() >= {"load", "error", "resistance", "energy", "over_replanned"}
     assert found.inputs == tuple(name for name in found.columns if name in INPUTS)
     np.testing.assert_allclose(found.values["energy"], table.energy_kwh)
     np.testing.assert_allclose(found.values["load"], 100 * table["load_factor"])

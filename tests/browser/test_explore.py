@@ -1,4 +1,4 @@
-"""Study, as a user works with it: 1,500 runs, reached from the front page, to one on Drive and a file on the disk."""
+"""Explore, as a user works with it: 1,500 runs, reached from the front page, to one on Drive and a file on the disk."""
 
 import base64
 import csv
@@ -24,14 +24,14 @@ DROP = """
 }
 """
 # the name of a heading has plain spaces
-CHOSEN = re.compile(r"^Chosen: ([\d\s]+) runs")
+CHOSEN = re.compile(r"^Selected: ([\d\s]+) runs")
 
 
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who begins at Start and stays for all tests of this file."""
     with User.on(window, server.url, on_drive=False) as someone:
-        open_page(someone, "Study")
+        open_page(someone, "Explore")
         yield someone
 
 
@@ -55,20 +55,24 @@ def button(user: User, name: str) -> Locator:
 
 
 def chart(user: User, name: str) -> Locator:
-    return user.page.locator(f".rj-chart-study_{name}:visible canvas").first
+    return user.page.locator(f".rj-chart-explore_{name}:visible canvas").first
 
 
-def test_a_field_is_added_dragged_and_left_out(user: User) -> None:
-    user.page.get_by_label("Add a field").select_option("vehicle.tare_kg")
-    rail = user.page.get_by_role("slider", name="Tare, kg: from, slider", exact=True)
-    before = user.page.get_by_role("textbox", name="Tare, kg: from", exact=True)
-    value = before.input_value()
-    rail.focus()
-    rail.press("ArrowRight")
-    expect(before).not_to_have_value(value)
-    button(user, "Leave Tare, kg as it is").click()
-    expect(rail).to_have_count(0)
-    expect(user.page.get_by_text("About ").get_by_text("on this computer.")).to_be_visible()
+def test_a_preview_is_there_and_its_ranges_are_typed(user: User) -> None:
+    expect(user.page.get_by_text("The preview below shows the first ")).to_be_visible()
+    expect(chart(user, "runs")).to_be_visible(timeout=RUN_MS)
+    # the plan's sliders would say the same as the ranges
+    expect(user.page.get_by_text("what the timetable expects")).to_be_hidden()
+    low = user.page.get_by_role("textbox", name="Load factor: from, as a number", exact=True)
+    low.fill("2")
+    low.press("Enter")
+    expect(
+        user.page.get_by_text("The range 2 to 1 begins above its end.").or_(user.page.get_by_text("At most"))
+    ).to_be_visible()
+    low.fill("0.2")
+    low.press("Enter")
+    expect(user.page.get_by_text("At most")).to_have_count(0)
+    expect(user.page.get_by_text("on this computer.")).to_be_visible()
 
 
 def test_it_runs_is_stopped_and_goes_on(user: User) -> None:
@@ -88,11 +92,11 @@ def test_it_runs_is_stopped_and_goes_on(user: User) -> None:
     expect(chart(user, "map")).to_be_visible()
     expect(chart(user, "along_x")).to_be_visible()
     user.settled()
-    assert layout_faults(user, "Study") == {}
+    assert layout_faults(user, "Explore") == {}
     assert_nothing_grave(user)
 
 
-def test_a_rectangle_chooses_runs_and_is_cleared(user: User) -> None:
+def test_a_rectangle_selects_runs_whose_ends_are_typed_and_cleared(user: User) -> None:
     box = chart(user, "runs").bounding_box()
     assert box is not None
     mouse = user.page.mouse
@@ -106,12 +110,20 @@ def test_a_rectangle_chooses_runs_and_is_cleared(user: User) -> None:
     assert found is not None
     assert 0 < number(found[1]) < RUNS
     expect(title).to_contain_text("travel time ")
-    button(user, "Clear the choice").click()
-    expect(user.page.get_by_role("heading", name=re.compile(r"^All: 1\s500 runs"))).to_be_visible()
+    button(user, "Clear selection").click()
+    every = user.page.get_by_role("heading", name=re.compile(r"^All: 1\s500 runs"))
+    expect(every).to_be_visible()
+    # the same by keys
+    end = user.page.get_by_role("textbox", name="Selection, horizontal axis: to, as a number", exact=True)
+    end.fill("200")
+    end.press("Enter")
+    expect(title).to_contain_text("to 200.0 s")
+    button(user, "Clear selection").click()
+    expect(every).to_be_visible()
 
 
-def test_other_axes_are_drawn_and_a_point_tells_its_run(user: User) -> None:
-    user.page.get_by_role("combobox", name="To the right", exact=True).click()
+def test_other_axes_are_drawn_and_a_point_has_its_run(user: User) -> None:
+    user.page.get_by_role("combobox", name="Horizontal axis", exact=True).click()
     user.page.get_by_role("menuitem", name="Recuperation factor", exact=True).click()
     axis = user.page.locator(".legend:visible").get_by_text("Energy, kWh, over recuperation factor")
     expect(axis).to_be_visible()
@@ -119,8 +131,10 @@ def test_other_axes_are_drawn_and_a_point_tells_its_run(user: User) -> None:
     x, y = user.page.evaluate(
         """() => {
           const [view] = Bokeh.index.query(({model}) => model.type === "Figure"
-            && model.html_attributes["aria-label"] === "Energy, kWh, over recuperation factor, ");
-          const {left, top} = view.el.getBoundingClientRect(), {x, y} = view.model.renderers[0].data_source.data;
+            && model.html_attributes["aria-label"] === "Runs over two axes");
+          const {left, top} = view.el.getBoundingClientRect();
+          const points = view.model.renderers.map((one) => one.data_source).find(({data}) => data.row?.length);
+          const {x, y} = points.data;
           return [left + view.frame.x_scale.compute(x[1000]), top + view.frame.y_scale.compute(y[1000])];
         }"""
     )
@@ -144,9 +158,10 @@ def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server
     with user.page.expect_download() as download:
         button(user, "Save study").click()
     assert download.value.suggested_filename == "study.nc"
+    expect(status(user)).to_contain_text("Saved to your downloads: study.nc")
     saved = Path(download.value.path())
     with User.at(chromium, server.url, on_drive=False) as other:
-        open_page(other, "Study")
+        open_page(other, "Explore")
         expect(other.page.get_by_text("Open a study").first).to_be_visible()
         file = {"name": "study.nc", "mimeType": "application/x-netcdf", "buffer": saved.read_bytes()}
         other.page.locator("input[type=file][accept='.nc']").set_input_files(file)
@@ -155,20 +170,31 @@ def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server
         expect(chart(other, "runs")).to_be_visible()
     with User.at(chromium, server.url, on_drive=False) as other:
         other.page.evaluate(DROP, [base64.b64encode(saved.read_bytes()).decode(), "study.nc"])
-        expect(other.question("Study")).to_be_visible()
+        expect(other.question("Explore")).to_be_visible()
         expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
         assert done(other) == RUNS
 
 
 def test_a_run_opens_on_drive_and_one_step_takes_it_back(user: User) -> None:
-    row = user.page.locator(".chosen-runs tbody tr").nth(2)
-    cells = row.locator("td").all_inner_texts()
-    row.get_by_role("button").click()
+    cells = user.page.locator("main tbody:visible tr").first.locator("td").all_inner_texts()
+    expect(user.page.get_by_role("combobox", name="Run", exact=True)).to_contain_text(f"Run {cells[0]}")
+    button(user, "Open on Drive").click()
     expect(user.question("Drive")).to_be_visible()
     user.see_drive()
-    # the energy is the last cell before the button
-    expect(user.figure_value("Energy from the supply")).to_contain_text(cells[-2])
+    # the energy is the last cell
+    expect(user.figure_value("Energy from the supply")).to_contain_text(cells[-1])
     user.page.get_by_role("button", name="Undo", exact=True).click()
     expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
-    open_page(user, "Study")
+    open_page(user, "Explore")
+    expect(status(user).get_by_text("done", exact=True)).to_be_visible()
+
+
+def test_the_draws_of_what_if_are_explored(user: User) -> None:
+    open_page(user, "What if")
+    user.page.get_by_role("tab", name="Chance").click()
+    button(user, "Explore the draws").click(timeout=RUN_MS)
+    expect(user.question("Explore")).to_be_visible()
+    expect(user.page.get_by_text("random draws of What if")).to_be_visible()
+    expect(user.page.locator(".legend:visible").get_by_text("Energy, kWh, over load")).to_be_visible()
+    button(user, "Close the draws").click()
     expect(status(user).get_by_text("done", exact=True)).to_be_visible()
