@@ -57,6 +57,7 @@ class Progress:
 class Step:
     """Progress of a study, and its table where there is a newer one."""
 
+    sweep: SweepFile
     progress: Progress
     table: SweepTable | None = None
 
@@ -79,8 +80,11 @@ def run_in_steps(sweep: SweepFile, stop: threading.Event, here: bool = False) ->
     def step(state: State, table: SweepTable | None = None, sentence: str = "") -> Step:
         done, passed_s = sweep.done, time.monotonic() - began_s
         per_s = (done - before) / passed_s if done > before and passed_s > 0 else None
-        return Step(Progress(state, done, runs, per_s, sentence), table)
+        return Step(sweep, Progress(state, done, runs, per_s, sentence), table)
 
+    if stop.is_set():
+        # while it waited for its turn
+        return
     yield step("running")
     with ThreadPoolExecutor(1, "railjoule-study-rows") as thread:
         try:

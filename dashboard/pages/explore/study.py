@@ -39,7 +39,7 @@ from railjoule.dashboard.pages.explore.compute import (
 )
 from railjoule.dashboard.pages.explore.fields import MOST_VARIED, first_ranges
 from railjoule.dashboard.pages.explore.ranges import InputRanges
-from railjoule.dashboard.pages.explore.running import WAITS, Progress, Step, run_in_steps
+from railjoule.dashboard.pages.explore.running import WAITS, Progress, State, Step, run_in_steps
 from railjoule.dashboard.pages.explore.table import COLUMNS, study_columns, study_table
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.draft import FIELD_KEYS
@@ -253,7 +253,8 @@ class Studies(Page):
 
     def _take_step(self, *_: Any) -> None:
         step = self.step
-        if step is not None:
+        # the last steps of a study that was replaced may still be on their way
+        if step is not None and step.sweep is self.sweep:
             self.param.update(progress=step.progress, **({} if step.table is None else {"table": step.table}))
 
     def stop(self, *_: Any) -> None:
@@ -261,7 +262,8 @@ class Studies(Page):
         progress = self.progress
         self._stop.set()
         if progress.is_under_way:
-            self.progress = Progress("stopping", progress.done, progress.runs, progress.per_s)
+            state: State = "stopped" if progress.state == "waiting" else "stopping"
+            self.progress = Progress(state, progress.done, progress.runs, progress.per_s)
 
     def _take_opened(self, *_: Any) -> None:
         opened = self.opened

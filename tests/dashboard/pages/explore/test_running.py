@@ -50,6 +50,12 @@ def test_a_study_that_was_stopped_goes_on_with_the_rest(monkeypatch: pytest.Monk
     assert sweep.done == 1500
 
 
+def test_a_study_that_was_stopped_before_its_turn_has_no_step() -> None:
+    stop = threading.Event()
+    stop.set()
+    assert list(run_in_steps(sweep_of(), stop, here=True)) == []
+
+
 @pytest.mark.parametrize("error", [BrokenExecutor("gone"), MemoryError()])
 def test_whatever_fails_is_said_in_a_sentence(monkeypatch: pytest.MonkeyPatch, error: Exception) -> None:
     def fail(*_: Any, **__: Any) -> None:

@@ -1,5 +1,6 @@
 """Studies without a page around them: everything is done in the test's own turn."""
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -19,6 +20,7 @@ from railjoule.dashboard.pages.explore.page import Explore
 from railjoule.dashboard.pages.explore.ranges import InputRanges, Span
 from railjoule.dashboard.pages.explore.running import Progress, Step
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.study_pool import STUDY_THREADS
 
 TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
 METRO = load_scenario("metro-with-limit")
@@ -111,7 +113,7 @@ def page(monkeypatch: pytest.MonkeyPatch) -> Page:
     """A page whose turns the test takes, in which no run is made."""
 
     def steps(sweep: Any, _stop: Any, _here: bool) -> Any:
-        yield Step(Progress("done", 0, sweep.study.sample), sweep.to_table())
+        yield Step(sweep, Progress("done", 0, sweep.study.sample), sweep.to_table())
 
     monkeypatch.setattr(studies, "run_in_steps", steps)
     return Page()
@@ -147,6 +149,27 @@ def test_a_double_click_begins_once(desk: Desk, page: Page) -> None:
         desk.model.go_on()
     assert desk.model.sweep is first
     take_turns_until(page, lambda: desk.model.progress.state == "done")
+
+
+def test_a_study_that_is_stopped_while_it_waits_has_no_run(desk: Desk, page: Page) -> None:
+    go_on = threading.Event()
+    STUDY_THREADS.submit(go_on.wait)
+    try:
+        with set_curdoc(page.document):
+            desk.model.begin()
+            assert desk.model.progress.state == "waiting"
+            desk.model.stop()
+        assert desk.model.progress.state == "stopped"
+    finally:
+        go_on.set()
+
+
+def test_the_last_steps_of_a_study_that_was_replaced_are_dropped(desk: Desk) -> None:
+    desk.run()
+    late = Step(desk.model.sweep, Progress("stopping", 1, 60))  # type: ignore[arg-type]
+    desk.model.brought = ("study.nc", table_file(desk.table, ".nc").getvalue())
+    desk.model.step = late
+    assert desk.model.progress.state == "done"
 
 
 def test_a_study_that_cannot_be_begun_leaves_the_last_one(desk: Desk) -> None:
