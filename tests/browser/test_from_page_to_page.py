@@ -20,7 +20,7 @@ THERE_WITHIN_S = 45.0
 FIRST_RUN_WITHIN_MS, COMPILED_WITHIN_MS = 30_000, 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
 WITHOUT_NUMBER = {"Explore", "Measured runs", "Import", "Help"}
-WITHOUT_CHART = {"Start", "Learn", "Explore", "Papers", "Measured runs", "Import", "Help"}
+WITHOUT_CHART = {"Start", "Learn", "Papers", "Measured runs", "Import", "Help"}
 """In the first view: on Learn they stand beneath the lessons that are played, where the way down finds them."""
 NAMES = tuple(PAGES)
 SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
