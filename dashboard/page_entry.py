@@ -18,6 +18,8 @@ class PageEntry:
         The entry of the bar whose list names it; empty where it is an entry itself.
     has_sidebar : bool
         Whether the scenario stands beside it.
+    has_plan : bool
+        Whether the sidebar has the sliders of the plan.
     strategies : str
         What the list of strategies is for beside it: "draw" them, only "choose" the one of all numbers, or nothing.
     """
@@ -26,4 +28,5 @@ class PageEntry:
     place: Literal["brand", "bar", "right"] = "bar"
     group: str = ""
     has_sidebar: bool = True
+    has_plan: bool = True
     strategies: Literal["draw", "choose", ""] = "choose"

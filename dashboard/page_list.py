@@ -17,7 +17,7 @@ NAMES = (
     "Speed limits",
     "Motor",
     "Line",
-    "Study",
+    "Explore",
     "Learn",
     "Files",
     "Papers",

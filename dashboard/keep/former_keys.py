@@ -16,6 +16,7 @@ FORMER_MODELS: Mapping[str, tuple[str, ...]] = {
     "disturbances": ("day",),
     "actual": ("day",),
     "measured_runs": ("files",),
+    "study": ("explore",),
 }
 """By earlier model the present ones, which have its fields under the same names."""
 FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
@@ -23,6 +24,7 @@ FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
     "Disturbances": {"page": "What if", "what_if.tab": "events"},
     "Import": {"page": "Files", "files.tab": "line"},
     "Measured runs": {"page": "Files", "files.tab": "runs"},
+    "Study": {"page": "Explore"},
 }
 """By earlier page the values that open its successor."""
 

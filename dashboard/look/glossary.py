@@ -436,23 +436,22 @@ MOTORS = (
 STUDIES = (
     Term(
         "Sobol\u2019 indices",
-        "How much of the variance of the energy a field decides over the ranges of a study: alone, and with all "
+        "How much of the variance of the energy an input decides over the ranges of a study: alone, and with all "
         "that it does together with others.",
         ("Decides most",),
     ),
     Term(
         "Lowest and highest",
-        "The least and the greatest energy of all runs of a study so far, with the values of the two fields that "
-        "decide most.",
+        "The lowest and the highest energy of all runs so far, with the values of the two inputs that decide most.",
         ("Lowest", "Highest"),
     ),
     Term(
-        "Can be driven",
+        "Feasible",
         "The share of a study\u2019s runs that reach the end in their time; the others are listed in its file with the "
         "reason.",
     ),
     Term(
-        "Spread",
+        "Sampling",
         "How the runs of a study are drawn: evenly, by a Sobol\u2019 or Halton sequence that leaves no part of the "
         "ranges empty, at random, or on a grid of equal steps.",
     ),

@@ -83,9 +83,9 @@ def lesson_css() -> str:
 
 
 @cache
-def study_css() -> str:
-    """Return the style sheet of the page Study's own parts, to be had beside that of pieces or of forms."""
-    return (ASSETS / "css" / "study.css").read_text(encoding="utf-8")
+def explore_css() -> str:
+    """Return the style sheet of the parts of the page Explore, used with that of all pieces of text."""
+    return (ASSETS / "css" / "explore.css").read_text(encoding="utf-8")
 
 
 @cache

@@ -6,15 +6,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from tornado.iostream import StreamClosedError
-from tornado.web import HTTPError, RedirectHandler, RequestHandler, StaticFileHandler
+from tornado.web import RedirectHandler, RequestHandler, StaticFileHandler
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.compiled import MODE
 from railjoule.dashboard.built_documentation import FOLDER, FRONT, is_built
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import bare_css
-from railjoule.dashboard.work.offered import OFFERED
 
 NOT_FOUND, SERVICE_UNAVAILABLE = 404, 503
 PAGE = """<!DOCTYPE html>
@@ -175,35 +173,11 @@ class KeptFileHandler(StaticFileHandler):
         return takes and file.suffix in PACKED and file.stat().st_size >= SMALLEST_BYTES
 
 
-class OfferedFileHandler(RequestHandler):
-    """Hands over a file that was written for one browser, once for each token, in pieces, and deletes it."""
-
-    async def get(self, token: str) -> None:
-        """Send the file of a token."""
-        file = OFFERED.take(token)
-        if file is None:
-            raise HTTPError(NOT_FOUND)
-        self.set_header("Content-Type", "application/octet-stream")
-        self.set_header("Content-Disposition", f'attachment; filename="{file.name}"')
-        self.set_header("Cache-Control", "no-store")
-        try:
-            with file.path.open("rb") as content:
-                while piece := content.read(PIECE_BYTES):
-                    self.write(piece)
-                    # others have their turns between the pieces
-                    await self.flush()
-        except StreamClosedError:
-            pass
-        finally:
-            file.drop()
-
-
 def extra_patterns(documentation: Path = FOLDER) -> list[tuple[Any, ...]]:
     """Return all addresses beside the pages, with their handlers."""
     return [
         ("/health", HealthHandler, {"solves": True}),
         ("/ready", HealthHandler, {"solves": False}),
-        (r"/file/([\w-]+)", OfferedFileHandler),
         # relative, so that it holds below any prefix
         ("/docs", RedirectHandler, {"url": "docs/", "permanent": False}),
         ("/docs/(.*)", DocumentationHandler, {"path": str(documentation), "default_filename": FRONT}),

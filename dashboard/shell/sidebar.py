@@ -19,7 +19,6 @@ from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
-from railjoule.dashboard.pages.study.settings import StudyFields
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
@@ -79,17 +78,20 @@ class Sidebar:
             html_pane('<hr class="rule">'), html_pane('<div class="section">Strategies</div>'), self.strategies
         )
         self.changes = Changes(state)
+        self.plan = stack(
+            html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
+            self.travel_time,
+            self.shortest,
+            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
+            NumberField(scenario, "recuperation_percent"),
+        )
         self.view = pn.Column(
             self.preset,
             self.file,
             self.bring,
             self.edit,
             self.saving.view,
-            html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
-            self.travel_time,
-            self.shortest,
-            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
-            NumberField(scenario, "recuperation_percent"),
+            self.plan,
             *own,
             self.vehicle,
             self.line,
@@ -111,7 +113,8 @@ class Sidebar:
         self._describe()
 
     def _fit_page(self, *_: Any) -> None:
-        """Leave out the strategies where they change nothing."""
+        """Leave out the strategies where they change nothing, and the plan where the page has ranges in its place."""
+        self.plan.visible = PAGES[self.state.page].has_plan
         self.strategy_part.visible = bool(PAGES[self.state.page].strategies)
 
     def _choose(self, event: Any) -> None:
@@ -216,7 +219,6 @@ class PageFields:
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Drive": ActualFields,
     "What if": WhatIfFields,
-    "Study": StudyFields,
 }
 """Fields that one page alone has, by its name."""
 

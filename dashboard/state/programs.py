@@ -12,7 +12,7 @@ from railjoule.core.scenario import to_document
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.provenance import about_text
-from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
+from railjoule.dashboard.state.program import SOLVE, PageRun, simulation
 from railjoule.dashboard.state.recipes import Recipe, as_command
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -104,24 +104,9 @@ def followed(state: Workbench) -> Mapping[str, Any]:
     return {"simulation.kind": "following"} if in_loop else {}
 
 
-def _study(state: Workbench) -> PageRun:
-    """Return the study that is shown; before there is one, the plan."""
-    study = state.study.study
-    if study is None:
-        return PageRun(SOLVE, {"strategy": state.chosen_now})
-    over = {field.name: (field.low, field.high) for field in study.fields}
-    body = (
-        f"table = sweep(scenario, {over!r}, {study.sample}, {study.method!r}, seed={study.seed}, "
-        f"columns={study.columns!r})\nprint(table.to_dataframe())\n"
-    )
-    untold = "The page shows a study of many runs, whose ranges no scenario file has; study sweep takes them."
-    return PageRun(Program({"sweep": "railjoule.core.studies.sweep"}, body, ""), {"strategy": study.strategy}, untold)
-
-
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
     "Drive": _drive,
-    "Study": _study,
     "Help": _plan,
 }
 """By the name of the page; one without an entry shows the plan."""

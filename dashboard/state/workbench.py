@@ -19,7 +19,6 @@ from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.start.model import StartModel
-from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -37,6 +36,7 @@ from railjoule.dashboard.state.pins import (
 )
 from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
+from railjoule.dashboard.work.run_table import RunTable
 from railjoule.dashboard.work.runs import Runs
 
 COLOURS = ("system", "light", "dark")
@@ -83,7 +83,6 @@ class Workbench(Kept, PageModel):
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
         self.day = Day(self.scenario)
-        self.study = StudyModel(self.scenario.base)
         self.proof = ProofModel()
         self.simple = SimpleModel()
         super().__init__(**params)
@@ -94,8 +93,6 @@ class Workbench(Kept, PageModel):
             if model is not self.scenario:
                 model.address_prefix = f"{name}."
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
-        # here and not in its work: where a page has none, its ranges are those of its scenario all the same
-        self.scenario.follow(lambda _: None, self.study.take)
 
     def _tell_fault(self, sentence: str) -> None:
         self.notice = sentence
@@ -185,9 +182,14 @@ class Workbench(Kept, PageModel):
         self.pages["Files"].bring([(name, content)])
 
     def show_study(self, name: str, content: bytes) -> None:
-        """Turn to Study with the file of one."""
-        self.page = "Study"
-        self.study.brought = Brought(name, content)
+        """Turn to Explore with the file of one."""
+        self.page = "Explore"
+        self.pages["Explore"].brought = (name, content)
+
+    def explore(self, table: RunTable) -> None:
+        """Turn to Explore with a table of runs."""
+        self.page = "Explore"
+        self.pages["Explore"].draws = table
 
     def pin_measured(self, found: MeasuredRun) -> None:
         """Pin a measured run."""

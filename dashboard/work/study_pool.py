@@ -1,8 +1,7 @@
 """The processes that studies are computed in: a study never takes the interpreter that serves the pages.
 
-There is one pool for all pages, made when the first study begins, and one process beside it in which what a page draws
-of a study is worked out. They have a low priority, so that a move on any page comes first, and they end with the server
-even where that is killed: each of them watches it.
+There is one pool for all pages, made when the first study begins. Its processes have a low priority, so that a move on
+any page comes first, and they end with the server even where that is killed: each of them watches it.
 """
 
 import multiprocessing
@@ -12,17 +11,13 @@ import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing.connection import wait
-from typing import TypeVar
 
 from railjoule.core.studies.rows import worker_count
 
-NICE, NICE_OF_LOOKS = 10, 5
-"""Priorities below that of the server: of the runs, and of what a page waits for."""
+NICE = 10
+"""How far the priority of the processes lies below that of the server."""
 STUDY_THREADS = ThreadPoolExecutor(max_workers=1, thread_name_prefix="railjoule-study")
 """Hands over the runs of one study at a time: those of other pages wait for their turn."""
-LOOK_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-look")
-"""Wait for what a page draws of a study."""
-Result = TypeVar("Result")
 
 
 def begin_worker(nice: int) -> None:
@@ -78,4 +73,3 @@ class StudyPool:
 
 
 RUNS = StudyPool(worker_count, NICE)
-LOOKS = StudyPool(lambda: 1, NICE_OF_LOOKS)

@@ -15,4 +15,6 @@ def too_large(name: str) -> str:
 def large_study(name: str) -> str:
     """Return why a dropped study is not read, and the way to open it."""
     limit = f"{LARGEST_RUN_BYTES / 1e6:g} MB"
-    return f"{name}: larger than the {limit} that can be dropped; \u201cOpen a study\u201d on Study reads larger ones."
+    return (
+        f"{name}: larger than the {limit} that can be dropped; \u201cOpen a study\u201d on Explore reads larger ones."
+    )

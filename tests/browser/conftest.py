@@ -17,7 +17,7 @@ expect.set_options(timeout=60_000)
 QUIET = re.compile(
     r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
     r"|(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+"
-    # Bokeh sends the browser a model twice when Study opens after other pages; nothing is lost
+    # Bokeh sends the browser a model twice when Explore opens after other pages; nothing is lost
     r"|BokehUserWarning: reference already known '\w+'"
     r"|Scenario files: .*"
     # tests connect from other origins, and without a token

@@ -1,118 +1,200 @@
-"""What HoloViews draws, reached from Start by mouse: the draws of What if and the differences of Papers."""
+"""Explore, as a user works with it: 1,500 runs, reached from the front page, to one on Drive and a file on the disk."""
 
+import base64
+import csv
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
 from browser.findings import assert_nothing_grave
+from browser.layout import layout_faults
 from browser.server import Server
-from browser.user import User
+from browser.user import User, open_page
 
-WORKED_MS = 60_000
-DRAWS = re.compile(r"^([\d\u202f]+) of 500 draws \(")
-DOT = """
-k => {
-  const [view] = Bokeh.index.query(({model}) =>
-    model.type === "Figure" && model.html_attributes["aria-label"]?.startsWith("Differences"));
-  const {x, y} = view.el.getBoundingClientRect();
-  const {row, height} = view.model.renderers[1].data_source.data;
-  return [x + view.frame.x_scale.compute(row[k]), y + view.frame.y_scale.compute(height[k])];
+RUN_MS, RUNS = 240_000, 1500
+DONE = re.compile(r"^([\d\u202f]+) of ([\d\u202f]+) runs")
+DROP = """
+([content, name]) => {
+  const data = new DataTransfer();
+  data.items.add(new File([Uint8Array.from(atob(content), (sign) => sign.charCodeAt(0))], name));
+  document.body.dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
 }
 """
-"""Where a row of the first paper is drawn."""
+# the name of a heading has plain spaces
+CHOSEN = re.compile(r"^Selected: ([\d\s]+) runs")
 
 
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who begins at Start and stays for all tests of this file."""
     with User.on(window, server.url, on_drive=False) as someone:
+        open_page(someone, "Explore")
         yield someone
 
 
-def chart(user: User, name: str) -> Locator:
-    return user.page.locator(f".rj-chart-{name}:visible canvas").first
+def number(text: str) -> int:
+    return int("".join(text.split()))
 
 
-def told(user: User) -> Locator:
-    return user.page.get_by_text(DRAWS)
-
-
-def held(user: User) -> int:
-    found = DRAWS.match(told(user).inner_text())
+def done(user: User) -> int:
+    """Return how many runs the page says are done."""
+    found = DONE.match(status(user).inner_text().replace("\n", " "))
     assert found is not None
-    return int(found[1])
+    return number(found[1])
 
 
-def drag(user: User, name: str, start: tuple[float, float], end: tuple[float, float]) -> None:
-    """Drag over a chart, between places told in shares of it."""
-    canvas = chart(user, name)
-    canvas.scroll_into_view_if_needed()
-    box = canvas.bounding_box()
-    assert box is not None
-    mouse = user.page.mouse
-    (x, y), (to_x, to_y) = ((box["x"] + a * box["width"], box["y"] + b * box["height"]) for a, b in (start, end))
-    mouse.move(x, y)
-    mouse.down()
-    mouse.move(to_x, to_y, steps=8)
-    mouse.up()
+def status(user: User) -> Locator:
+    return user.page.locator(".study-status:visible p")
 
 
-def test_the_draws_are_explored_only_once_asked_for(user: User) -> None:
-    user.turn_to("What if")
-    user.page.get_by_role("tab", name="Chance").click()
-    expect(user.page.get_by_text("runs, seed 1.")).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
-    assert user.page.locator(".rj-chart-draws").count() == 0
-    user.page.get_by_role("button", name="Explore the draws").click()
-    expect(chart(user, "draws")).to_be_visible()
-    expect(user.page.get_by_text("500 draws that reached the end.")).to_be_visible()
-    expect(chart(user, "draws_late")).to_be_visible()
+def button(user: User, name: str) -> Locator:
+    return user.page.get_by_role("button", name=name, exact=True)
 
 
-def test_what_lies_within_all_brushes_is_counted_and_stands_out(user: User) -> None:
+def chart(user: User, name: str) -> Locator:
+    return user.page.locator(f".rj-chart-explore_{name}:visible canvas").first
+
+
+def test_a_preview_is_there_and_its_ranges_are_typed(user: User) -> None:
+    expect(user.page.get_by_text("The preview below shows the first ")).to_be_visible()
+    expect(chart(user, "runs")).to_be_visible(timeout=RUN_MS)
+    # the plan's sliders would say the same as the ranges
+    expect(user.page.get_by_text("what the timetable expects")).to_be_hidden()
+    low = user.page.get_by_role("textbox", name="Load factor: from, as a number", exact=True)
+    low.fill("2")
+    low.press("Enter")
+    expect(
+        user.page.get_by_text("The range 2 to 1 begins above its end.").or_(user.page.get_by_text("At most"))
+    ).to_be_visible()
+    low.fill("0.2")
+    low.press("Enter")
+    expect(user.page.get_by_text("At most")).to_have_count(0)
+    expect(user.page.get_by_text("on this computer.")).to_be_visible()
+
+
+def test_it_runs_is_stopped_and_goes_on(user: User) -> None:
+    user.type("Runs", str(RUNS))
+    user.page.locator("main").get_by_role("button", name="Run", exact=True).click()
+    expect(button(user, "Stop")).to_be_visible()
+    expect(chart(user, "runs")).to_be_visible(timeout=RUN_MS)
+    button(user, "Stop").click()
+    expect(button(user, "Resume")).to_be_visible(timeout=RUN_MS)
+    expect(status(user)).to_contain_text("stopped")
+    stopped = done(user)
+    assert 0 < stopped <= RUNS
+    button(user, "Resume").click()
+    expect(status(user).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
+    assert done(user) == RUNS
+    expect(user.figure_value("decides")).to_contain_text("%")
+    expect(chart(user, "map")).to_be_visible()
+    expect(chart(user, "along_x")).to_be_visible()
     user.settled()
-    late = user.picture("draws_late")
-    drag(user, "draws", (0.3, 0.1), (0.6, 0.7))
-    expect(told(user)).to_be_visible()
-    expect(told(user)).to_contain_text("load ")
-    user.see_change("draws_late", late)
-    one = held(user)
-    assert 0 < one < 500
-    drag(user, "draws_resistance", (0.3, 0.5), (0.6, 0.5))
-    expect(told(user)).to_contain_text("running resistance ")
-    assert 0 < held(user) < one
-    user.page.get_by_role("button", name="Let go of all brushes").click()
-    expect(user.page.get_by_text("500 draws that reached the end.")).to_be_visible()
-
-
-def test_a_brush_outlasts_another_axis_and_goes_with_a_click(user: User) -> None:
-    drag(user, "draws_resistance", (0.3, 0.5), (0.6, 0.5))
-    expect(told(user)).to_be_visible()
-    count = held(user)
-    user.page.get_by_role("combobox", name="To the right").click()
-    user.page.get_by_role("menuitem", name="Delay at the stop, s").click()
-    expect(chart(user, "draws_load")).to_be_visible()
-    expect(chart(user, "draws")).to_be_visible()
-    user.settled()
-    assert held(user) == count
-    chart(user, "draws_resistance").scroll_into_view_if_needed()
-    box = chart(user, "draws_resistance").bounding_box()
-    assert box is not None
-    user.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
-    expect(user.page.get_by_text("500 draws that reached the end.")).to_be_visible()
+    assert layout_faults(user, "Explore") == {}
     assert_nothing_grave(user)
 
 
-def test_a_dot_of_papers_tells_its_row(user: User) -> None:
-    user.turn_to("Papers")
-    expect(chart(user, "differences")).to_be_visible()
+def test_a_rectangle_selects_runs_whose_ends_are_typed_and_cleared(user: User) -> None:
+    box = chart(user, "runs").bounding_box()
+    assert box is not None
+    mouse = user.page.mouse
+    mouse.move(box["x"] + 0.3 * box["width"], box["y"] + 0.3 * box["height"])
+    mouse.down()
+    mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.7 * box["height"], steps=6)
+    mouse.up()
+    title = user.page.get_by_role("heading", name=CHOSEN)
+    expect(title).to_be_visible()
+    found = CHOSEN.match(title.inner_text())
+    assert found is not None
+    assert 0 < number(found[1]) < RUNS
+    expect(title).to_contain_text("travel time ")
+    button(user, "Clear selection").click()
+    every = user.page.get_by_role("heading", name=re.compile(r"^All: 1\s500 runs"))
+    expect(every).to_be_visible()
+    # the same by keys
+    end = user.page.get_by_role("textbox", name="Selection, horizontal axis: to, as a number", exact=True)
+    end.fill("200")
+    end.press("Enter")
+    expect(title).to_contain_text("to 200.0 s")
+    button(user, "Clear selection").click()
+    expect(every).to_be_visible()
+
+
+def test_other_axes_are_drawn_and_a_point_has_its_run(user: User) -> None:
+    user.page.get_by_role("combobox", name="Horizontal axis", exact=True).click()
+    user.page.get_by_role("menuitem", name="Recuperation factor", exact=True).click()
+    axis = user.page.locator(".legend:visible").get_by_text("Energy, kWh, over recuperation factor")
+    expect(axis).to_be_visible()
     user.settled()
-    x, y = user.page.evaluate(DOT, 0)
-    user.page.mouse.move(x - 4, y)
+    x, y = user.page.evaluate(
+        """() => {
+          const [view] = Bokeh.index.query(({model}) => model.type === "Figure"
+            && model.html_attributes["aria-label"] === "Runs over two axes");
+          const {left, top} = view.el.getBoundingClientRect();
+          const points = view.model.renderers.map((one) => one.data_source).find(({data}) => data.row?.length);
+          const {x, y} = points.data;
+          return [left + view.frame.x_scale.compute(x[1000]), top + view.frame.y_scale.compute(y[1000])];
+        }"""
+    )
+    user.page.mouse.move(x - 3, y)
     user.page.mouse.move(x, y)
-    tip = user.page.locator(".told")
-    # the first row of Ftorek's table: 86.094 km/h are printed
-    expect(tip.get_by_text("v_max").first).to_be_visible()
-    expect(tip.get_by_text("86.094 km/h").first).to_be_visible()
+    expect(user.page.locator(".told").get_by_text("Run:").first).to_be_visible()
     user.page.mouse.move(5, 5)
+
+
+def test_the_table_is_downloaded(user: User) -> None:
+    with user.page.expect_download() as download:
+        button(user, "CSV").click()
+    assert download.value.suggested_filename == "study.csv"
+    with Path(download.value.path()).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == RUNS
+    assert {"timetable.travel_time_s", "vehicle.load_factor", "energy_kwh"} <= set(rows[0])
+
+
+def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server, chromium: Browser) -> None:
+    with user.page.expect_download() as download:
+        button(user, "Save study").click()
+    assert download.value.suggested_filename == "study.nc"
+    expect(status(user)).to_contain_text("Saved to your downloads: study.nc")
+    saved = Path(download.value.path())
+    with User.at(chromium, server.url, on_drive=False) as other:
+        open_page(other, "Explore")
+        expect(other.page.get_by_text("Open a study").first).to_be_visible()
+        file = {"name": "study.nc", "mimeType": "application/x-netcdf", "buffer": saved.read_bytes()}
+        other.page.locator("input[type=file][accept='.nc']").set_input_files(file)
+        expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
+        assert done(other) == RUNS
+        expect(chart(other, "runs")).to_be_visible()
+    with User.at(chromium, server.url, on_drive=False) as other:
+        other.page.evaluate(DROP, [base64.b64encode(saved.read_bytes()).decode(), "study.nc"])
+        expect(other.question("Explore")).to_be_visible()
+        expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
+        assert done(other) == RUNS
+
+
+def test_a_run_opens_on_drive_and_one_step_takes_it_back(user: User) -> None:
+    cells = user.page.locator("main tbody:visible tr").first.locator("td").all_inner_texts()
+    expect(user.page.get_by_role("combobox", name="Run", exact=True)).to_contain_text(f"Run {cells[0]}")
+    button(user, "Open on Drive").click()
+    expect(user.question("Drive")).to_be_visible()
+    user.see_drive()
+    # the energy is the last cell
+    expect(user.figure_value("Energy from the supply")).to_contain_text(cells[-1])
+    user.page.get_by_role("button", name="Undo", exact=True).click()
+    expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
+    open_page(user, "Explore")
+    expect(status(user).get_by_text("done", exact=True)).to_be_visible()
+
+
+def test_the_draws_of_what_if_are_explored(user: User) -> None:
+    open_page(user, "What if")
+    user.page.get_by_role("tab", name="Chance").click()
+    button(user, "Explore the draws").click(timeout=RUN_MS)
+    expect(user.question("Explore")).to_be_visible()
+    expect(user.page.get_by_text("random draws of What if")).to_be_visible()
+    expect(user.page.locator(".legend:visible").get_by_text("Energy, kWh, over load")).to_be_visible()
+    button(user, "Close the draws").click()
+    expect(status(user).get_by_text("done", exact=True)).to_be_visible()

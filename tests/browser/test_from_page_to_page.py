@@ -19,13 +19,13 @@ from railjoule.dashboard.page_list import PAGES
 THERE_WITHIN_S = 45.0
 FIRST_RUN_WITHIN_MS, COMPILED_WITHIN_MS = 30_000, 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
-WITHOUT_NUMBER = {"Study", "Files", "Help"}
-WITHOUT_CHART = {"Start", "Learn", "Study", "Papers", "Files", "Help"}
+WITHOUT_NUMBER = {"Explore", "Files", "Help"}
+WITHOUT_CHART = {"Start", "Learn", "Papers", "Files", "Help"}
 """In the first view: on Learn they stand beneath the lessons that are played, where the way down finds them."""
 NAMES = tuple(PAGES)
 SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
 """One whose motor is known, and one with stations: together they have all charts."""
-FORMS = ("Study", "Files", "Help")
+FORMS = ("Explore", "Files", "Help")
 """Pages that hold a form or a text: nothing that another page leaves behind can keep them from being drawn."""
 LACKING: dict[str, set[str]] = {SUBURBAN: set(), STATIONS: {"Motor"}}
 """Pages that say what the scenario lacks."""

@@ -481,26 +481,6 @@ def test_set_speeds_move_in_halves_and_borders_between_their_neighbours(page: Pa
     assert before["right"] == [100, 200, 300]
 
 
-def test_what_lies_within_all_brushes_is_held_and_counted(page: Page) -> None:
-    told = {
-        "data": {"load": [0, 10, 20, 30, 40], "late": [5, 1, 1, 9, 1]},
-        "brushes": {"draws": {"load": [10, 40], "late": [0, 9]}, "draws_load": {"load": [0, 20]}},
-    }
-    held = "const held = m.held_rows(a.data, a.brushes, 5);"
-    # of 10, 20 and 30 the last is too late, and 20 is where the second brush ends
-    assert run(page, "brush", f"{held} return [...held]", told) == [0, 1, 0, 0, 0]
-    everything = run(page, "brush", "return [...m.held_rows(a.data, {}, 5)]", told)
-    assert everything == [1] * 5
-    # four bins of 10 from 0 on: the end of the last one counts as within it
-    assert run(page, "brush", "return m.counted(a.data.load, new Uint8Array(5).fill(1), 0, 10, 4)", told) == [
-        1,
-        1,
-        1,
-        2,
-    ]
-    assert run(page, "brush", f"{held} return m.counted(a.data.load, held, 0, 10, 4)", told) == [0, 1, 0, 0]
-
-
 def test_a_table_is_sorted_by_its_numbers(page: Page) -> None:
     order = run(page, "actions", "return a.sort(m.compared)", ["\u2013", "10", "\u22122", "9", "b", "a"])
     assert order[:3] == ["\u22122", "9", "10"]

@@ -35,7 +35,7 @@ def test_pages_work_below_a_path(below: Server, chromium: Browser) -> None:
     with User.at(chromium, below.url, on_drive=False) as user:
         asked: list[str] = []
         user.page.on("request", lambda request: asked.append(request.url))
-        for name in ("Drive", "Study", "Help"):
+        for name in ("Drive", "Explore", "Help"):
             open_page(user, name)
             expect(user.question(name)).to_be_visible()
         # with the components that load what they draw with only where a page needs it

@@ -4,6 +4,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -24,8 +25,9 @@ from railjoule.dashboard.page import Page, Request, shows, study
 from railjoule.dashboard.pages.what_if.chance_charts import HistogramChart, LoadScatter, chance_table, finite
 from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, compute_chance, compute_robust
 from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
-from railjoule.dashboard.pages.what_if.explorer import HEIGHTS, Explorer
+from railjoule.dashboard.pages.what_if.draws import draws_table
 from railjoule.dashboard.pages.what_if.heat_map import percent_difference
+from railjoule.dashboard.pages.what_if.load import LAYOUT_CSS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, keyed
 from railjoule.dashboard.state.page_model import result
@@ -188,11 +190,6 @@ MORE = _histogram(
 )
 DELAYS = _histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
 SCATTER = Plot("scatter", "", heights=(220, 260, 200), chart=LoadScatter)
-LAYOUT_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
-  padding: 10px 20px 12px 14px; align-items: start; }
-@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
-"""
 
 
 class ChanceTab(Page):
@@ -252,10 +249,11 @@ class ChanceTab(Page):
 
     def layout_chance(self) -> Viewable:
         """Return the parts of the tab, laid out."""
-        host, plots = self.host, self.host.plots
+        plots = self.host.plots
         self.quantiles, self.quantile_table, self.robust_words = (parts.html_pane() for _ in range(3))
-        self.explorer = Explorer(self, lambda: host.take_charts(self.explorer.charts))
-        host.heights = {**host.heights, **HEIGHTS}
+        self.explore_button = pmui.Button(
+            label="Explore the draws", variant="outlined", size="small", margin=(4, 20, 16, 20), on_click=self.explore
+        )
         upper = parts.stack(
             parts.stack(plots["more"].host, plots["scatter"].host),
             parts.stack(plots["late"].host, self.quantile_table),
@@ -263,7 +261,13 @@ class ChanceTab(Page):
         )
         charts = parts.stack(*(plots[plot.name].host for plot in ROBUST), css=LAYOUT_CSS)
         self.robust_part = parts.stack(charts, self.robust_words, visible=False)
-        return parts.stack(self.quantiles, upper, self.robust_part, self.explorer.view)
+        return parts.stack(self.quantiles, upper, self.explore_button, self.robust_part)
+
+    def explore(self, *_: Any) -> None:
+        """Show the draws so far on the page of tables of runs."""
+        table = None if self.chance is None else draws_table(self.chance)
+        if table is not None:
+            self.desk.explore(table)
 
     @shows("chance", "failure", "accepted_lateness_s", tab=DRAWS)
     def _show_chance(self) -> None:
@@ -277,10 +281,6 @@ class ChanceTab(Page):
             chance_figures(chance, float(self.accepted_lateness_s)), self.failure is not None
         )
         self.quantile_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
-
-    @shows("chance", "drawing", "desk.dark", tab=DRAWS)
-    def _explore(self) -> None:
-        self.explorer.follow()
 
     @shows("robust", tab=DRAWS)
     def _show_robust(self) -> None:

@@ -12,6 +12,7 @@ from railjoule.dashboard.charts.label_places import text_width_px
 from railjoule.dashboard.charts.line_names import rows_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.what_if.draws import RESULTS
 from railjoule.dashboard.parts import html as parts
 
 BINS = 36
@@ -86,22 +87,15 @@ class HistogramChart(LoneChart):
 
 def chance_table(table: StudyTable) -> str:
     """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
-    results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
-        "Energy, kWh": (table.energy_kwh, words.energy),
-        "Extra energy against the plan, %": (table.overconsumption, words.share_difference),
-        "Above a plan for this load, %": (table.over_replanned, words.share_difference),
-        "Delay at the stop, s": (table.delay_s, words.delay),
-        "Overshoot, m": (table.stop_error_m, words.stop_error),
-    }
     rows = []
-    for name, (values, show) in results.items():
-        reached = finite(values)
+    for key, (title, values_of, show) in RESULTS.items():
+        reached = finite(values_of(table))
         if len(reached):
             places = (reached.min(), *np.quantile(reached, list(QUANTILES)), reached.max())
             cells = [show(float(place)) for place in places]
-            if values is table.delay_s:
+            if key == "delay_s":
                 cells[0], cells[-1] = f"earliest {cells[0]}", f"latest {cells[-1]}"
-            rows.append(((name, *cells), False))
+            rows.append(((title, *cells), False))
     seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
     text = f"{words.number(table.done, 0)} of {words.number(table.scenario.montecarlo.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""

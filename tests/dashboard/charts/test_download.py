@@ -38,7 +38,7 @@ def test_pages_without_a_figure_in_sight_have_no_button() -> None:
     session = Session()
     session.state.scenario.choose("liashenko-ii")
     shown = {page for page in VIEWS if open_view(session, page).numbers.button.visible}
-    assert shown == VIEWS.keys() - {"Start", "Study", "Files", "Help"}
+    assert shown == VIEWS.keys() - {"Start", "Files", "Help"}
 
 
 def test_hidden_numbers_of_a_former_scenario_are_not_saved() -> None:

@@ -20,14 +20,14 @@ from railjoule.dashboard.work import worker
 from railjoule.dashboard.work.worker import Study, Worker, nobody
 
 WORKS = {work.__name__: work for view in VIEWS.values() for work in view.works}
-OWN_ABOUT = {"Learn", "Papers", "Start", "Studies"}
+OWN_ABOUT = {"Explore", "Learn", "Papers", "Start"}
 """What they compute is of no scenario, or belongs to the study that was begun with it."""
 BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 """They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
+GO_ON = {"Explore.step", "Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 
@@ -190,4 +190,4 @@ def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
 def test_every_page_that_computes_has_a_mark_or_none_by_intent():
     """A page without one waits for nothing that a slider changes, or shows by itself how far it is."""
     marked = {name for name, made in WORKS.items() if any(job.is_marked for job in Desk(made).jobs.values())}
-    assert WORKS.keys() - marked == {*("Compare", "Learn", "Papers", "Proving", "SimpleAdvising", "Start", "Studies")}
+    assert WORKS.keys() - marked == {*("Compare", "Explore", "Learn", "Papers", "Proving", "SimpleAdvising", "Start")}

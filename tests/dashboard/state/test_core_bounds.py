@@ -28,7 +28,6 @@ from railjoule.dashboard.pages.line.page import WholeLines
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
 from railjoule.dashboard.pages.speed_limits.sections import SectionModel
-from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.state.workbench import Workbench
@@ -111,7 +110,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
     ),
     "line": (WholeLines(Workbench()), {}),
     "files": (Files(Workbench()), {}),
-    "study": (StudyModel(ScenarioModel().base), {}),
+    "explore": (Workbench().pages["Explore"], {}),
     "scenario": (
         ScenarioModel(),
         {

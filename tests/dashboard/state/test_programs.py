@@ -12,7 +12,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import format_scenario, parse_scenario
-from railjoule.core.studies.sweep import make_study, sweep
+from railjoule.core.studies.sweep import MemoryResults, make_study, sweep
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.drive.actual_work import Actual
@@ -151,7 +151,7 @@ CASES = (
         name="fixed arrival",
         has_command=False,
     ),
-    Case("Study", "liashenko-i", plan, prepare=slide),
+    Case("Explore", "liashenko-i", plan, prepare=slide),
 )
 OTHERS = ("Learn", "Papers")
 """Pages of no scenario of the user's."""
@@ -268,8 +268,9 @@ def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
 def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state = Workbench()
     state.scenario.choose("liashenko-i")
-    state.study.study = make_study(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
-    state.page = "Study"
+    made = make_study(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
+    state.pages["Explore"].sweep = MemoryResults(made)
+    state.page = "Explore"
     recipe = page_recipe(state)
     found: dict[str, Any] = {}
     exec(compile(as_python(recipe), "program", "exec"), found)

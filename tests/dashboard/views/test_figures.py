@@ -64,8 +64,9 @@ def with_runs(state):
 
 
 def with_a_study(state):
-    state.study.param.update(over={"vehicle.load_factor": [0.0, 1.0], "timetable.travel_time_s": [150, 190]}, runs=40)
-    state.study.param.trigger("start")
+    page = state.pages["Explore"]
+    page.param.update(over={"vehicle.load_factor": [0.0, 1.0], "timetable.travel_time_s": [150, 190]}, runs=40)
+    page.begin()
 
 
 def with_contours(state):
@@ -103,7 +104,7 @@ CASES = {
     "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
-    "Study": [("metro-with-limit", with_a_study)],
+    "Explore": [("metro-with-limit", with_a_study)],
     "Learn": [("metro-with-limit", with_guesses)],
     "Files": [("metro-with-limit", None), ("metro-with-limit", with_files), ("metro-with-limit", with_runs)],
     "Papers": [("metro-with-limit", None)],
@@ -158,7 +159,7 @@ def check(chart, theme):
             one = getattr(glyph, attribute)
             worn = data[one] if isinstance(one, str) and one in data else [one]
             # runs of a study are coloured by a scale of their own
-            if not chart.name.startswith("study_"):
+            if not chart.name.startswith("explore_"):
                 assert {colour for colour in worn if isinstance(colour, str)} <= colours, (chart.name, attribute)
         for axis, ends in (("x", f.x_range), ("y", f.y_range)):
             name = getattr(glyph, axis, None)
@@ -177,7 +178,7 @@ def check_axes(chart, f):
         label = f.xaxis[0].axis_label or ""
         assert UNIT.search(label) or label in COUNTED, f"x axis of {chart.name}: {label!r}"
     # of the runs of a study the heading above names both axes
-    if chart.name != "study_runs" and f.yaxis[0].visible and f.yaxis[0].major_label_text_alpha:
+    if chart.name != "explore_runs" and f.yaxis[0].visible and f.yaxis[0].major_label_text_alpha:
         # a caption stands at the upper end of the y axis, and names it
         label = f.yaxis[0].axis_label or chart.caption
         assert UNIT.search(label), f"y axis of {chart.name}: {label!r}"

@@ -5,7 +5,7 @@ import time
 
 import psutil
 
-from railjoule.dashboard.work.study_pool import NICE_OF_LOOKS, StudyPool
+from railjoule.dashboard.work.study_pool import NICE, StudyPool
 
 SERVER = """
 import os, time
@@ -20,10 +20,10 @@ ENDS_WITHIN_S = 20
 
 
 def test_pieces_are_done_in_other_processes_of_a_lower_priority() -> None:
-    pool = StudyPool(lambda: 1, NICE_OF_LOOKS)
+    pool = StudyPool(lambda: 1, NICE)
     first = pool.executor().submit(os.getpid).result()
     assert first != os.getpid()
-    assert psutil.Process(first).nice() == psutil.Process().nice() + NICE_OF_LOOKS
+    assert psutil.Process(first).nice() == psutil.Process().nice() + NICE
     assert pool.executor().submit(os.getpid).result() == first
     pool.renew()
     assert pool.executor().submit(os.getpid).result() != first

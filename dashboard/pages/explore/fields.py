@@ -56,20 +56,11 @@ class StudyField:
     value: float
 
     @property
-    def quantity(self) -> str:
-        """What it is called; in a table within another one, with the name of that."""
-        name = self.declared.quantity
-        return f"{self.group}: {name[:1].lower()}{name[1:]}" if self.path.count(".") > 1 else name
-
-    @property
-    def unit(self) -> str:
-        """Its unit, empty where it has none."""
-        return self.declared.unit
-
-    @property
     def label(self) -> str:
-        """Quantity and unit, as on an axis; a dash where it has none."""
-        return f"{self.quantity}, {self.unit or NO_UNIT}"
+        """Quantity and unit, as on an axis; a dash where it has none. In an inner table with the name of that table."""
+        name = self.declared.quantity
+        inner = f"{self.group}: {name[:1].lower()}{name[1:]}" if self.path.count(".") > 1 else name
+        return f"{inner}, {self.declared.unit or NO_UNIT}"
 
     @property
     def ends(self) -> tuple[float, float]:

@@ -5,7 +5,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.scenario import preset_names
 from railjoule.core.studies.sweep import make_study
-from railjoule.dashboard.pages.study.fields import FIRST_VARIED, fields_that_vary, first_ranges
+from railjoule.dashboard.pages.explore.fields import FIRST_VARIED, fields_that_vary, first_ranges
 
 METRO = load_scenario("metro-with-limit")
 
