@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.editor.fields_of import Field, Table, parts_of
@@ -73,7 +73,7 @@ class EditorView:
         self._show()
 
     def _turn(self, *_: Any) -> None:
-        with added_to(self.view):
+        with one_message():
             if self.head is None:
                 self._make()
             assert self.head is not None

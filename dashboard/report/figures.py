@@ -21,7 +21,7 @@ from railjoule.dashboard.charts.run_charts import (
 from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
-from railjoule.dashboard.insides import written_down
+from railjoule.dashboard.library_workarounds import document_json
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
@@ -68,7 +68,7 @@ class Figures:
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
         # before the charts are drawn in other colours and over other times, which the file has as data
-        self.docs, self.item = written_down(self.document)
+        self.docs, self.item = document_json(self.document)
         # the roots stand there in the order in which they were added
         # without figures there are no roots
         roots = self.item.to_json().get("roots", {}).values()

@@ -16,7 +16,7 @@ from typing import Any
 from bokeh.protocol.exceptions import ProtocolError
 from tornado.web import HTTPError
 
-from railjoule.dashboard.insides import (
+from railjoule.dashboard.library_workarounds import (
     PageAnswer,
     PageConnection,
     begin_as,

@@ -12,7 +12,7 @@ import param
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.library_workarounds import turns_of
 from railjoule.dashboard.scenario_folder import Listing, ScenarioFolder
 from railjoule.dashboard.state.opened import open_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel

@@ -20,7 +20,6 @@ from railjoule.dashboard.pages.drive.simple_model import SimpleModel
 from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
-from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.study.model import Brought, StudyModel
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
@@ -83,7 +82,6 @@ class Workbench(Kept, PageModel):
         self.scenario = ScenarioModel()
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
-        self.start = StartModel()
         self.day = Day(self.scenario)
         self.measured_runs = MeasuredRunsModel()
         self.study = StudyModel(self.scenario.base)

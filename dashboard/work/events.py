@@ -10,7 +10,7 @@ from weakref import WeakKeyDictionary
 
 from bokeh.document import Document
 
-from railjoule.dashboard.insides import session_document
+from railjoule.dashboard.library_workarounds import session_document
 
 LOG = logging.getLogger(__name__)
 ID_DIGITS = 8

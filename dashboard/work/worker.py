@@ -16,7 +16,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE, within
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.library_workarounds import turns_of
 from railjoule.dashboard.work import events
 
 LOG = logging.getLogger(__name__)

@@ -10,7 +10,7 @@ from panel.viewable import Viewable
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.scene import RunScene
-from railjoule.dashboard.insides import SmallFile
+from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX

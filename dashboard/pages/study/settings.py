@@ -8,8 +8,8 @@ import param
 
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.editor.forms import Form
-from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keep.keeping import shown_name
+from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.limits import LARGEST_STUDY_BYTES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup

@@ -13,7 +13,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.studies.sweep import MemoryResults, Study, SweepFile, SweepTable
 from railjoule.core.studies.sweep.table_files import read_study
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.library_workarounds import turns_of
 from railjoule.dashboard.pages.study.compute import (
     ENERGY,
     Estimate,

@@ -9,7 +9,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.dashboard import day
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.look import words
 from railjoule.dashboard.page import shows
 from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
@@ -98,7 +98,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         body = self.bodies[self.tab]
         self.bar.active = list(TABS).index(self.tab)
         if not list(body):
-            with added_to(body):
+            with one_message():
                 body[:] = [made[self.tab]()]
         for tab, one in self.bodies.items():
             one.visible = tab == self.tab

@@ -1,9 +1,9 @@
-"""What hangs on the insides of Panel, panel-material-ui and Bokeh: on what no release of them promises to keep.
+"""Workarounds for defects of Panel, panel-material-ui and Bokeh, and the only use of their private API.
 
-So does shortcuts.py, on those of Param as well. Tried with panel 1.9.4, panel-material-ui 0.16.6, bokeh 3.9.2 and param
-2.4.2; pyproject.toml keeps out the next minor releases, and
-tests/dashboard/test_insides.py reads the installed ones and says, without a browser, where they read otherwise. The
-browser's half is assets/scripts/follow.js and assets/scripts/mends.js.
+Tried with panel 1.9.4, panel-material-ui 0.16.6 and bokeh 3.9.2; pyproject.toml keeps out the next minor releases. Each
+docstring names the issue, or contains the text of one that is not filed yet. Each has a test in
+tests/dashboard/test_library_workarounds.py, which fails once a release no longer needs it. The browser's half is
+assets/scripts/mends.js.
 """
 
 import asyncio
@@ -14,7 +14,6 @@ from weakref import WeakKeyDictionary
 
 import panel as pn
 import panel_material_ui as pmui
-import param
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
@@ -22,7 +21,6 @@ from bokeh.models import InlineStyleSheet
 from bokeh.protocol.message import Message
 from bokeh.server.connection import ServerConnection
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id, get_token_payload
-from panel.custom import JSComponent
 from panel.io import document as messages
 from panel.io.document import _cleanup_doc
 from panel.io.resources import LOCAL_DIST, Resources
@@ -35,17 +33,17 @@ from tornado.routing import Rule
 from tornado.web import Application, RequestHandler
 
 SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
-"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
+"""The style sheets of each document by their texts."""
 
 
 # ---- panel-material-ui 0.16.6: the page
 
 
 def leave_busy(page: pmui.Page) -> None:
-    """Let a page no longer listen to whether anything in the process is busy.
+    """Stop a page from following whether anything in the process is busy.
 
-    It never stops by itself, so that every closed page stays alive and every change anywhere costs all open pages: see
-    issue 2626 of panel. `page.busy = False` ends the cost, but not the leak.
+    panel-material-ui, as issue 2626 of panel: `pmui.Page` binds `busy` to `pn.state.param.busy` and never unbinds it.
+    So every closed page stays alive, and each event costs time in all open pages.
     """
     private = page._param__private
     for _, watcher in list(private.ref_watchers):
@@ -55,18 +53,20 @@ def leave_busy(page: pmui.Page) -> None:
 
 
 def keep_colours(root: Model, kinds: list[str]) -> None:
-    """Let a page not dress these kinds of Bokeh models; in the browser, it would dress all figures anew.
+    """Stop a page from changing the colours of these kinds of Bokeh models.
 
-    The browser's half looks for a class called Page: who inherits from the library's page keeps the name.
+    To be filed with panel-material-ui: "`Page` applies its theme to every Bokeh figure on each change of a figure, and
+    overwrites colours that were set explicitly; there is no public option to leave figures alone." Its script finds the
+    page by the name of its class, which a subclass must keep.
     """
     root.data._custom_theme = kinds
 
 
 def name_sheets(document: Document) -> None:
-    """Tell a document where Panel's style sheets are.
+    """Set the address of Panel's style sheets for a document.
 
-    Panel 1.9.4 does that when it renders the page, and a session may begin without that, where the browser comes so
-    late that the first one is gone: then it would ask another host for them.
+    As issues 5167 and 7073 of panel (requests to the CDN from a server without a network): Panel sets `dist_url` only
+    when it renders the page. A session that begins with the websocket gets the address of the CDN.
     """
     if "dist_url" not in document.template_variables:
         above = pn.state.rel_path
@@ -74,12 +74,14 @@ def name_sheets(document: Document) -> None:
 
 
 class SmallFile(pmui.FileInput):
-    """A file to open; one that is too large is not even sent, and the widget alone is told so.
+    """A file input that calls back when the browser has refused a file for its size.
+
+    To be filed with panel-material-ui: "`FileInput` drops the `error` status of an upload that exceeds `max_file_size`;
+    Python code cannot show a message."
 
     Parameters
     ----------
     refuse : callable
-        Called when the browser has refused a file for its size.
     """
 
     def __init__(self, refuse: Callable[[], None], **params: Any) -> None:
@@ -96,96 +98,40 @@ class SmallFile(pmui.FileInput):
 # ---- panel 1.9.4: components and panes
 
 
-def count_no_events() -> None:
-    """Let Panel no longer count the events that it is busy with.
+class HtmlPane(pn.pane.HTML):
+    """HTML that is shown as it is, also where its type is `markupsafe.Markup`; panes share their style sheets.
 
-    It opens and closes all parameters of its state eight times for each event, a tenth of what a move of a slider
-    costs, for an indicator that no page of ours has.
-    """
-    pn.state._add_busy_event = pn.state._remove_busy_event = lambda _: None
-
-
-def share_sheets(doc: Document | None, properties: dict[str, Any]) -> dict[str, Any]:
-    """Return the properties of a model with style sheets that other models of the document have too."""
-    if doc is not None and "stylesheets" in properties:
-        known = SHEETS.setdefault(doc, {})
-        properties["stylesheets"] = [
-            known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
-            for sheet in properties["stylesheets"]
-        ]
-    return properties
-
-
-class LightComponent(JSComponent):
-    """A component of which a page has many: it shares its style sheets, and what the browser tells is taken at once.
-
-    The library waits 50 ms for more to come. A script that sends no more often than that needs no such wait; where the
-    server is busy, it still takes the last of several values alone, as it reads all that has come before it acts.
+    To be filed with panel: "`pn.pane.HTML(Markup('<b>1 &lt; 2</b>'))` shows tags: `html.escape` calls `replace`, which
+    `Markup` overrides to escape its arguments." And: "A style sheet that is given as a string is sent again with each
+    component: 40 panes with the same 12 kB make 480 kB, and `stylesheets` takes no models of Bokeh."
     """
 
-    _debounce = 5
-    # the script is in `_esm`; the library would look on the disk for a bundle of it each time
-    _bundle_path = None
+    def _transform_object(self, obj: Any) -> dict[str, Any]:
+        return super()._transform_object(str(obj) if obj else "")
 
     def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        return share_sheets(doc, super()._get_properties(doc))
+        properties = super()._get_properties(doc)
+        if doc is not None and "stylesheets" in properties:
+            known = SHEETS.setdefault(session_document(doc), {})
+            properties["stylesheets"] = [
+                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+                for sheet in properties["stylesheets"]
+            ]
+        return properties
 
 
 FAILED = "The server could not take a change; its log describes the error."
-AS_TEXT = "<plaintext>"
-"""All that follows this element is text to a browser. Panel's half reads what it is sent as HTML, and takes the text of
-that for the HTML to show; Panel escapes each letter of it, which takes up to six letters for one."""
-
-
-class Words(pn.pane.HTML):
-    """HTML that changes often: only the new text goes to the browser.
-
-    The library would send every property of the pane anew, with a style sheet of its own for each.
-    """
-
-    # the library would make a row for each pane, in case it is shown by itself; ours all stand in columns
-    default_layout = param.Parameter(default=lambda *_, **__: None)
-
-    def _sync_layoutable(self, *_: Any) -> None:
-        """Tell nobody of sizes, as there is no row."""
-
-    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        return share_sheets(doc, super()._get_properties(doc))
-
-    def _transform_object(self, obj: Any) -> dict[str, Any]:
-        return {"object": AS_TEXT + str(obj) if obj else ""}
-
-    def _update(self, ref: str, model: Model) -> None:
-        model.text = self._transform_object(self.object)["object"]
-
-
-def models_of(view: Viewable) -> list[Model]:
-    """Return the models that draw a part of the page."""
-    return [model for model, _ in view._models.values()]
 
 
 def session_document(document: Any) -> Any:
-    """Return the document of a session; in a callback, what Bokeh 3.9.2 hands out may only stand for it."""
+    """Return the document of a session, also in a callback without a lock.
+
+    To be filed with bokeh: "`UnlockedDocumentProxy` is neither equal to its document nor found as a key in its place."
+    """
     return getattr(document, "_doc", document)
 
 
-# ---- bokeh 3.9.2: a document searches all that it holds whenever that changes, unless it is frozen
-
-
-def freeze(document: Document) -> None:
-    """Let a document not be searched for new models until it is thawed."""
-    document.models._push_freeze()
-
-
-def thaw(document: Any, count: int) -> None:
-    """Thaw a document until it is frozen only so many times; it is searched when it is no longer frozen."""
-    while frozen(document) > count:
-        document.models._pop_freeze()
-
-
-def thaw_unsearched(document: Document) -> None:
-    """Thaw a document once and do not search it; what has left the page stays known until the next search."""
-    document.models._freeze_count -= 1
+# ---- bokeh 3.9.2: a document
 
 
 def frozen(document: Any) -> int:
@@ -193,16 +139,19 @@ def frozen(document: Any) -> int:
     return 0 if document is None else int(document.models._freeze_count)
 
 
-def attach(document: Any, model: Model) -> None:
-    """Make a model and all that it holds models of a document, as a search of the whole document would."""
-    models = document.models
-    for new in model.references():
-        if new.id not in models:
-            new._attach_document(document)
-            models[new.id] = new
-            models._new_models.add(new)
-            if new.name is not None:
-                models._models_by_name.add_value(new.name, new)
+def thaw(document: Any, count: int) -> None:
+    """Thaw a document until it is frozen only so many times.
+
+    To be filed with bokeh: "`DocumentModelManager.freeze` has no `try`/`finally`: after an exception within, the
+    document stays frozen, and models that are added later are never sent."
+    """
+    while frozen(document) > count:
+        document.models._pop_freeze()
+
+
+# ---- panel 1.9.4 and bokeh 3.9.2: how a page opens. Issue 3105 of panel: the server makes a whole session for each
+# request of the page, also for one whose browser never connects, and answers nobody else meanwhile. Here the first
+# answer is the same for all, and the session is made for the connection, one at a time: see server/opening.py.
 
 
 def application_of(server: Server) -> Application:
@@ -210,8 +159,6 @@ def application_of(server: Server) -> Application:
     application: Application = server._tornado
     return application
 
-
-# ---- panel 1.9.4 and bokeh 3.9.2: how a page opens
 
 PageAnswer, PageConnection = DocHandler, WSHandler
 """What answers whoever asks for a page, and what its browser then connects to; Panel changes those of Bokeh."""
@@ -311,10 +258,10 @@ def has_page(connection: WSHandler, mark: str) -> bool:
 
 
 def note_pulled(connection: WSHandler, message: Message[Any]) -> None:
-    """Let a page that has just been written down for its browser be sent what is changed in it from then on.
+    """Send changes from the moment at which the browser pulls its document.
 
-    Panel 1.9.4 begins when the browser says that the page is drawn. It takes for granted that what was changed before
-    is written down with the page, which the browser asks for later than that; here it asks at once.
+    To be filed with panel: "Changes between `PULL-DOC-REQ` and `document_ready` are neither in the pulled document nor
+    sent: `state._connected` is set by the latter only."
     """
     if message.msgtype == "PULL-DOC-REQ" and connection.connection is not None:
         pn.state._connected[connection.connection.session.document] = True
@@ -326,11 +273,11 @@ def is_gone(connection: WSHandler) -> bool:
 
 
 def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
-    """Return what lets a document take a turn of its own, and may be called in any thread.
+    """Return a function that any thread may call to run a callback in the next turn of a document.
 
-    A turn that a thread asks of a document itself is lost where that is just giving free the changes that it holds:
-    they are copied, then their list is replaced, and Bokeh notes turns in that list too. So the event loop asks for it,
-    between its own turns. To be called in the loop; without one, the document is asked directly.
+    Issues 7219 and 7615 of bokeh: `add_next_tick_callback` is not thread-safe. While the document releases events that
+    it holds, it replaces their list, and a callback that a thread adds meanwhile is lost. So the event loop adds it. To
+    be called in the loop; without one, the callback is added directly.
     """
 
     def ask(turn: Callable[[], None]) -> None:
@@ -347,10 +294,11 @@ def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
 
 
 def write_all_messages() -> None:
-    """Let no message wait for the page's next change.
+    """Write every message without waiting for the next change of the page.
 
-    Panel 1.9.4 writes what came while another message was on its way in a task of its own, which does nothing if the
-    task before it has marked the page as free meanwhile: the page then showed the last result only at the next move.
+    To be filed with panel: "Messages that come while another one is written get a task of their own
+    (`panel.io.document._dispatch_msgs`). It does nothing if the earlier task has removed the document from
+    `_WRITE_BLOCK` meanwhile, so the last change stays unsent until the next one."
     """
     write = messages._dispatch_msgs
 
@@ -362,19 +310,24 @@ def write_all_messages() -> None:
     messages._dispatch_msgs = write_waiting
 
 
-def collect_garbage_seldom() -> None:
-    """Let Python look for garbage in all open pages seldom: meanwhile no page is answered.
+def collect_garbage_rarely() -> None:
+    """Search for garbage in all open pages rarely, as no page is answered meanwhile.
 
     A page that opens makes some 45,000 objects that stay. With Python's own thresholds two in three pages that opened
-    cost a search of all that are open, 20 ms for each of them; now the search of all comes after some hundred pages.
-    Panel collects too, some seconds after each page that was closed: what that frees is wanted back, but not at once.
+    cost a search of all that are open, 20 ms for each of them; now the search of all comes after some hundred pages. To
+    be filed with panel: "Each closed session starts `gc.collect` after `GC_DEBOUNCE` (5 s), which stops a busy
+    server for 20 ms per open page; the time is not configurable."
     """
     gc.set_threshold(10_000, 5, 100)
     messages.GC_DEBOUNCE = 30
 
 
-def tell_no_insides() -> None:
-    """Let what answers a message that failed be a sentence: Bokeh 3.9.2 sends the traceback, with paths."""
+def hide_tracebacks() -> None:
+    """Answer a message that failed with a sentence.
+
+    To be filed with bokeh: "`ServerConnection.error` sends the traceback, with the server's paths, to the browser;
+    there is no option to disable that."
+    """
 
     def error(self: ServerConnection, message: Message[Any], _: str) -> Message[Any]:
         answer = self.protocol.create("ERROR", message.header["msgid"], FAILED)
@@ -384,8 +337,12 @@ def tell_no_insides() -> None:
     ServerConnection.error = error
 
 
-def written_down(document: Document) -> tuple[dict[str, Any], Any]:
-    """Return a document as plain values, and where its roots go in a page without a server."""
+def document_json(document: Document) -> tuple[dict[str, Any], Any]:
+    """Return a document as plain values, and where its roots go in a page without a server.
+
+    To be filed with bokeh: "`standalone_docs_json` writes `defs` for every custom model of the process, whatever the
+    document contains": 171 of 470 kB.
+    """
     docs, (item,) = standalone_docs_json_and_render_items(document)
     # the library defines each component that the process has ever shown, with its texts, whatever the document holds
     used = {getattr(kind, "__qualified_model__", "") for model in document.models for kind in type(model).__mro__}

@@ -4,8 +4,8 @@ from dataclasses import replace
 import pytest
 
 from railjoule.core.scenario import preset_names
+from railjoule.dashboard.pages.start.cards import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.pages.start.compute import card_names, compute_cards
-from railjoule.dashboard.pages.start.view import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 

@@ -8,13 +8,13 @@ from commands import answer
 from railjoule.core.budget import LIBRARY, PAGE
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.limits import limits, markdown
-from railjoule.dashboard.pages.help.view import documentation_html, help_html
+from railjoule.dashboard.pages.help.page import documentation_html, help_html
 
 
 @pytest.mark.parametrize("built", [True, False])
 def test_the_documentation_is_linked_once_it_is_built(built: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """An installed package has no built documentation: a link there would lead to a page that says so."""
-    monkeypatch.setattr("railjoule.dashboard.pages.help.view.is_built", lambda: built)
+    monkeypatch.setattr("railjoule.dashboard.pages.help.page.is_built", lambda: built)
     assert ('href="docs/"' in documentation_html()) == built
 
 
