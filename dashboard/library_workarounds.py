@@ -103,11 +103,16 @@ class HtmlPane(pn.pane.HTML):
 
     To be filed with panel: "`pn.pane.HTML(Markup('<b>1 &lt; 2</b>'))` shows tags: `html.escape` calls `replace`, which
     `Markup` overrides to escape its arguments." And: "A style sheet that is given as a string is sent again with each
-    component: 40 panes with the same 12 kB make 480 kB, and `stylesheets` takes no models of Bokeh."
+    component: 40 panes with the same 12 kB make 480 kB, and `stylesheets` takes no models of Bokeh." And:
+    "`HTML._update` builds all properties for `model.document`, which is None while the document is frozen: the
+    addresses of Panel's own style sheets become those of the CDN."
     """
 
     def _transform_object(self, obj: Any) -> dict[str, Any]:
         return super()._transform_object(str(obj) if obj else "")
+
+    def _update(self, ref: str, model: Model) -> None:
+        model.text = self._transform_object(self.object)["object"]
 
     def _get_properties(self, doc: Document | None) -> dict[str, Any]:
         properties = super()._get_properties(doc)

@@ -2,7 +2,7 @@
 
 import {filled, make} from "./dom.js";
 
-const MARGIN_PX = 8, LIST_PX = 236;
+const EDGE_PX = 8, LIST_PX = 236;
 const ICONS = {
   undo: "M8 5 3 10l5 5M3 10h11a5 5 0 0 1 0 10h-3", redo: "m16 5 5 5-5 5m5-5H10a5 5 0 0 0 0 10h3",
   share: "M3 12a3 3 0 1 0 6 0 3 3 0 1 0-6 0M15 5a3 3 0 1 0 6 0 3 3 0 1 0-6 0m0 14a3 3 0 1 0 6 0 3 3 0 1 0-6 0M9 10l6-4m-6 8 6 4",
@@ -20,7 +20,7 @@ export const make_bar = (model) => {
     list.addEventListener("toggle", ({newState}) => button.setAttribute("aria-expanded", String(newState === "open")));
     list.addEventListener("beforetoggle", () => {
       const {left, bottom} = button.getBoundingClientRect();
-      list.style.left = `${Math.max(MARGIN_PX, Math.min(left, window.innerWidth - LIST_PX))}px`;
+      list.style.left = `${Math.max(EDGE_PX, Math.min(left, window.innerWidth - LIST_PX))}px`;
       list.style.top = `${Math.round(bottom)}px`;
     });
     return button;

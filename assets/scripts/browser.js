@@ -20,7 +20,9 @@ const name_parts = () => {
     region.setAttribute("role", "region");
     region.setAttribute("aria-label", "Page in sight");
   }
-  for (const heading of deep("h5:not([role]):empty")) { heading.setAttribute("role", "presentation"); }
+  for (const heading of deep("h5:not([role])")) {
+    if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
+  }
 };
 
 // Reports the charts in sight. One out of sight shares its axis and the columns of its runs with charts in sight: it would
@@ -101,7 +103,7 @@ export function render({model, view}) {
     if (!button || button.disabled) { act_on(event); return; }
     const {page, open, ask, name} = button.dataset;
     button.closest("[popover]")?.hidePopover();
-    if (page || open) { turn(page ?? open); } else if (ask === "file") { ask_for_file(); } else { model.send_msg({kind: ask, name}); }
+    if (page || open) { turn(page ?? open); } else if (ask === "file") { ask_for_file(); } else { model.send_msg({kind: ask, name: name ?? ""}); }
   });
   on(window, "keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.repeat || event.defaultPrevented) { return; }

@@ -37,6 +37,18 @@
     UIGestures.press_threshold = 2 ** 31 - 1;  // the longest delay of a timer, ms
   });
 
+  // Each stroke of each painting asks the style sheets for thirty variables that no page of ours has.
+  mend("strokes", () => {
+    const {prototype: figure} = prototype_of("Plot").default_view;
+    const {initialize} = needed(figure, "initialize");
+    figure.initialize = function (...rest) {
+      initialize.apply(this, rest);
+      const owner = owner_of(this.visuals?.outline_line, "_get_css_value");
+      if (owner) { owner._get_css_value = () => ""; }
+      figure.initialize = initialize;
+    };
+  });
+
   // plotly.js is larger than all the rest; it is loaded when a page first needs it, and draws a scene once, in its
   // size and in our colours, where the library would draw it four times.
   mend("plotly", () => {

@@ -20,7 +20,7 @@ COPIED = {
     False: "The browser does not allow copying here: select the text, or the address above, and copy it by hand.",
 }
 SHARE = Markup(
-    '<div class="head"><h2>Share what this page shows</h2></div><div class="buttons">'
+    '<div class="head"><h2>Share what this page shows</h2></div><div class="asks">'
     '<button type="button" class="text-button" data-ask="copy" data-name="link">Copy link</button>'
     '<button type="button" class="text-button" data-ask="copy" data-name="python">Copy as Python</button>'
     '<button type="button" class="text-button" data-ask="copy" data-name="command">Copy as command line</button>'
@@ -35,6 +35,7 @@ MESSAGE = (
     '<div class="dismissible">{}<button type="button" class="text-button" data-ask="dismiss" '
     'aria-label="Close the message">\u00d7</button></div>'
 )
+BUTTON_CSS = ".bk-btn { font-size: 13px !important; padding: 4px 10px; }"
 MAKERS = {"python": as_python, "command": as_command}
 
 
@@ -132,8 +133,11 @@ class SaveScenario:
     def _make(self) -> None:
         self.name = pn.widgets.TextInput(label="Name", max_length=200, sizing_mode="stretch_width", margin=(4, 16))
         self.message = html_pane()
-        self.replace = pn.widgets.Button(label="Replace it", margin=(4, 4), visible=False)
-        save, close = (pn.widgets.Button(label=name, margin=(4, 4)) for name in ("Save", "Close"))
+        save, self.replace, close = (
+            pn.widgets.Button(label=label, margin=4, stylesheets=[BUTTON_CSS])
+            for label in ("Save", "Replace it", "Close")
+        )
+        self.replace.visible = False
         self.name.param.watch(lambda _: self.save(), "enter_pressed")
         save.on_click(lambda _: self.save())
         self.replace.on_click(lambda _: self.save(replace=True))

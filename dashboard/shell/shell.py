@@ -156,9 +156,11 @@ class Shell:
         """Stands above every page: messages, and the forms that buttons of the bar open."""
         self.compiling: pn.pane.HTML | None = None
         self.main = stack()
-        self._keeping = keeping
+        self._keeping, self._place = keeping, stack()
         self.page = Page(
             main=[self.top, self.main, editor],
+            # without anything in it the library lays out the page beside a sidebar that is not there
+            sidebar=[self._place],
             sidebar_width=272,
             sidebar_open=self._beside,
             # the handle to resize it has a name that its role forbids: aria-prohibited-attr of axe-core
@@ -263,8 +265,8 @@ class Shell:
         if self._beside:
             self._open = self.page.sidebar_open
         self._beside = PAGES[self.state.page].has_sidebar
-        if self._beside and not self.page.sidebar:
-            self.page.sidebar = [self.sidebar.view]
+        if self._beside and not self._place.objects:
+            self._place[:] = [self.sidebar.view]
         self.page.sidebar_open = self._open and self._beside
 
     def _make_room(self, event: Any) -> None:

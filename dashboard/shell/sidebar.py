@@ -35,16 +35,20 @@ FROM_FILE = "file"
 """The value of a scenario from a file begins with this; its number tells it from the one opened before it."""
 NOT_SHOWN = "These fields could not be shown because of a program error; the server\u2019s log describes it."
 BUTTONS = Markup(
-    '<div class="buttons">'
+    '<div class="asks">'
     '<button type="button" class="text-button" data-ask="file">Open file</button>'
     '<button type="button" class="text-button" data-ask="import">Import line or train</button>'
     '<button type="button" class="text-button" data-ask="edit">Edit scenario</button>'
     '<button type="button" class="text-button" data-ask="save_scenario">Save scenario</button></div>'
 )
+SELECT_CSS = """
+select.bk-input { height: 40px; color: var(--rj-ink); background-color: transparent; }
+select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
+"""
 PLAN = '<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'
 UNCHANGED = Markup('<hr class="rule"><div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
 CHANGED = (
-    '<hr class="rule"><div class="buttons"><button type="button" class="text-button" data-ask="changes" '
+    '<hr class="rule"><div class="asks"><button type="button" class="text-button" data-ask="changes" '
     'aria-expanded="{opened}">{count} field{plural} changed {sign}</button>'
     '<button type="button" class="text-button" data-ask="undo_all">Undo all</button></div>{rows}'
 )
@@ -67,6 +71,7 @@ class Sidebar:
             value=scenario.preset,
             margin=(12, 16, 0, 16),
             sizing_mode="stretch_width",
+            stylesheets=[SELECT_CSS],
         )
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.own = stack()

@@ -34,7 +34,7 @@ MORE = (
     "strategies need, and how wrong loads, delays and speed limits change it."
 )
 BUTTONS = Markup(
-    '<div class="buttons"><button type="button" class="text-button" data-ask="file">Open file</button>'
+    '<div class="asks"><button type="button" class="text-button" data-ask="file">Open file</button>'
     '<button type="button" class="text-button" data-open="Import">Import line or train</button></div>'
 )
 

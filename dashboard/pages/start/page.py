@@ -42,7 +42,7 @@ h2.begin span { margin-left: 8px; font-size: 13px; font-weight: 400; }
 summary h2.begin { display: inline-block; }
 summary { padding-left: 20px; cursor: pointer; }
 summary h2.begin { padding-left: 4px; }
-.hero .buttons { padding: 6px 0 0; margin-left: -8px; }
+.hero .asks { padding: 6px 0 0; margin-left: -8px; }
 .card { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }
 .card button { display: block; min-height: 24px; padding: 0; border: 0; background: none; text-align: left;
   font: 600 13.5px/1.3 var(--rj-font); color: var(--rj-accent); cursor: pointer; }
