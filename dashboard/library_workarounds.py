@@ -109,13 +109,14 @@ class HtmlPane(pn.pane.HTML):
     """
 
     def _transform_object(self, obj: Any) -> dict[str, Any]:
-        return super()._transform_object(str(obj) if obj else "")
+        transformed: dict[str, Any] = super()._transform_object(str(obj) if obj else "")
+        return transformed
 
     def _update(self, ref: str, model: Model) -> None:
         model.text = self._transform_object(self.object)["object"]
 
     def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        properties = super()._get_properties(doc)
+        properties: dict[str, Any] = super()._get_properties(doc)
         if doc is not None and "stylesheets" in properties:
             known = SHEETS.setdefault(session_document(doc), {})
             properties["stylesheets"] = [

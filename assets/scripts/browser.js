@@ -124,7 +124,10 @@ export function render({model, view}) {
   on(document, "visibilitychange", () => { model.hidden = document.hidden; });
   on(system, "change", colour);
   model.on("dark", () => root.classList.toggle("rj-dark", model.dark));
-  model.on("started", () => document.getElementById("rj-first")?.remove());
+  model.on("started", () => {
+    root.classList.add("rj-started");
+    document.getElementById("rj-first")?.remove();
+  });
   model.on("msg:custom", (event) => {
     if ((event.data ?? event).kind !== "when_idle") { return; }
     const tell = () => model.send_msg({kind: "idle"});
@@ -135,6 +138,7 @@ export function render({model, view}) {
   // parts of the page come with changes of the document, and are drawn a little later
   const soon = () => { due ||= setTimeout(look, LOOK_MS); };
   bokeh_document.on_change(soon);
+  signal.addEventListener("abort", () => bokeh_document.remove_on_change(soon));
   for (const late_ms of [0, LOOK_MS, LATE_MS, 3 * LATE_MS]) { setTimeout(look, late_ms); }
 
   tie(model, bokeh_document, signal);

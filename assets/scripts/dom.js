@@ -64,9 +64,8 @@ export const until = (holds, within_ms) => new Promise((resolve) => {
   look();
 });
 
-// All elements on the page that match, those within shadow roots included.
-export const deep = (selector, root = document) => [...root.querySelectorAll("*")].reduce(
-  (found, {shadowRoot}) => shadowRoot ? found.concat(deep(selector, shadowRoot)) : found, [...root.querySelectorAll(selector)]);
+// What first.js has ready: all elements on the page that match, those within shadow roots included.
+export const {deep} = window.railjoule;
 
 // The name of the chart whose place an element is, as charts.py writes it into a class of the place.
 export const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);

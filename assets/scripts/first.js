@@ -27,6 +27,9 @@
       : "The server does not answer. Reload this page to try again.";
   };
   look();
-  // what draws the components of which a page has many, by the names of their modules
-  window.railjoule = {components: {}};
+  const deep = (selector, within = document) => [...within.querySelectorAll("*")].reduce(
+    (found, {shadowRoot}) => shadowRoot ? found.concat(deep(selector, shadowRoot)) : found,
+    [...within.querySelectorAll(selector)]);
+  // `components` draw what a page has many of, by the names of their modules
+  window.railjoule = {components: {}, deep};
 })();

@@ -5,7 +5,7 @@ import {deep, make, until} from "./dom.js";
 const REST_MS = 350, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
 
 export const explain = (turn, signal) => {
-  const terms = JSON.parse(document.getElementById("rj-glossary").textContent);
+  const terms = JSON.parse(document.getElementById("rj-glossary")?.textContent ?? "{}");
   const tip = make("div", {class: "rj-tip", role: "note"});
   const button_of = (event) => event.composedPath().find((one) => one.dataset?.term);
   let shown = null, over = null, is_hovered = false, resting = 0;

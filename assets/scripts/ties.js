@@ -1,6 +1,6 @@
 // The page's ties to its address, to the keys of undo, to dropped files, and to the server.
 
-import {make} from "./dom.js";
+import {deep, make} from "./dom.js";
 import {copy_text, offer} from "./files.js";
 
 const TABLE = /\.(csv|tsv|txt|xlsx)$/i, STUDY = /\.nc$/i, REPORT = /\.html?$/i, PIECE = 8192;
@@ -21,6 +21,9 @@ const wait_for_server = async () => {
   const words = make("div", {class: "rj-lost", role: "alert"}, WORDS.lost);
   document.body.prepend(words);
   document.documentElement.classList.add("rj-gone");
+  for (const field of deep("input, select, textarea")) { field[is_line(field) ? "readOnly" : "disabled"] = true; }
+  // a part that is scrolled needs something that the keyboard reaches
+  for (const control of deep("button, a[href], [role=button]")) { control.setAttribute("aria-disabled", "true"); }
   for (const name of HELD_BACK) {
     window.addEventListener(name, (event) => {
       event.stopImmediatePropagation();

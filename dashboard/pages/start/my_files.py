@@ -7,8 +7,8 @@ from railjoule.dashboard.scenario_folder import ListedFile
 from railjoule.dashboard.state.files import FilesModel
 
 EMPTY = (
-    "Nothing saved yet. \u201cSave scenario\u201d beside the page saves here, and scenario files that are put into the "
-    "folder appear here."
+    "Nothing saved yet. \u201cSave scenario\u201d beside the other pages saves here, and scenario files that are "
+    "put into the folder appear here."
 )
 FILES_CSS = """
 .my-files { padding: 4px 20px 4px; }
