@@ -3,12 +3,13 @@
 Tried with panel 1.9.4, panel-material-ui 0.16.6 and bokeh 3.9.2; pyproject.toml keeps out the next minor releases. Each
 docstring names the issue, or contains the text of one that is not filed yet. Each has a test in
 tests/dashboard/test_library_workarounds.py, which fails once a release no longer needs it. The browser's half is
-assets/scripts/mends.js.
+assets/scripts/repairs.js.
 """
 
 import asyncio
+import contextlib
 import gc
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -39,17 +40,23 @@ SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictio
 # ---- panel-material-ui 0.16.6: the page
 
 
-def leave_busy(page: pmui.Page) -> None:
-    """Stop a page from following whether anything in the process is busy.
+@contextlib.contextmanager
+def leave_busy() -> Iterator[None]:
+    """Stop a page that is made within from following whether anything in the process is busy.
 
     panel-material-ui, as issue 2626 of panel: `pmui.Page` binds `busy` to `pn.state.param.busy` and never unbinds it.
     So every closed page stays alive, and each event costs time in all open pages.
     """
-    private = page._param__private
-    for _, watcher in list(private.ref_watchers):
-        pn.state.param.unwatch(watcher)
-    private.ref_watchers.clear()
-    private.refs.pop("busy", None)
+    before = busy_watchers()
+    yield
+    for watcher in busy_watchers():
+        if watcher not in before:
+            pn.state.param.unwatch(watcher)
+
+
+def busy_watchers() -> list[Any]:
+    """Return the watchers of whether the process is busy."""
+    return list(pn.state.param.watchers.get("busy", {}).get("value", []))
 
 
 def keep_colours(root: Model, kinds: list[str]) -> None:

@@ -64,7 +64,7 @@ export const until = (holds, within_ms) => new Promise((resolve) => {
   look();
 });
 
-// What first.js has ready: all elements on the page that match, those within shadow roots included.
+// From first.js: all elements on the page that match, those within shadow roots included.
 export const {deep} = window.railjoule;
 
 // The name of the chart whose place an element is, as charts.py writes it into a class of the place.

@@ -7,14 +7,14 @@
   const chosen = new URLSearchParams(state).get("colours");
   root.classList.toggle("rj-dark", chosen === "dark" || (chosen !== "light" && system.matches));
   // the server cannot see what the system asks for: it finds it in the request for the page
-  const cookie = `railjoule_dark=${+system.matches}`, is_told = () => document.cookie.includes(cookie);
-  const was_told = is_told() || !system.matches;
-  const tell = () => { document.cookie = `railjoule_dark=${+system.matches}; path=/; max-age=31536000; samesite=lax`; };
-  system.addEventListener("change", tell);
-  tell();
-  if (!was_told && is_told()) { location.reload(); }
+  const cookie = `railjoule_dark=${+system.matches}`, is_known = () => document.cookie.includes(cookie);
+  const was_known = is_known() || !system.matches;
+  const note = () => { document.cookie = `railjoule_dark=${+system.matches}; path=/; max-age=31536000; samesite=lax`; };
+  system.addEventListener("change", note);
+  note();
+  if (!was_known && is_known()) { location.reload(); }
 
-  // the library's code tells nobody else that the connection has failed
+  // the library shows nowhere that the connection has failed
   const look = async () => {
     const sketch = document.getElementById("rj-first");
     if (!sketch && document.readyState === "complete") { return; }

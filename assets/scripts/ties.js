@@ -15,7 +15,7 @@ const HELD_BACK = ["pointerdown", "mousedown", "touchstart", "click", "keydown",
 export const is_line = (element) => element instanceof HTMLTextAreaElement || element?.isContentEditable ||
   element instanceof HTMLInputElement && !["range", "checkbox", "radio", "button", "file"].includes(element.type);
 
-// Without a server, a page can only be read. It says so, and is loaded again once the server answers. Panel's own
+// Without a server, a page can only be read. A banner states that, and the page is loaded again once the server answers. Panel's own
 // `reconnect` asks a server that was restarted for a session that it does not have.
 const wait_for_server = async () => {
   const words = make("div", {class: "rj-lost", role: "alert"}, WORDS.lost);

@@ -75,7 +75,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": source("mends") + lent("number_field"),
+        "repairs": source("repairs") + lent("number_field"),
         # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
         "css": asset("css", "first.css"),
@@ -89,8 +89,8 @@ class Page(pmui.Page):
     """The page of panel-material-ui; the browser's half looks for this name of its class."""
 
     def __init__(self, **params: Any) -> None:
-        super().__init__(**params)
-        leave_busy(self)
+        with leave_busy():
+            super().__init__(**params)
 
     def _populate_template_variables(self, template_variables: dict[str, Any]) -> None:
         super()._populate_template_variables(template_variables)

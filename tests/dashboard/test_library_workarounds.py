@@ -1,4 +1,4 @@
-"""Each workaround still cures a defect of the installed release; a test that fails says that it may go."""
+"""Each workaround still cures a defect of the installed release; a test that fails means that it may go."""
 
 import asyncio
 import html
@@ -12,7 +12,6 @@ from unittest.mock import Mock
 import bokeh
 import panel as pn
 import panel_material_ui as pmui
-import param
 import pytest
 from bokeh.document import Document
 from bokeh.document.locking import UnlockedDocumentProxy
@@ -31,6 +30,7 @@ from railjoule.dashboard.library_workarounds import (
     FAILED,
     HtmlPane,
     SmallFile,
+    busy_watchers,
     document_json,
     first_html,
     frozen,
@@ -53,12 +53,12 @@ def script(name: str) -> str:
 
 
 def needed_names() -> list[str]:
-    """Return what the mends look for before they change it."""
-    calls = re.findall(r"needed\(\s*\w+,([^()]*)\)", script("mends"))
+    """Return the names that assets/scripts/repairs.js checks before it changes them."""
+    calls = re.findall(r"needed\(\s*\w+,([^()]*)\)", script("repairs"))
     return sorted({name for call in calls for name in re.findall(r'"(\w+)"', call)})
 
 
-def test_the_mends_find_all_that_they_change() -> None:
+def test_the_repairs_in_the_browser_find_all_that_they_change() -> None:
     sources = [*(PANEL / "models").glob("*.ts"), BOKEH / "server" / "static" / "js" / "bokeh.js"]
     text = "\n".join(source.read_text(encoding="utf-8") for source in sources)
     names = needed_names()
@@ -70,42 +70,38 @@ def test_the_mends_find_all_that_they_change() -> None:
     assert '"panel.models.plotly"' in text
 
 
-def listeners() -> int:
-    """Return how many listen to whether the process is busy."""
-    return len(pn.state._param__private.watchers.get("busy", {}).get("value", []))
-
-
-def test_a_page_listens_to_the_process_until_it_leaves() -> None:
-    before = listeners()
+def test_a_page_follows_the_process_unless_it_is_kept_from_it() -> None:
+    before = busy_watchers()
     page = pmui.Page()
-    assert listeners() == before + 1
-    leave_busy(page)
-    assert listeners() == before
-    assert "busy" not in page._param__private.refs
+    assert len(busy_watchers()) == len(before) + 1
+    with leave_busy():
+        other = pmui.Page()
+    assert len(busy_watchers()) == len(before) + 1
+    assert page is not other
 
 
-def test_a_file_that_is_too_large_is_told_by_status() -> None:
-    told: list[bool] = []
-    SmallFile(lambda: told.append(True))._handle_msg({"status": "error"})
-    assert told == [True]
+def test_a_file_that_is_too_large_is_reported_by_status() -> None:
+    refused: list[bool] = []
+    SmallFile(lambda: refused.append(True))._handle_msg({"status": "error"})
+    assert refused == [True]
     assert 'msg["status"]' in inspect.getsource(pmui.FileInput._handle_msg)
 
 
-def test_panel_still_escapes_markup_twice_and_ours_does_not() -> None:
+def test_panel_still_escapes_markup_twice() -> None:
     text = Markup("<b>1 &lt; 2</b>")
     assert html.unescape(pn.pane.HTML(text)._transform_object(text)["object"]) != text
     assert html.unescape(HtmlPane(text)._transform_object(text)["object"]) == text
 
 
-def test_panel_still_sends_a_style_sheet_with_each_pane_and_ours_does_not() -> None:
+def test_panel_still_sends_a_style_sheet_with_each_pane() -> None:
     def last_sheets(kind: type[pn.pane.HTML]) -> list[object]:
         document = Document()
         return [kind("", stylesheets=["b { color: red }"]).get_root(document).stylesheets[-1] for _ in range(2)]
 
-    theirs, ours = last_sheets(pn.pane.HTML), last_sheets(HtmlPane)
-    assert not isinstance(theirs[0], Model)
-    assert isinstance(ours[0], Model)
-    assert ours[0] is ours[1]
+    stock, shared = last_sheets(pn.pane.HTML), last_sheets(HtmlPane)
+    assert not isinstance(stock[0], Model)
+    assert isinstance(shared[0], Model)
+    assert shared[0] is shared[1]
 
 
 def test_a_changed_pane_of_panel_still_loses_its_sheets_while_it_has_no_document() -> None:
@@ -160,9 +156,9 @@ def test_bokeh_still_writes_down_models_that_a_document_does_not_contain() -> No
     document = Document()
     document.add_root(Div(text="one"))
     whole, _ = standalone_docs_json_and_render_items(document)
-    ours, _ = document_json(document)
+    needed, _ = document_json(document)
     assert [len(doc.get("defs", [])) > 0 for doc in whole.values()] == [True]
-    assert [doc["defs"] for doc in ours.values()] == [[]]
+    assert [doc["defs"] for doc in needed.values()] == [[]]
 
 
 def test_what_a_browser_gets_first_does_not_depend_on_the_page() -> None:
@@ -177,9 +173,9 @@ def test_what_a_browser_gets_first_does_not_depend_on_the_page() -> None:
     assert plain.count('"token":"@"') == 1
 
 
-@pytest.mark.parametrize("library", [bokeh, pn, param, pmui])
+@pytest.mark.parametrize("library", [bokeh, pn, pmui])
 def test_the_release_is_one_that_this_was_tried_with(library: object) -> None:
-    tried = {"bokeh": "3.9.", "panel": "1.9.", "panel_material_ui": "0.16.", "param": "2.4."}
+    tried = {"bokeh": "3.9.", "panel": "1.9.", "panel_material_ui": "0.16."}
     name = getattr(library, "__name__")  # noqa: B009
     assert str(getattr(library, "__version__")).startswith(tried[name])  # noqa: B009
 
@@ -192,8 +188,8 @@ def test_an_answer_to_a_message_that_failed_holds_no_traceback() -> None:
         raise ValueError(f"of {__file__}")
     except ValueError as failure:
         answer = connection.error(message, repr(failure))
-        theirs = Protocol().create("ERROR", "1", repr(failure))
-    assert Path(__file__).name in theirs.content["traceback"]
+        stock = Protocol().create("ERROR", "1", repr(failure))
+    assert Path(__file__).name in stock.content["traceback"]
     assert answer.content == {"text": FAILED, "traceback": None}
     assert answer.header["reqid"] == message.header["msgid"]
 
@@ -213,7 +209,7 @@ def test_a_message_that_came_while_another_was_written_is_written_too(monkeypatc
         monkeypatch.setitem(messages.extra_socket_handlers, type(connection._socket), send)
         messages.schedule_write_events(document, [connection], ["first"])
         await asyncio.sleep(0)
-        # the first is told that it is sent, and goes on before whatever begins from now on
+        # the first gets its answer, and goes on before whatever begins from now on
         sent.set_result(None)
         messages.schedule_write_events(document, [connection], ["second"])
         for _ in range(5):

@@ -20,7 +20,7 @@ KEYS = (
     ("Escape", "close an explanation, a list of pages or the full screen of a figure"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
 )
-"""What the keys do; letters, digits and signs only while nothing is typed."""
+"""The keys and their uses; letters, digits and signs only while nothing is typed."""
 PROOF = (
     (
         "What is proven",
@@ -103,7 +103,7 @@ def help_html() -> Markup:
 
 
 def limits_html() -> Markup:
-    """Return what may be asked for at most."""
+    """Write the table of limits."""
     row = "<tr><td>{}</td><td>{}</td><td>{}</td></tr>"
     rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
     note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
@@ -124,7 +124,7 @@ def documentation_html() -> Markup:
 
 
 def keys_html() -> Markup:
-    """Return what the keys do."""
+    """Write the table of keys."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
     note = "The keys ?, 1 to 9 and P are off while you type in a field."
     template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
@@ -145,8 +145,8 @@ def pages_html() -> Markup:
 
 def proof_html() -> Markup:
     """Return how to read a proof."""
-    told = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
-    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', told)
+    rows = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
+    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', rows)
 
 
 def glossary_html() -> Markup:

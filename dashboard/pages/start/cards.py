@@ -51,14 +51,14 @@ def hero(runs: Runs | None) -> Markup:
         )
     run, fastest = runs.best, runs.runs.get("fastest")
     phases = dict.fromkeys(phase.phase for phase in run.phases)
-    told = (words.energy(run.energy_kwh), words.time(run.travel_time_s))
+    energy_and_time = (words.energy(run.energy_kwh), words.time(run.travel_time_s))
     key = [
         markup("<span><b>{}</b>, {} km</span>", run.scenario.title, words.distance(run.distance_m)),
-        markup("<span>{}: <b>{} kWh</b> in {} s</span>", words.strategy(run.strategy), *told),
+        markup("<span>{}: <b>{} kWh</b> in {} s</span>", words.strategy(run.strategy), *energy_and_time),
     ]
     if fastest is not None:
-        told = (words.energy(fastest.energy_kwh), words.time(fastest.travel_time_s))
-        key.append(markup("<span>dotted: fastest possible, {} kWh in {} s</span>", *told))
+        energy_and_time = (words.energy(fastest.energy_kwh), words.time(fastest.travel_time_s))
+        key.append(markup("<span>dotted: fastest possible, {} kWh in {} s</span>", *energy_and_time))
     patch = '<span><i style="background:var(--rj-{})"></i>{}</span>'
     key += [markup(patch, variable(name), words.PHASE_WORDS[name]) for name in phases]
     alternative = f"Speed over distance of the optimum of {run.scenario.title}: " + ", ".join(
@@ -129,7 +129,7 @@ def axes(run: Trajectory, fastest: Trajectory | None) -> Markup:
 
 
 def card_html(card: Card) -> Markup:
-    """Return what a scenario is, and energy and time of its run with its strategy where that is not the optimum."""
+    """Describe a scenario with energy and time of its run, and with its strategy where that is not the optimum."""
     stops = f", {card.stations} stations on the way" if card.stations else ""
     line, shown, cost = _run_words(card.run)
     return markup(

@@ -47,7 +47,7 @@ GOOD_FOR = {
     "kharkiv-like-40kmh": "Limits of sections as set speeds, at 40\u00a0km/h on average.",
     "kharkiv-like-20kmh": "The same line at half the speed: where limits as set speeds cost most.",
 }
-"""What each shipped scenario is good for, in one line."""
+"""The use of each shipped scenario, in one line."""
 
 
 def scenario_groups(names: tuple[str, ...]) -> list[tuple[str, str, tuple[str, ...]]]:

@@ -94,7 +94,7 @@ class Start(Page):
         cards = {card.name: card for card in (*outlines(), *(self.cards or ()))}
         for group, pane in self.groups.items():
             shown = [cards[name] for name in group[2]]
-            # a list that was unfolded would fold whenever it is written anew
+            # a list that was unfolded would fold whenever it is written again
             if group[0] != FOLDED or not pane.object or all(card.run is not None for card in shown):
                 pane.object = group_html(group[0], group[1], shown)
 

@@ -29,7 +29,7 @@ def test_every_shipped_scenario_has_one_card() -> None:
         ("liashenko-ii", "2.223 kWh in 133.7 s"),
     ],
 )
-def test_a_card_tells_the_run_that_drive_shows(name: str, words: str) -> None:
+def test_a_card_shows_the_run_that_drive_shows(name: str, words: str) -> None:
     ((card,),) = compute_cards((name,))
     last = re.findall(r"<p>(.*?)</p>", card_html(card))[-1]
     assert last.replace("\u00a0", " ") == words

@@ -2,7 +2,7 @@
 // release that is built otherwise stays as it is.
 (() => {
   "use strict";
-  const mend = (what, work) => {
+  const repair = (what, work) => {
     try { work(); } catch (error) { console.debug(`railjoule: ${what} stays as it is`, error); }
   };
   const needed = (owner, ...names) => {
@@ -20,7 +20,7 @@
 
   // Keys do nothing in a figure, whose words stand on its frame: the tab key has no business in it. It is done while the
   // figure is made, as a reader with a fast hand and a slow browser would otherwise land on a place without a name.
-  mend("tab stops", () => {
+  repair("tab stops", () => {
     const {prototype: canvas} = prototype_of("Canvas").default_view;
     const {initialize} = needed(canvas, "initialize");
     canvas.initialize = function (...rest) {
@@ -31,14 +31,14 @@
 
   // A press that rests for 0.3 s is taken for a gesture of its own, and all that is dragged after it stays where it is:
   // who thinks before she drags, or has a busy machine, drags nothing. No figure here has anything to do with a press.
-  mend("drags", () => {
+  repair("drags", () => {
     const {UIGestures} = Bokeh.require("core/ui_gestures");
     if (typeof UIGestures.press_threshold !== "number") { throw new TypeError("there is no press_threshold"); }
     UIGestures.press_threshold = 2 ** 31 - 1;  // the longest delay of a timer, ms
   });
 
   // Each stroke of each painting asks the style sheets for thirty variables that no page of ours has.
-  mend("strokes", () => {
+  repair("strokes", () => {
     const {prototype: figure} = prototype_of("Plot").default_view;
     const {initialize} = needed(figure, "initialize");
     figure.initialize = function (...rest) {
@@ -51,7 +51,7 @@
 
   // plotly.js is larger than all the rest; it is loaded when a page first needs it, and draws a scene once, in its
   // size and in our colours, where the library would draw it four times.
-  mend("plotly", () => {
+  repair("plotly", () => {
     const scene = prototype_of("panel.models.plotly.PlotlyPlot");
     const {prototype: plot} = scene.default_view;
     const {setv} = needed(scene, "setv");
