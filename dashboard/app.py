@@ -21,9 +21,9 @@ from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.library_workarounds import (
     PageAnswer,
     PageConnection,
-    application_of,
     collect_garbage_rarely,
     exchange,
+    find_application,
     first_html,
     hide_tracebacks,
     write_all_messages,
@@ -237,7 +237,7 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
             StaticFileHandler: (KeptFileHandler, {}),
         },
     )
-    guard(application_of(server), options, lambda: opening.taken_places)
+    guard(find_application(server), options, lambda: opening.taken_places)
     return server
 
 

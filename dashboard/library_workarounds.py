@@ -63,7 +63,7 @@ def keep_colours(root: Model, kinds: list[str]) -> None:
     """Stop a page from changing the colours of these kinds of Bokeh models.
 
     To be filed with panel-material-ui: "`Page` applies its theme to every Bokeh figure on each change of a figure, and
-    overwrites colours that were set explicitly; there is no public option to leave figures alone." Its script finds the
+    overwrites colours that were set explicitly; there is no public option to exclude figures." Its script finds the
     page by the name of its class, which a subclass must keep.
     """
     root.data._custom_theme = kinds
@@ -163,22 +163,22 @@ def thaw(document: Any, count: int) -> None:
 
 
 # ---- panel 1.9.4 and bokeh 3.9.2: how a page opens. Issue 3105 of panel: the server makes a whole session for each
-# request of the page, also for one whose browser never connects, and answers nobody else meanwhile. Here the first
+# request of the page, also for one whose browser never connects, and answers nobody else. Here the first
 # answer is the same for all, and the session is made for the connection, one at a time: see server/opening.py.
 
 
-def application_of(server: Server) -> Application:
+def find_application(server: Server) -> Application:
     """Return the application of tornado that answers a server's requests, for which Bokeh has no public name."""
     application: Application = server._tornado
     return application
 
 
 PageAnswer, PageConnection = DocHandler, WSHandler
-"""What answers whoever asks for a page, and what its browser then connects to; Panel changes those of Bokeh."""
+"""The handlers of requests for a page and of its connection; Panel changes those of Bokeh."""
 
 
 def first_html(server: Server, page: Viewable, token: str) -> str:
-    """Return what a browser gets first of any page with the same roots as this one, made for nobody."""
+    """Return the first answer for any page with the same roots as this one."""
     session = generate_session(server_context(server).application, initialize=False)
     document = session.document
     try:
@@ -188,7 +188,7 @@ def first_html(server: Server, page: Viewable, token: str) -> str:
             return str(
                 server_html_page_for_session(
                     session,
-                    resources=Resources.from_bokeh(application_of(server).resources()),
+                    resources=Resources.from_bokeh(find_application(server).resources()),
                     title=document.title,
                     token=token,
                     template=document.template,
@@ -200,8 +200,8 @@ def first_html(server: Server, page: Viewable, token: str) -> str:
 
 
 def server_context(server: Server) -> Any:
-    """Return what holds the pages of a server that has one."""
-    (context,) = application_of(server).applications.values()
+    """Return the context of the pages of a server that has one."""
+    (context,) = find_application(server).applications.values()
     return context
 
 
@@ -212,9 +212,9 @@ def exchange(server: Server, handlers: dict[type[RequestHandler], tuple[type[Req
     ----------
     server : Server
     handlers : dict
-        By the library's class, ours, which is put before it, and what more it is given.
+        By the library's class, the class that is put before it, and its further arguments.
     """
-    for rule in application_of(server).wildcard_router.rules:
+    for rule in find_application(server).wildcard_router.rules:
         if not isinstance(rule.target, type):
             continue
         for known, (own, more) in handlers.items():
@@ -228,7 +228,7 @@ def _answer_with(rule: Rule, own: type[RequestHandler], more: dict[str, Any]) ->
     rule.target_kwargs = {**(rule.target_kwargs or {}), **more}
 
 
-def token_of(handler: DocHandler) -> str:
+def make_token(handler: DocHandler) -> str:
     """Return a token for a new page, which holds what its browser has asked for."""
     application = handler.application
     return str(
@@ -243,7 +243,7 @@ def token_of(handler: DocHandler) -> str:
 
 
 ADDRESS = "railjoule_address"
-"""What a token calls the path and the query of its page."""
+"""The key of path and query of the page in a token."""
 
 
 def page_of_token(token: str) -> str:
@@ -285,11 +285,11 @@ def is_gone(connection: WSHandler) -> bool:
     return connection.ws_connection is None
 
 
-def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
+def make_turns(document: Document) -> Callable[[Callable[[], None]], object]:
     """Return a function that any thread may call to run a callback in the next turn of a document.
 
     Issues 7219 and 7615 of bokeh: `add_next_tick_callback` is not thread-safe. While the document releases events that
-    it holds, it replaces their list, and a callback that a thread adds meanwhile is lost. So the event loop adds it. To
+    it holds, it replaces their list, and a callback that a thread adds then is lost. So the event loop adds it. To
     be called in the loop; without one, the callback is added directly.
     """
 
@@ -311,7 +311,7 @@ def write_all_messages() -> None:
 
     To be filed with panel: "Messages that come while another one is written get a task of their own
     (`panel.io.document._dispatch_msgs`). It does nothing if the earlier task has removed the document from
-    `_WRITE_BLOCK` meanwhile, so the last change stays unsent until the next one."
+    `_WRITE_BLOCK` before, so the last change stays unsent until the next one."
     """
     write = messages._dispatch_msgs
 
@@ -324,7 +324,7 @@ def write_all_messages() -> None:
 
 
 def collect_garbage_rarely() -> None:
-    """Search for garbage in all open pages rarely, as no page is answered meanwhile.
+    """Search for garbage in all open pages rarely, as no page is answered during a search.
 
     A page that opens makes some 45,000 objects that stay. With Python's own thresholds two in three pages that opened
     cost a search of all that are open, 20 ms for each of them; now the search of all comes after some hundred pages. To

@@ -18,6 +18,9 @@ export const make_bar = (model) => {
   const opener = (label, list, kind = "group") => {
     const button = make("button", {type: "button", class: kind, popovertarget: list.id, "aria-expanded": "false"}, label);
     list.addEventListener("toggle", ({newState}) => button.setAttribute("aria-expanded", String(newState === "open")));
+    list.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") { list.hidePopover(); button.focus(); }
+    });
     list.addEventListener("beforetoggle", () => {
       const {left, bottom} = button.getBoundingClientRect();
       list.style.left = `${Math.max(EDGE_PX, Math.min(left, window.innerWidth - LIST_PX))}px`;

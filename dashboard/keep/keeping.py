@@ -17,7 +17,7 @@ from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, s
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
 from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
-from railjoule.dashboard.library_workarounds import turns_of
+from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
@@ -179,7 +179,7 @@ class Keeping(param.Parameterized):
             then()
         else:
             reading = SLOW_THREADS.submit(read_ahead, found.get("toml"))
-            turn = turns_of(document)
+            turn = make_turns(document)
             # `then` reads it once more, from the cache of `outcome_of`
             reading.add_done_callback(lambda _: turn(then))
 

@@ -36,9 +36,9 @@ from railjoule.dashboard.library_workarounds import (
     frozen,
     hide_tracebacks,
     leave_busy,
+    make_turns,
     session_document,
     thaw,
-    turns_of,
     write_all_messages,
 )
 from railjoule.dashboard.server.options import ServerOptions
@@ -222,7 +222,7 @@ def test_a_message_that_came_while_another_was_written_is_written_too(monkeypatc
 
 def test_a_closed_page_takes_no_turn() -> None:
     document = Document()
-    turn = turns_of(document)
+    turn = make_turns(document)
     turn(lambda: None)
     assert len(document.session_callbacks) == 1
     document._session_context = lambda: SimpleNamespace(destroyed=True)

@@ -13,7 +13,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.studies.sweep import MemoryResults, Study, SweepFile, SweepTable
 from railjoule.core.studies.sweep.table_files import read_study
-from railjoule.dashboard.library_workarounds import turns_of
+from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.pages.study.compute import (
     ENERGY,
     Estimate,
@@ -280,7 +280,7 @@ class Studies(PageWork[StudyModel]):
     def _run(self) -> None:
         assert self.results is not None
         document = pn.state.curdoc
-        turn = without_page if document is None else turns_of(document)
+        turn = without_page if document is None else make_turns(document)
         running: Running
 
         def hear(progress: Progress, table: SweepTable | None) -> None:
