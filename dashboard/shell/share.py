@@ -35,6 +35,8 @@ MESSAGE = (
     '<div class="dismissible">{}<button type="button" class="text-button" data-ask="dismiss" '
     'aria-label="Close the message">\u00d7</button></div>'
 )
+REFUSED = '<div class="row"><p class="error" role="alert">{}</p></div>'
+SAVED = '<div class="row"><p class="small muted" role="status">{}</p></div>'
 BUTTON_CSS = ".bk-btn { font-size: 13px !important; padding: 4px 10px; }"
 MAKERS = {"python": as_python, "command": as_command}
 
@@ -161,8 +163,7 @@ class SaveScenario:
     def _show(self, status: str = "", refusal: str = "", can_replace: bool = False) -> None:
         self.status, self.refusal = status, refusal
         self.replace.visible = can_replace
-        kind = '<p class="error" role="alert">{}</p>' if refusal else '<p class="small muted" role="status">{}</p>'
-        self.message.object = markup(f'<div class="row">{kind}</div>', refusal or status) if refusal or status else ""
+        self.message.object = markup(REFUSED, refusal) if refusal else markup(SAVED, status) if status else ""
         if not refusal:
             self.name.value = self._suggested_name()
 
