@@ -2,7 +2,7 @@
 
 import {deep, make, until} from "./dom.js";
 
-const REST_MS = 350, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
+const REST_MS = 350, TURN_WITHIN_MS = 10000, SETTLED_MS = 300, MARGIN_PX = 8;
 
 export const explain = (turn, signal) => {
   const terms = JSON.parse(document.getElementById("rj-glossary")?.textContent ?? "{}");
@@ -14,9 +14,12 @@ export const explain = (turn, signal) => {
     hide();
     turn("Help");
     await until(() => deep(`#term-${term}`)[0]?.offsetHeight, TURN_WITHIN_MS);
-    const [entry] = deep(`#term-${term}`);
-    entry?.scrollIntoView({block: "center"});
-    entry?.focus({preventScroll: true});
+    // a page that has just come is scrolled to its beginning
+    setTimeout(() => {
+      const [entry] = deep(`#term-${term}`);
+      entry?.scrollIntoView({block: "center"});
+      entry?.focus({preventScroll: true});
+    }, SETTLED_MS);
   };
   const show = (button, hovered) => {
     hide();

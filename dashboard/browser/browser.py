@@ -112,7 +112,7 @@ class Browser(JSComponent):
             data = base64.b64encode(content).decode()
             self._send_msg({"kind": "save", "name": name, "data": data, "type": kind})
 
-    def label(self, kind: str, words: str) -> None:
+    def name_button(self, kind: str, words: str) -> None:
         """Name a button of the bar."""
         if self.labels[kind] != words:
             self.labels = {**self.labels, kind: words}

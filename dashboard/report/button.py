@@ -47,7 +47,7 @@ class ReportButton:
     def _show(self, *_: Any) -> None:
         with pn.io.hold():
             self.browser.progress = self.model.share if self.model.busy else None
-            self.browser.label("report", "Stop report" if self.model.busy else "Report")
+            self.browser.name_button("report", "Stop report" if self.model.busy else "Report")
 
     def _hear(self, message: dict[str, Any]) -> None:
         assert self.form is not None

@@ -74,7 +74,7 @@ class Share:
             else:
                 self.view.remove(self.part)
                 self.part = self.texts = None
-            self.browser.label("share", "Share" if self.part is None else "Close sharing")
+            self.browser.name_button("share", "Share" if self.part is None else "Close sharing")
             self._write()
 
     def _follow(self, *_: Any) -> None:

@@ -249,7 +249,7 @@ class Shell:
             self.state.unpin(pin)
 
     def _name_pin(self, *_: Any) -> None:
-        self.browser.label("pin", "Pin run" if self.state.pin_of_run is None else "Unpin")
+        self.browser.name_button("pin", "Pin run" if self.state.pin_of_run is None else "Unpin")
 
     def _fit(self) -> None:
         """Close the sidebar on narrow screens."""
