@@ -8,7 +8,7 @@ export function render({model}) {
     '<span class="one">this run</span><span class="draw">draw</span><span></span><span></span><span></span>' +
     '<span class="heads"><span>kWh</span><span class="above"></span></span>');
   head.setAttribute("aria-hidden", "true");
-  root.append(head);
+  root.append(make("div", {class: "section"}, "Strategies"), head);
   const rows = new Map();
   // What was pressed and the server has not confirmed: numbers of the run before may come first, and would undo it.
   const asked = {chosen: null, ticks: new Map()};

@@ -139,7 +139,9 @@ def hosted(kind: type[Page]) -> type[PageView]:
         def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
             super().__init__(state.pages[kind.page], browser, palette)
 
-    Hosted.works = (make_works(kind.page), *kind.works)
+    # a page that computes nothing has no work
+    own = [make_works(kind.page)] if any(kind.methods("work")) else []
+    Hosted.works = (*own, *kind.works)
     Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
     return Hosted
 

@@ -14,7 +14,7 @@ import panel as pn
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.insides import Words
+from railjoule.dashboard.library_workarounds import HtmlPane
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, escaped, joined, markup, safe
@@ -36,9 +36,9 @@ WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
 
 
-def html_pane(text: str = "", **params: Any) -> Words:
+def html_pane(text: str = "", **params: Any) -> HtmlPane:
     """Return a pane for one of this module's pieces."""
-    return Words(text, **{"stylesheets": [parts_css()], "sizing_mode": "stretch_width", "margin": 0, **params})
+    return HtmlPane(text, **{"stylesheets": [parts_css()], "sizing_mode": "stretch_width", "margin": 0, **params})
 
 
 def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:

@@ -18,7 +18,6 @@ from railjoule.dashboard.page_list import PAGES, page_classes, room_of
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
 from railjoule.dashboard.pages.drive.simple_model import SimpleModel
-from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -81,7 +80,6 @@ class Workbench(Kept, PageModel):
         self.scenario = ScenarioModel()
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
-        self.start = StartModel()
         self.day = Day(self.scenario)
         self.proof = ProofModel()
         self.simple = SimpleModel()

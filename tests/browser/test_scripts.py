@@ -139,12 +139,23 @@ NUMBER: dict[str, Any] = {
     "step": 0.5,
     "tick": 200.0,
     "note": "",
+    "hint": "",
     "refusal": "",
     "answers": 0,
 }
 PLAYED = {"title": "", "text": "", "verdict": {}, "refusals": 0, "lead": ""}
 VALUES: dict[str, dict[str, Any]] = {
-    "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
+    "browser": {
+        "page": "Start",
+        "entries": ENTRIES,
+        "keyed": ["Start", "Drive"],
+        "brand": "",
+        "labels": {"undo": "Undo"},
+        "disabled": [],
+        "charts_in_sight": [],
+        "address": "",
+        "progress": None,
+    },
     "draw_speed": {
         **PLAYED,
         "given": {
@@ -178,9 +189,7 @@ VALUES: dict[str, dict[str, Any]] = {
         },
     },
     "editor_head": {"status": "", "alert": "", "open": False},
-    "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
-    "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
 }
 """Properties that each of the listening components needs to be drawn."""
@@ -189,7 +198,8 @@ VALUES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", LISTENING_OUTSIDE)
 def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> None:
     """Whether it is removed or only drawn anew: the library does not tell of the second."""
-    view = "view: {model: {document: {on_event() {}}}}"
+    document = "on_event() {}, on_change() {}, remove_on_change() {}, get_model_by_name() {}"
+    view = f"view: {{model: {{document: {{{document}}}}}}}"
     code = f"""
       {MODEL} {LISTENING}
       const counts = [];

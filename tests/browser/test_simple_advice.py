@@ -30,7 +30,7 @@ def see_orders(user: User) -> None:
 def see_scenario(user: User, scenario: Scenario, listed: str, address: str) -> None:
     """See heading, menu, address and numbers of a scenario; its energy is computed here without the page."""
     expect(user.scenario(scenario.title)).to_be_visible()
-    expect(user.page.get_by_role("combobox", name="Scenario")).to_have_text(listed)
+    expect(user.page.locator("option:checked").first).to_have_text(listed)
     expect(user.page).to_have_url(re.compile(address))
     energy = words.energy(solve(scenario).energy_kwh)
     expect(user.figure_value("Energy from the supply")).to_have_text(f"{energy}kWh")

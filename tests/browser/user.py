@@ -162,8 +162,7 @@ class User:
 
     def choose(self, title: str) -> None:
         """Choose a shipped scenario."""
-        self.page.get_by_role("combobox").first.click()
-        self.page.get_by_role("menuitem", name=title, exact=True).click()
+        self.page.get_by_role("combobox", name="Scenario").select_option(label=title)
         expect(self.scenario(title)).to_be_visible()
         self.settled()
 
@@ -211,7 +210,9 @@ class User:
 
     def open_file(self, path: Path) -> None:
         """Open a scenario file."""
-        self.page.locator("input[type=file]").set_input_files(path)
+        with self.page.expect_file_chooser() as chooser:
+            self.page.get_by_role("button", name="Open file").click()
+        chooser.value.set_files(path)
         self.settled()
 
     def press(self, chart: str, tool: str) -> None:

@@ -17,14 +17,13 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.view import DriveView
 from railjoule.dashboard.pages.host import find_view
+from railjoule.dashboard.pages.start.cards import card_html
 from railjoule.dashboard.pages.start.compute import make_card
-from railjoule.dashboard.pages.start.view import card_html
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import Findings
 from railjoule.dashboard.shell.sidebar import Sidebar
@@ -75,6 +74,11 @@ def printed(*arguments: str) -> str:
     return output.getvalue()
 
 
+def make_sidebar(state: Workbench) -> Sidebar:
+    browser = Browser()
+    return Sidebar(state, browser, Keeping(state, browser))
+
+
 class Teller:
     """Collects what one scenario's runs are told to be."""
 
@@ -83,7 +87,7 @@ class Teller:
         self.told: Told = defaultdict(dict)
         self.state = Workbench()
         self.drive = DriveView(self.state, Browser(), PALETTE)
-        self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
+        self.sidebar = make_sidebar(self.state)
         find_view("Compare")(self.state, Browser(), PALETTE)
         self.compare = self.state.pages["Compare"]
         self.state.scenario.choose(name)

@@ -66,7 +66,7 @@ def test_a_chart_that_fails_costs_no_other(
             session.state.scenario.travel_time_s = travel_time_s
         scenes = drive(session).scenes
         assert not scenes["effort"].is_drawn
-        assert NOT_DRAWN.split("\u2019")[0] in scenes["effort"].sketch.object
+        assert NOT_DRAWN.split("\u2019")[0] in scenes["effort"].host[0].object
         assert scenes["speed"].is_drawn
         assert scenes["energy"].is_drawn
         assert f"{session.state.run.travel_time_s:.1f}" in shown(session)

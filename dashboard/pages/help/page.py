@@ -7,8 +7,8 @@ from railjoule.dashboard.limits import limits
 from railjoule.dashboard.look.glossary import GROUPS, Term
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.page import Page
 from railjoule.dashboard.page_list import KEYED, PAGES
-from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
 
 KEYS = (
@@ -19,9 +19,8 @@ KEYS = (
     ("Ctrl + Shift + Z", "redo"),
     ("Escape", "close an explanation, a list of pages or the full screen of a figure"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
-    ("Down", "open the list of a group of pages"),
 )
-"""What the keys do; letters, digits and signs only while nothing is typed."""
+"""The keys and their uses; letters, digits and signs only while nothing is typed."""
 PROOF = (
     (
         "What is proven",
@@ -86,15 +85,15 @@ HELP_CSS = """
 """
 
 
-class HelpView(PageView):
+class Help(Page):
     """The page of words and keys."""
 
     page = "Help"
 
-    def make(self) -> Viewable:
-        """Make the pieces of the page, and return them laid out."""
-        heading = parts.html_pane(parts.heading(self.page, "Keys, pages, proofs and all terms", "", ""))
-        return parts.stack(heading, parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS]))
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        self.host.heading.object = parts.heading(self.page, "Keys, pages, proofs and all terms", "", "")
+        return parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS])
 
 
 def help_html() -> Markup:
@@ -104,7 +103,7 @@ def help_html() -> Markup:
 
 
 def limits_html() -> Markup:
-    """Return what may be asked for at most."""
+    """Write the table of limits."""
     row = "<tr><td>{}</td><td>{}</td><td>{}</td></tr>"
     rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
     note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
@@ -125,9 +124,9 @@ def documentation_html() -> Markup:
 
 
 def keys_html() -> Markup:
-    """Return what the keys do."""
+    """Write the table of keys."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
-    note = "The keys ?, 1 to 9, P and F do nothing while you type in a field."
+    note = "The keys ?, 1 to 9 and P are off while you type in a field."
     template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
     return markup(template, rows, parts.note_paragraphs([note]))
 
@@ -137,7 +136,7 @@ def pages_html() -> Markup:
     rows = []
     for name, entry in PAGES.items():
         key = str(KEYED.index(name) + 1) if name in KEYED else "?" if name == "Help" else ""
-        # assets/scripts/glossary.js turns to the page that data-open names
+        # assets/scripts/browser.js turns to the page that data-open names
         button = markup('<button type="button" class="open-page" data-open="{0}">{0}</button>', name)
         pressed = markup("<kbd>{}</kbd>", key) if key else ""
         rows.append(markup("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", button, pressed, entry.question))
@@ -146,8 +145,8 @@ def pages_html() -> Markup:
 
 def proof_html() -> Markup:
     """Return how to read a proof."""
-    told = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
-    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', told)
+    rows = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
+    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', rows)
 
 
 def glossary_html() -> Markup:

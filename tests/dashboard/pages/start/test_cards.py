@@ -4,8 +4,8 @@ from dataclasses import replace
 import pytest
 
 from railjoule.core.scenario import preset_names
+from railjoule.dashboard.pages.start.cards import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.pages.start.compute import card_names, compute_cards
-from railjoule.dashboard.pages.start.view import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -29,7 +29,7 @@ def test_every_shipped_scenario_has_one_card() -> None:
         ("liashenko-ii", "2.223 kWh in 133.7 s"),
     ],
 )
-def test_a_card_tells_the_run_that_drive_shows(name: str, words: str) -> None:
+def test_a_card_shows_the_run_that_drive_shows(name: str, words: str) -> None:
     ((card,),) = compute_cards((name,))
     last = re.findall(r"<p>(.*?)</p>", card_html(card))[-1]
     assert last.replace("\u00a0", " ") == words
