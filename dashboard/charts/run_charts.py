@@ -1,6 +1,7 @@
 """The charts beneath the speed: phases, line, energy, difference, effort, current, power."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -75,23 +76,26 @@ class PhaseStrip(SceneChart):
 
     def draw(self, scene: RunScene) -> None:
         """Draw the bands, each with as many words as fit."""
-        phases, tokens = scene.run.phases, self.palette.tokens
-        left = np.array([phase.start_s if scene.over_time else phase.start_m for phase in phases])
-        right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in phases])
+        phases, advice, tokens = scene.run.phases, scene.run.advice, self.palette.tokens
+        groups = words.instruction_groups(advice)
+        firsts, lasts = ([phases[group[end]] for group in groups] for end in (0, -1))
+        left = np.array([phase.start_s if scene.over_time else phase.start_m for phase in firsts])
+        right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in lasts])
         room = (right - left) / scene.end * scene.width_px
         texts = []
-        for number, (told, pixels) in enumerate(zip(scene.run.advice, room, strict=True), 1):
-            full = f"{number}  {words.PHASE_WORDS[told.action]}"
-            if told.action == "hold" and told.to_kmh is not None:
-                full = f"{full} {words.tenths(told.to_kmh)}"
+        for number, (group, pixels) in enumerate(zip(groups, room, strict=True), 1):
+            instruction = advice[group[0]]
+            full = f"{number}  {words.PHASE_WORDS[instruction.action]}"
+            if instruction.action == "hold" and instruction.to_kmh is not None:
+                full = f"{full} {words.tenths(instruction.to_kmh)}"
             fitting = full if len(full) * WORD_PX < pixels else str(number)
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.put(
             "phases",
             **columns(left=left, right=right, middle=0.5 * (left + right)),
             text=texts,
-            fill=[tokens[phase.phase] for phase in phases],
-            ink=[tokens[f"on_{phase.phase}"] for phase in phases],
+            fill=[tokens[phase.phase] for phase in firsts],
+            ink=[tokens[f"on_{phase.phase}"] for phase in firsts],
         )
 
 
@@ -310,6 +314,29 @@ class CurrentChart(CellChart):
             self.quantity, at = SUPPLY_CURRENT, f", at {words.number(volts, 0)} V"
         self.rename(f"{self.quantity.words}{at}")
         super().draw(scene)
+
+
+class SupplyChart(CurrentChart):
+    """Current or power at the supply, with the x axis of all charts above it."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        # the columns of the current, whichever is drawn
+        CellChart.__init__(self, MOTOR_CURRENT, height, axis, palette, last=True)
+
+    def draw(self, scene: RunScene) -> None:
+        """Draw the power where it is chosen or no current is known, else the current."""
+        power = scene.with_power or not self.knows(scene.run)
+        assert self.figure is not None
+        self.figure.yaxis[0].formatter.args = {"digits": 1 if power else 0}
+        shown = replace(POWER, name=MOTOR_CURRENT.name)
+        self.unit, self.digits = (shown.unit, shown.digits) if power else (MOTOR_CURRENT.unit, MOTOR_CURRENT.digits)
+        self.told.update(unit=self.unit, digits=self.digits)
+        if not power:
+            super().draw(scene)
+            return
+        self.quantity = shown
+        self.rename(shown.words)
+        CellChart.draw(self, scene)
 
 
 def power_chart(height: int, axis: Axis, palette: Palette) -> CellChart:

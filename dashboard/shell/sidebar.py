@@ -17,7 +17,6 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.study.settings import StudyFields
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
@@ -214,7 +213,6 @@ class PageFields:
 
 
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
-    "Drive": ActualFields,
     "What if": WhatIfFields,
     "Study": StudyFields,
 }

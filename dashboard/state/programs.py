@@ -25,12 +25,6 @@ def _plan(state: Workbench) -> PageRun:
     return PageRun(SOLVE, {"strategy": state.chosen_now})
 
 
-def _drive(state: Workbench) -> PageRun:
-    if not state.day.on:
-        return _plan(state)
-    return actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
-
-
 def actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
     """Return the run of a day; where nothing is otherwise than planned, that is the plan.
 
@@ -99,7 +93,6 @@ def _measured_runs(state: Workbench) -> PageRun:
 
 PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Start": _plan,
-    "Drive": _drive,
     "Study": _study,
     "Learn": _learn,
     "Measured runs": _measured_runs,

@@ -15,7 +15,6 @@ from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.studies.sweep import make_study, sweep
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.drive.actual_work import Actual
 from railjoule.dashboard.pages.host import make_works
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
@@ -96,7 +95,7 @@ def fix_an_arrival(state: Workbench) -> None:
 CASES = (
     Case("Start", "liashenko-i", plan, prepare=slide),
     Case("Drive", "liashenko-i", plan, prepare=slide),
-    Case("Drive", "liashenko-i", lambda s: s.day.run.actual, prepare=meet_a_stop, name="actual run"),
+    Case("Drive", "liashenko-i", lambda s: s.pages["Drive"].actual.actual, prepare=meet_a_stop, name="actual run"),
     Case("Compare", "liashenko-i", plan, prepare=drive_fastest),
     Case("Trade-off", "liashenko-0", plan, prepare=drive_enoc),
     Case("What if", "tram-950m-stop", lambda s: s.pages["What if"].reality.following.actual),
@@ -125,7 +124,7 @@ CASES = (
     Case(
         "Drive",
         "tram-950m-stop",
-        lambda s: s.day.run.actual,
+        lambda s: s.pages["Drive"].actual.actual,
         prepare=have_the_day_as_planned,
         name="actual run as planned",
     ),
@@ -182,8 +181,8 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for work in (make_works("What if"), Actual, make_works("Speed limits"), make_works("Motor"), make_works("Line")):
-        work(state)
+    for page in ("What if", "Drive", "Speed limits", "Motor", "Line"):
+        make_works(page)(state)
     if case.edits:
         state.scenario.edit(case.edits)
     case.prepare(state)

@@ -50,8 +50,9 @@ def with_guesses(state):
 
 
 def with_simple_advice(state):
-    state.simple.open = True
-    state.simple.param.trigger("ask")
+    state.pages["Drive"].param.update(advice="simple", supply="power", has_prices_open=True)
+    state.pin()
+    state.scenario.travel_time_s += 5
 
 
 def with_files(state):

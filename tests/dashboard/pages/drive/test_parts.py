@@ -11,9 +11,9 @@ from railjoule.core.simulation.actual_run import ActualRun, actual_run
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.bellman import bellman_with_law
 from railjoule.dashboard.look.tokens import LIGHT
-from railjoule.dashboard.pages.drive.actual_parts import actual_figures, causes_block
-from railjoule.dashboard.pages.drive.law_chart import COLUMNS, ROWS, sampled
+from railjoule.dashboard.pages.drive.charts import COLUMNS, ROWS, sampled
 from railjoule.dashboard.pages.drive.sankey import BACK, BRAKE, DRIVE, LINE, TRAIN, links_of, sankey
+from railjoule.dashboard.pages.drive.texts import actual_figures, causes_block
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
 

@@ -1,14 +1,16 @@
-"""What Drive tells of the actual run: its numbers, and where its extra energy comes from."""
+"""Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
 
 from collections.abc import Sequence
 
 from markupsafe import Markup
 
 from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.pages.drive.proof_compute import same_plan
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.pages.drive.compute import same_plan
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -142,3 +144,33 @@ def _running(energies: Sequence[float]) -> list[float]:
         total += energy
         ends.append(total)
     return ends
+
+
+# ---- the proof
+
+BOXES = 1e6
+EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
+PROOF = (
+    '<div class="block"><h2>What is proven {}</h2><div class="proof-row"><span role="status" aria-live="polite">{}'
+    '</span> <span class="muted">{}</span></div>{}</div>'
+)
+
+
+def proof_block(run: Trajectory, end: str, notes: str) -> Markup:
+    """Return the statement of a run's bound, the progress of its proof, the solver's numbers and notes, as HTML."""
+    milliseconds, cells = words.number(1e3 * run.solve_time_s), len(run.nodes_m) - 1
+    iterations = f", {run.iterations} iterations" if run.iterations else ""
+    solved = f"Solved in {milliseconds} ms{iterations}, {words.number(cells, 0)} cells."
+    statement = "No bound is known." if run.bound is None else run.bound.statement
+    # the count of boxes is not read aloud at every step, the statement is
+    return markup(PROOF, info("Proof"), statement, end, notes + note_paragraphs([solved]))
+
+
+def progress(step: ProofStep | None) -> Markup:
+    """Return how many boxes of its budget a proof has used, as HTML; None while it waits for others."""
+    share, amount = 0.0, "begins"
+    if step is not None:
+        share = step.share
+        amount = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
+    bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
+    return markup(bar, f"{share:.3f}", amount)

@@ -1,0 +1,364 @@
+"""Drive: one run, its numbers, the driving advice, and the charts that explain it."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from panel.viewable import Viewable
+
+from railjoule.core import TimetableError, Trajectory
+from railjoule.core.simulation.actual_run import ActualRun
+from railjoule.dashboard.charts.plot import AxisPlot, Plot
+from railjoule.dashboard.charts.run_charts import (
+    CurrentChart,
+    DifferenceChart,
+    EffortChart,
+    EnergyChart,
+    PhaseStrip,
+    SupplyChart,
+)
+from railjoule.dashboard.charts.scene import RunScene
+from railjoule.dashboard.day import FOLLOWING, LOAD_AND_POSITION
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
+from railjoule.dashboard.page import Own, Page, Request, shows, study, work
+from railjoule.dashboard.pages.drive import texts
+from railjoule.dashboard.pages.drive.charts import DriveSpeedChart, LawChart, PriceChart, TrackStrip
+from railjoule.dashboard.pages.drive.compute import (
+    FURTHER_BOXES,
+    ActualRequest,
+    ProofRequest,
+    Proven,
+    SimpleAnswer,
+    compute_actual,
+    compute_proof,
+    compute_simple,
+    same_plan,
+)
+from railjoule.dashboard.pages.drive.fields import ActualFields
+from railjoule.dashboard.pages.drive.sankey import SankeyChart
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import buttons, over_time_buttons
+from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.pins import same_run
+from railjoule.dashboard.state.program import SOLVE, PageRun
+from railjoule.dashboard.state.programs import actual_run
+from railjoule.dashboard.work.runs import Runs, is_slow
+from railjoule.dashboard.work.simple_advice import choose_simple
+from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
+
+REST_MS = 300
+"""While a slider moves, each of its runs is gone before a proof could be of use."""
+DAY = tuple(f"desk.day.{name}" for name in (*LOAD_AND_POSITION, *FOLLOWING))
+DAY_EVENTS = tuple(f"desk.day.{name}" for name in ("on", "events", "changed", "accepted_delay_s", "reaction"))
+SPEED = AxisPlot("speed", DriveSpeedChart, (250, 310, 220))
+PRICE = AxisPlot("price", PriceChart, (120, 120, 120))
+SCENES = (
+    SPEED,
+    AxisPlot("phases", PhaseStrip, (26, 26, 26)),
+    AxisPlot("line", TrackStrip, (104, 104, 104)),
+    AxisPlot("energy", EnergyChart, (140, 140, 140)),
+    AxisPlot("difference", DifferenceChart, (92, 92, 92)),
+    AxisPlot("effort", EffortChart, (104, 104, 104)),
+    AxisPlot("supply", SupplyChart, (134, 134, 134)),
+    PRICE,
+)
+LAW = AxisPlot("law", LawChart, (180, 180, 180))
+SANKEY = Plot("sankey", "", heights=(300, 300, 340), chart=SankeyChart)
+SANKEY_FROM_PX = 1200
+"""From this width of the window on, the energy balance is a Sankey diagram; below it, bars."""
+MARGIN_PX, NARROW_MARGIN_PX, LEAST_WIDTH_PX = 400, 40, 300
+"""Width of the parts beside the charts, and the least width of the charts."""
+# the second column of LAYOUT_CSS, 330 px, and the gap of 20 px before it
+RAIL_PX = 350
+NO_CURRENT = "The current needs the voltage of the line: set it under Edit scenario, Vehicle."
+COMPUTING = "Computing simpler advice ..."
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) 330px; padding: 0 20px 12px 14px; column-gap: 20px; }
+@media (max-width: 1599px) { :host { grid-template-columns: minmax(0, 1fr); } }
+@media (max-width: 899px) { :host { padding: 0 10px 12px 6px; } }
+"""
+RAIL_CSS = """
+:host { border-left: 1px solid var(--rj-line); padding: 4px 0 0 20px; }
+@media (max-width: 1599px) { :host { border-left: 0; padding: 4px 6px 0 6px; display: grid;
+  grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); column-gap: 32px; align-items: start; } }
+"""
+TOOLS_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) auto auto; align-items: start; column-gap: 12px;
+  padding-right: 20px; box-sizing: border-box; }
+@media (max-width: 899px) { :host { grid-template-columns: auto auto; justify-content: start; padding: 0 14px; }
+  :host > :first-child { grid-column: 1 / 3; } }
+"""
+ROW_CSS = ":host { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 16px; padding: 0 6px; }"
+SMALL: dict[str, Any] = {"variant": "text", "size": "small", "margin": 0}
+
+
+class Drive(Page):
+    """The page of one run."""
+
+    page = "Drive"
+    kept = ("advice", "supply")
+    passing = ("proving", "proving_further", "has_prices_open")
+    fields = (Own(lambda page: ActualFields(page.desk).view),)
+    figures = (*SCENES, LAW, SANKEY)
+    rail_px = RAIL_PX
+
+    advice = param.Selector(default="exact", objects=["exact", "simple"], doc="The advice of the run, or simpler one.")
+    supply = param.Selector(default="current", objects=["current", "power"], doc="The quantity at the supply.")
+    has_prices_open = param.Boolean(default=False, doc="Whether the prices that prove the bound are in sight.")
+    proving = param.Boolean(default=False, doc="Whether the first stage of the proof is under way.")
+    proving_further = param.Boolean(default=False, doc="Whether the second stage is.")
+    prove_further = param.Event(doc="The user starts the second stage.")
+    actual = result(ActualRun, "The last good actual run.")
+    simple = result(SimpleAnswer, "Simpler advice.")
+    first_proof = result(Proven, "The last step of the first stage.")
+    further_proof = result(Proven, "The last step of the second stage.")
+
+    def __init__(self, desk: Any, **params: Any) -> None:
+        super().__init__(desk, **params)
+        self.param.watch(self._remember, ["first_proof", "further_proof"])
+
+    def page_run(self) -> PageRun:
+        """Return the plan or the actual run as a program."""
+        plan = {"strategy": self.desk.chosen_now}
+        day = self.desk.day
+        return actual_run(self.desk, {**plan, **day.actual_changes}) if day.on else PageRun(SOLVE, plan)
+
+    def is_over_time(self, axis: str) -> bool:
+        """Return whether the figures are over time; else they are over distance."""
+        return bool(self.desk.over_time)
+
+    # ---- what it computes
+
+    # the runs too, as they decide the strategy of the plan: `chosen_now`
+    @work(
+        *("scenario", "desk.chosen", "desk.runs", *DAY, *DAY_EVENTS),
+        into="actual",
+        marked=True,
+        is_slow=lambda asked: is_slow(asked.scenario, asked.scenario.strategy),
+    )
+    def _actual(self) -> Request:
+        desk = self.desk
+        if not desk.day.on:
+            return None
+        changes = {"strategy": desk.chosen_now, **desk.day.actual_changes}
+        return compute_actual, ActualRequest(desk.scenario.scenario(), changes)
+
+    # seconds on a long line: sliders of other pages need not wait for it
+    @work("scenario", "advice", into="simple", is_slow=lambda _: True)
+    def _simple(self) -> Request:
+        return (compute_simple, self.desk.scenario.scenario()) if self.advice == "simple" else None
+
+    @study("scenario", "desk.runs", into="first_proof", busy="proving", threads=SLOW_THREADS, rest_ms=REST_MS)
+    def _first_proof(self) -> Request:
+        runs = self.desk.runs
+        # what is under way proves a plan that has gone
+        if runs is None or runs.to_prove is None or not same_plan(runs.scenario, self.desk.scenario.scenario()):
+            return None
+        known = self.desk.proof.of(runs.scenario)
+        if known is not None and (known.done_boxes > 0 or known.is_complete):
+            return None
+        return compute_proof, ProofRequest(runs.scenario, runs.to_prove)
+
+    @study("scenario", into="further_proof", busy="proving_further", start="prove_further", threads=PROOF_THREADS)
+    def _further_proof(self) -> Request:
+        runs = self.desk.runs
+        if runs is None or runs.to_prove is None:
+            return None
+        return compute_proof, ProofRequest(runs.scenario, runs.to_prove, FURTHER_BOXES)
+
+    def _remember(self, event: Any) -> None:
+        if event.new is not None:
+            known = self.desk.proof.remember(event.new)
+            self.desk.take_bound(known.scenario, known.bound)
+
+    # ---- what it shows
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        plots = self.host.plots
+        self.repair = pmui.Button(label="", **{**SMALL, "margin": (0, 20)}, visible=False, on_click=self._repair)
+        self.advice_pane = parts.html_pane(css_classes=["rj-advice"])
+        self.pin = pmui.Button(label="Pin this advice", **SMALL, visible=False, on_click=self._pin_simple)
+        self.supply_buttons = buttons(self, "supply", {"Current": "current", "Power": "power"}, margin=(8, 0))
+        self.causes = parts.html_pane(visible=False)
+        self.no_current = parts.html_pane(parts.note_paragraphs([NO_CURRENT]), visible=False)
+        self.proof, self.account, self.runs, self.phases = (parts.html_pane() for _ in range(4))
+        # one button, so that the keyboard's focus stays where it is
+        self.prove = pmui.Button(label="Prove further", **SMALL, on_click=self._press_prove)
+        self.prices = pmui.Button(label="", **SMALL, on_click=self._turn_prices)
+        proof = pn.Row(self.prove, self.prices, margin=0, stylesheets=[ROW_CSS])
+        for name in ("difference", "law", "price"):
+            plots[name].host.visible = False
+        beside = {"energy": [self.causes], "supply": [self.no_current, self.proof, proof]}
+        column = parts.stack(*(one for name, plot in plots.items() for one in (plot.host, *beside.get(name, ()))))
+        rail = parts.stack(self.account, self.runs, self.phases, css=RAIL_CSS)
+        tools = pn.Row(
+            self.advice_pane,
+            self.pin,
+            buttons(self, "advice", {"Exact": "exact", "Simple": "simple"}, margin=(8, 0)),
+            margin=0,
+            sizing_mode="stretch_width",
+            stylesheets=[TOOLS_CSS],
+        )
+        views = pn.Row(
+            parts.html_pane(),
+            over_time_buttons(self.desk, margin=(8, 0)),
+            self.supply_buttons,
+            margin=0,
+            sizing_mode="stretch_width",
+            stylesheets=[TOOLS_CSS],
+        )
+        return parts.stack(self.repair, self.host.figures, tools, views, parts.stack(column, rail, css=LAYOUT_CSS))
+
+    def _repair(self, *_: Any) -> None:
+        failure = self.desk.failure
+        if isinstance(failure, TimetableError):
+            self.desk.scenario.travel_time_s = failure.min_tenth_s
+
+    def _pin_simple(self, *_: Any) -> None:
+        found = self._shown
+        if found is not None and self.simple is not None:
+            simple = self._advised(found[0])[2]
+            if simple is not None:
+                self.desk.pin_simple(self.simple.scenario, simple)
+
+    def _press_prove(self, *_: Any) -> None:
+        if self.proving_further:
+            self.proving_further = False
+        else:
+            self.param.trigger("prove_further")
+
+    def _turn_prices(self, *_: Any) -> None:
+        self.has_prices_open = not self.has_prices_open
+
+    @shows("failure", "desk.failure", "desk.runs", "desk.day.on")
+    def _show_failure(self) -> None:
+        """Show why there is no run as asked for, and offer what repairs it."""
+        run, failure = self.desk.run, self.desk.failure
+        shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
+        if failure is None and self.desk.day.on and self.failure is not None:
+            self.host.tell(self.failure, "Shown: the plan.")
+        else:
+            self.host.tell(failure, shown)
+        self.repair.visible = isinstance(failure, TimetableError)
+        if isinstance(failure, TimetableError):
+            self.repair.label = f"Use {words.number(failure.min_tenth_s)} s"
+
+    @property
+    def _shown(self) -> tuple[Trajectory, Runs, ActualRun | None] | None:
+        """The run to show, those beside it, and the actual run; None while there is none, or the actual run is due."""
+        run, runs, on = self.desk.run, self.desk.runs, self.desk.day.on and self.failure is None
+        if run is None or runs is None:
+            return None
+        if not on:
+            return run, runs, None
+        actual = self.actual
+        if actual is None or not texts.belongs_to(actual, run):
+            return None
+        # under target braking curves the actual run has a plan of its own
+        return (run if texts.is_same_plan(actual, run) else actual.planned), runs, actual
+
+    def _advised(self, run: Trajectory) -> tuple[Trajectory, str, Any]:
+        """Return the run whose advice is shown, a sentence on it, and the simple run if it is one."""
+        answer = self.simple
+        if self.advice == "exact":
+            return run, "", None
+        if answer is None or not same_plan(answer.scenario, run.scenario):
+            return run, COMPUTING, None
+        if answer.advice is None:
+            return run, f"Simpler advice {answer.refusal}", None
+        simple, sentence = choose_simple(answer.advice)
+        if simple is None:
+            return run, sentence, None
+        return simple.run, " ".join([sentence, *simple.run.notes]), simple
+
+    @shows(
+        *("desk.runs", "desk.chosen", "desk.ticked", "desk.pins", "desk.over_time", "desk.day.on"),
+        *("actual", "failure", "simple", "advice", "supply"),
+    )
+    def _show_run(self) -> None:
+        found = self._shown
+        if found is None:
+            return
+        run, runs, actual = found
+        desk, host, window_px = self.desk, self.host, self.host.browser.window_width
+        narrow = window_px < NARROW_PX
+        advised, _, simple = self._advised(run)
+        drawn = {name: other for name, other in runs.runs.items() if name in desk.ticked}
+        drawn[desk.chosen_now] = run
+        width_px = max(window_px - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
+        scene = RunScene(
+            *(desk.chosen_now, drawn, desk.pinned, desk.over_time, narrow, width_px, actual, runs.runs.get("fastest")),
+            variant=None if simple is None else ("simpler advice", advised),
+            with_power=self.supply == "power",
+        )
+        # narrow windows have no names at the ends of lines, for which the room would be
+        host.axis.fit(scene.end, roomy=not narrow)
+        has_current, wide = CurrentChart.knows(run), window_px >= SANKEY_FROM_PX
+        self.supply_buttons.visible, self.no_current.visible = has_current, not has_current
+        # a picture has even steps: those over places would be uneven over time
+        law = None if desk.over_time else runs.law
+        pinned = desk.pinned is not None and not same_run(desk.pinned, run)
+        for name, visible in {"difference": pinned, "law": law is not None, "sankey": wide}.items():
+            host.plots[name].host.visible = visible
+        self.account.visible = not wide
+        self._show_texts(run, runs, actual)
+        host.draw(SCENES, scene)
+        if law is not None:
+            host.draw([LAW], scene, law)
+        if wide:
+            host.draw([SANKEY], run, width_px - (RAIL_PX if window_px >= WIDE_PX else 0))
+
+    def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
+        vehicle = run.scenario.vehicle
+        subtitle = words.subtitle(run.distance_m, vehicle.name, vehicle.load_factor)
+        self.host.heading.object = parts.heading(self.page, run.scenario.title, subtitle, "")
+        self.causes.visible = actual is not None
+        if actual is not None:
+            self.host.figures.object = texts.actual_figures(actual, runs, self.desk.run or run)
+            self.causes.object = texts.causes_block(actual)
+        advised, sentence, simple = self._advised(run)
+        self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=sentence)
+        pinned = simple is not None and self.desk.pin_of(simple.run) is not None
+        self.pin.param.update(
+            visible=simple is not None, disabled=pinned, label="Pinned" if pinned else "Pin this advice"
+        )
+        self.account.object = parts.account(run) if self.account.visible else ""
+        self.runs.object = parts.runs_table(runs, run.strategy, self.desk.pins)
+        self.phases.object = parts.phase_table(run)
+
+    # a greater bound changes only numbers, and no line is drawn again for it
+    @shows(
+        *("desk.runs", "desk.chosen", "desk.pins", "desk.tightened", "desk.day.on", "actual", "failure"),
+        *("first_proof", "further_proof", "proving", "proving_further", "has_prices_open"),
+    )
+    def _show_proof(self) -> None:
+        found = self._shown
+        if found is None:
+            return
+        run, runs, actual = found
+        if actual is None:
+            self.host.figures.object = parts.run_figures(runs, run, self.desk.pinned, stale=False)
+        known, bound, to_prove = self.desk.proof.of(run.scenario), run.bound, runs.to_prove
+        # the bound of a run over other nodes or with a time of its own is another proof
+        own = actual is None and bound is not None and to_prove is not None and to_prove.bound is bound
+        complete, busy, end = known is not None and known.is_complete, self.proving or self.proving_further, ""
+        if own and busy:
+            last = self.further_proof if self.proving_further else self.first_proof
+            end = texts.progress(None if last is None else last.step)
+        elif own and known is not None and complete:
+            # a smooth drive has no further proof
+            end = texts.EXHAUSTED if known.step.boxes else ""
+        elif own and self.failure is not None:
+            end = f"The proof has ended: {self.failure}"
+        self.proof.object = texts.proof_block(run, end, parts.note_paragraphs(run.all_notes))
+        self.prove.visible = own and (not complete or busy)
+        self.prove.label = "Stop" if self.proving_further else "Prove further"
+        # the first stage ends by itself after about half a second
+        self.prove.disabled = self.proving
+        known_price = PriceChart.is_known(run)
+        self.prices.visible = known_price
+        self.prices.label = f"{'Hide' if self.has_prices_open else 'Show'} price of force"
+        self.host.plots["price"].host.visible = self.has_prices_open and known_price
