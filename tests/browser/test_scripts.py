@@ -182,6 +182,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
+    "player": {"wanted": False, "run": {}, "train": [], "over_time": False},
 }
 """Properties that each of the listening components needs to be drawn."""
 

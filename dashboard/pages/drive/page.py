@@ -24,7 +24,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page import Own, Page, Request, shows, study, work
 from railjoule.dashboard.pages.drive import texts
-from railjoule.dashboard.pages.drive.charts import DriveSpeedChart, LawChart, PriceChart, TrackStrip
+from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawChart, PriceChart, TrackStrip
 from railjoule.dashboard.pages.drive.compute import (
     FURTHER_BOXES,
     ActualRequest,
@@ -37,6 +37,7 @@ from railjoule.dashboard.pages.drive.compute import (
     same_plan,
 )
 from railjoule.dashboard.pages.drive.fields import ActualFields
+from railjoule.dashboard.pages.drive.player import Player, played_columns
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons
@@ -61,7 +62,7 @@ SCENES = (
     AxisPlot("energy", EnergyChart, (140, 140, 140)),
     AxisPlot("difference", DifferenceChart, (92, 92, 92)),
     AxisPlot("effort", EffortChart, (104, 104, 104)),
-    AxisPlot("supply", SupplyChart, (134, 134, 134)),
+    AxisPlot("current", SupplyChart, (134, 134, 134)),
     PRICE,
 )
 LAW = AxisPlot("law", LawChart, (180, 180, 180))
@@ -88,7 +89,7 @@ TOOLS_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) auto auto; align-items: start; column-gap: 12px;
   padding-right: 20px; box-sizing: border-box; }
 @media (max-width: 899px) { :host { grid-template-columns: auto auto; justify-content: start; padding: 0 14px; }
-  :host > :first-child { grid-column: 1 / 3; } }
+  .rj-wide { grid-column: 1 / 3; } }
 """
 ROW_CSS = ":host { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 16px; padding: 0 6px; }"
 SMALL: dict[str, Any] = {"variant": "text", "size": "small", "margin": 0}
@@ -179,7 +180,7 @@ class Drive(Page):
         """Make the parts of the page, and return them laid out."""
         plots = self.host.plots
         self.repair = pmui.Button(label="", **{**SMALL, "margin": (0, 20)}, visible=False, on_click=self._repair)
-        self.advice_pane = parts.html_pane(css_classes=["rj-advice"])
+        self.advice_pane = parts.html_pane(css_classes=["rj-wide"])
         self.pin = pmui.Button(label="Pin this advice", **SMALL, visible=False, on_click=self._pin_simple)
         self.supply_buttons = buttons(self, "supply", {"Current": "current", "Power": "power"}, margin=(8, 0))
         self.causes = parts.html_pane(visible=False)
@@ -188,10 +189,11 @@ class Drive(Page):
         # one button, so that the keyboard's focus stays where it is
         self.prove = pmui.Button(label="Prove further", **SMALL, on_click=self._press_prove)
         self.prices = pmui.Button(label="", **SMALL, on_click=self._turn_prices)
-        proof = pn.Row(self.prove, self.prices, margin=0, stylesheets=[ROW_CSS])
+        self.bellman = pmui.Button(label="Compare with dynamic programming", **SMALL, on_click=self._choose_bellman)
+        proof = pn.Row(self.prove, self.prices, self.bellman, margin=0, stylesheets=[ROW_CSS])
         for name in ("difference", "law", "price"):
             plots[name].host.visible = False
-        beside = {"energy": [self.causes], "supply": [self.no_current, self.proof, proof]}
+        beside = {"energy": [self.causes], "current": [self.no_current, self.proof, proof]}
         column = parts.stack(*(one for name, plot in plots.items() for one in (plot.host, *beside.get(name, ()))))
         rail = parts.stack(self.account, self.runs, self.phases, css=RAIL_CSS)
         tools = pn.Row(
@@ -202,8 +204,9 @@ class Drive(Page):
             sizing_mode="stretch_width",
             stylesheets=[TOOLS_CSS],
         )
+        self.player = Player(margin=0, sizing_mode="stretch_width", css_classes=["rj-wide"])
         views = pn.Row(
-            parts.html_pane(),
+            self.player,
             over_time_buttons(self.desk, margin=(8, 0)),
             self.supply_buttons,
             margin=0,
@@ -229,6 +232,9 @@ class Drive(Page):
             self.proving_further = False
         else:
             self.param.trigger("prove_further")
+
+    def _choose_bellman(self, *_: Any) -> None:
+        self.desk.chosen = "bellman"
 
     def _turn_prices(self, *_: Any) -> None:
         self.has_prices_open = not self.has_prices_open
@@ -265,7 +271,8 @@ class Drive(Page):
         answer = self.simple
         if self.advice == "exact":
             return run, "", None
-        if answer is None or not same_plan(answer.scenario, run.scenario):
+        # not the run's own scenario: set speeds are driven over one with nodes of its own
+        if answer is None or self.desk.runs is None or not same_plan(answer.scenario, self.desk.runs.scenario):
             return run, COMPUTING, None
         if answer.advice is None:
             return run, f"Simpler advice {answer.refusal}", None
@@ -310,6 +317,19 @@ class Drive(Page):
             host.draw([LAW], scene, law)
         if wide:
             host.draw([SANKEY], run, width_px - (RAIL_PX if window_px >= WIDE_PX else 0))
+
+    @shows("desk.runs", "desk.chosen", "desk.over_time", "desk.day.on", "actual", "simple", "advice", "player.wanted")
+    def _show_player(self) -> None:
+        found = self._shown
+        if found is None or not self.player.wanted:
+            return
+        # before the browser puts the train on them
+        plots = [self.host.plots[name] for name in ("speed", "line")]
+        self.player.param.update(
+            run=played_columns(self._advised(found[0])[0]),
+            train=[plot.sources[TRAIN].id for plot in plots if plot.figure is not None],
+            over_time=self.desk.over_time,
+        )
 
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
         vehicle = run.scenario.vehicle
@@ -358,6 +378,7 @@ class Drive(Page):
         self.prove.label = "Stop" if self.proving_further else "Prove further"
         # the first stage ends by itself after about half a second
         self.prove.disabled = self.proving
+        self.bellman.visible = "bellman" not in self.desk.drawn
         known_price = PriceChart.is_known(run)
         self.prices.visible = known_price
         self.prices.label = f"{'Hide' if self.has_prices_open else 'Show'} price of force"

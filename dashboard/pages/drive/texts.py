@@ -151,7 +151,8 @@ def _running(energies: Sequence[float]) -> list[float]:
 BOXES = 1e6
 EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
 PROOF = (
-    '<div class="block"><h2>What is proven {}</h2><div class="proof-row"><span role="status" aria-live="polite">{}'
+    '<div class="block inset"><h2>What is proven {}</h2><div class="proof-row">'
+    '<span role="status" aria-live="polite">{}'
     '</span> <span class="muted">{}</span></div>{}</div>'
 )
 
