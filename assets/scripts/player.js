@@ -32,6 +32,8 @@ export function render({model}) {
     return [name, {value, place: make("span", {}, value, ` ${unit}`)}];
   }));
   const readouts = make("span", {class: "readouts"}, ...[...numbers.values()].map(({place}) => place));
+  // it has its place before there is a run to play
+  readouts.style.visibility = "hidden";
   root.append(button, pace, range, readouts);
   let time = 0, begun_ms = 0, playing = false, asked = false, lit = null, shown = false;
 
@@ -58,6 +60,7 @@ export function render({model}) {
   const show = () => {
     if (!is_there()) { return; }
     shown = true;
+    readouts.style.visibility = "";
     time = Math.min(time, end());
     const {run} = model, at = (name, stepped) => quantity_at(run, name, time, stepped);
     range.max = String(end());

@@ -1,5 +1,6 @@
 """Drive: one run, its numbers, the driving advice, and the charts that explain it."""
 
+import io
 from typing import Any
 
 import panel as pn
@@ -9,6 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
 from railjoule.core.simulation.actual_run import ActualRun
+from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.plot import AxisPlot, Plot
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
@@ -24,6 +26,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page import Own, Page, Request, shows, study, work
 from railjoule.dashboard.pages.drive import texts
+from railjoule.dashboard.pages.drive.card import driver_card
 from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawChart, PriceChart, TrackStrip
 from railjoule.dashboard.pages.drive.compute import (
     FURTHER_BOXES,
@@ -40,12 +43,14 @@ from railjoule.dashboard.pages.drive.fields import ActualFields
 from railjoule.dashboard.pages.drive.player import Player, played_columns
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import buttons, over_time_buttons
+from railjoule.dashboard.parts.choices import buttons, menu, over_time_buttons
+from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.numbers import TypedNumber
 from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.pins import same_run
 from railjoule.dashboard.state.program import SOLVE, PageRun
 from railjoule.dashboard.state.programs import actual_run
-from railjoule.dashboard.work.runs import Runs, is_slow
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, is_slow
 from railjoule.dashboard.work.simple_advice import choose_simple
 from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
 
@@ -86,12 +91,16 @@ RAIL_CSS = """
   grid-template-columns: repeat(auto-fit, minmax(300px, 1fr)); column-gap: 32px; align-items: start; } }
 """
 TOOLS_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) auto auto; align-items: start; column-gap: 12px;
-  padding-right: 20px; box-sizing: border-box; }
-@media (max-width: 899px) { :host { grid-template-columns: auto auto; justify-content: start; padding: 0 14px; }
-  .rj-wide { grid-column: 1 / 3; } }
+:host { display: grid; grid-template-columns: minmax(0, 1fr); grid-auto-flow: column; align-items: start;
+  column-gap: 12px; padding-right: 20px; box-sizing: border-box; }
+@media (max-width: 899px) { :host { display: flex; flex-wrap: wrap; padding: 0 14px; } .rj-wide { flex: 1 0 100%; } }
 """
 ROW_CSS = ":host { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 16px; padding: 0 6px; }"
+WORTH_CSS = ":host { padding: 12px 0 0; }"
+WORTH_FIELDS = ("price_per_kwh", "trains_per_day", "co2_kg_per_kwh")
+COMPARED = {"Fastest run": "fastest", "Typical driver (set speeds)": "speed_limits", "Pinned run": "pinned"}
+"""The runs against which a saving is counted; a typical driver holds one set speed per section."""
+FILLED_AFTER_MS = 400
 SMALL: dict[str, Any] = {"variant": "text", "size": "small", "margin": 0}
 
 
@@ -99,7 +108,7 @@ class Drive(Page):
     """The page of one run."""
 
     page = "Drive"
-    kept = ("advice", "supply")
+    kept = ("advice", "supply", "compared", *WORTH_FIELDS)
     passing = ("proving", "proving_further", "has_prices_open")
     fields = (Own(lambda page: ActualFields(page.desk).view),)
     figures = (*SCENES, LAW, SANKEY)
@@ -107,12 +116,19 @@ class Drive(Page):
 
     advice = param.Selector(default="exact", objects=["exact", "simple"], doc="The advice of the run, or simpler one.")
     supply = param.Selector(default="current", objects=["current", "power"], doc="The quantity at the supply.")
+    compared = param.Selector(
+        default="fastest", objects=list(COMPARED.values()), doc="The run that a saving is against."
+    )
+    price_per_kwh = TypedNumber("Price per kWh", "", 2, default=0.15, bounds=(0.0, 1000.0))
+    trains_per_day = TypedNumber("Trains per day", "", 0, default=300.0, bounds=(0.0, 100_000.0))
+    co2_kg_per_kwh = TypedNumber("CO\u2082 per kWh, kg", "kg", 2, default=0.3, bounds=(0.0, 10.0))
     has_prices_open = param.Boolean(default=False, doc="Whether the prices that prove the bound are in sight.")
     proving = param.Boolean(default=False, doc="Whether the first stage of the proof is under way.")
     proving_further = param.Boolean(default=False, doc="Whether the second stage is.")
     prove_further = param.Event(doc="The user starts the second stage.")
     actual = result(ActualRun, "The last good actual run.")
     simple = result(SimpleAnswer, "Simpler advice.")
+    baseline = result(Runs, "The run that a saving is against, where it is not drawn.")
     first_proof = result(Proven, "The last step of the first stage.")
     further_proof = result(Proven, "The last step of the second stage.")
 
@@ -151,6 +167,13 @@ class Drive(Page):
     def _simple(self) -> Request:
         return (compute_simple, self.desk.scenario.scenario()) if self.advice == "simple" else None
 
+    @work("scenario", "desk.runs", "compared", into="baseline", is_slow=lambda asked: asked.is_slow)
+    def _baseline(self) -> Request:
+        runs, name = self.desk.runs, self.compared
+        if runs is None or name == "pinned" or name in (*runs.runs, *runs.refused):
+            return None
+        return compute_runs, RunsRequest(self.desk.scenario.scenario(), ("optimal", name))
+
     @study("scenario", "desk.runs", into="first_proof", busy="proving", threads=SLOW_THREADS, rest_ms=REST_MS)
     def _first_proof(self) -> Request:
         runs = self.desk.runs
@@ -182,6 +205,15 @@ class Drive(Page):
         self.repair = pmui.Button(label="", **{**SMALL, "margin": (0, 20)}, visible=False, on_click=self._repair)
         self.advice_pane = parts.html_pane(css_classes=["rj-wide"])
         self.pin = pmui.Button(label="Pin this advice", **SMALL, visible=False, on_click=self._pin_simple)
+        self.card = pmui.FileDownload(
+            callback=self._make_card,
+            filename="drivers-card.html",
+            label="Driver\u2019s card",
+            icon="print",
+            size="small",
+        )
+        # as arguments they make Panel warn
+        self.card.param.update(variant="text", margin=(8, 0))
         self.supply_buttons = buttons(self, "supply", {"Current": "current", "Power": "power"}, margin=(8, 0))
         self.causes = parts.html_pane(visible=False)
         self.no_current = parts.html_pane(parts.note_paragraphs([NO_CURRENT]), visible=False)
@@ -195,10 +227,17 @@ class Drive(Page):
             plots[name].host.visible = False
         beside = {"energy": [self.causes], "current": [self.no_current, self.proof, proof]}
         column = parts.stack(*(one for name, plot in plots.items() for one in (plot.host, *beside.get(name, ()))))
-        rail = parts.stack(self.account, self.runs, self.phases, css=RAIL_CSS)
+        self.worth, self.saving = parts.stack(css=WORTH_CSS), parts.html_pane()
+        rail = parts.stack(self.account, self.worth, self.runs, self.phases, css=RAIL_CSS)
+        if pn.state.curdoc is None:
+            self._fill_worth()
+        else:
+            # the page itself comes first
+            pn.state.curdoc.add_timeout_callback(self._fill_worth, FILLED_AFTER_MS)
         tools = pn.Row(
             self.advice_pane,
             self.pin,
+            self.card,
             buttons(self, "advice", {"Exact": "exact", "Simple": "simple"}, margin=(8, 0)),
             margin=0,
             sizing_mode="stretch_width",
@@ -214,6 +253,23 @@ class Drive(Page):
             stylesheets=[TOOLS_CSS],
         )
         return parts.stack(self.repair, self.host.figures, tools, views, parts.stack(column, rail, css=LAYOUT_CSS))
+
+    def _fill_worth(self) -> None:
+        heading = parts.html_pane("<h2>What it is worth</h2>")
+        fields = [NumberField(self, name, margin=(0, -16)) for name in WORTH_FIELDS]
+        with added_to(self.worth):
+            self.worth[:] = [
+                heading,
+                menu(self, "compared", "Saving against", COMPARED, margin=(8, 0)),
+                *fields,
+                self.saving,
+            ]
+
+    def _make_card(self) -> io.StringIO:
+        found = self._shown
+        run, sentence, simple = (self.desk.run, "", None) if found is None else self._advised(found[0])
+        self.card.filename = f"{words.slug(self.desk.scenario.edited.title) or 'scenario'}-drivers-card.html"
+        return io.StringIO("" if run is None else driver_card(run, sentence if simple is not None else ""))
 
     def _repair(self, *_: Any) -> None:
         failure = self.desk.failure
@@ -330,6 +386,21 @@ class Drive(Page):
             train=[plot.sources[TRAIN].id for plot in plots if plot.figure is not None],
             over_time=self.desk.over_time,
         )
+
+    @shows(
+        *("desk.runs", "desk.chosen", "desk.pins", "desk.day.on", "actual", "baseline", "compared"),
+        *WORTH_FIELDS,
+    )
+    def _show_worth(self) -> None:
+        found = self._shown
+        if found is None:
+            return
+        run, runs, _ = found
+        known = {**({} if self.baseline is None else self.baseline.runs), **runs.runs, "pinned": self.desk.pinned}
+        refused = {**({} if self.baseline is None else self.baseline.refused), **runs.refused}
+        name = next(title for title, key in COMPARED.items() if key == self.compared)
+        numbers = [float(getattr(self, field)) for field in WORTH_FIELDS]
+        self.saving.object = texts.worth(run, known.get(self.compared), name, refused.get(self.compared), *numbers)
 
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
         vehicle = run.scenario.vehicle

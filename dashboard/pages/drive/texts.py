@@ -19,8 +19,10 @@ from railjoule.dashboard.parts.html import (
     joined,
     markup,
     note_paragraphs,
+    plain_table,
     price_figure,
 )
+from railjoule.dashboard.parts.worth import yearly_saving
 from railjoule.dashboard.work.runs import Runs
 
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
@@ -175,3 +177,40 @@ def progress(step: ProofStep | None) -> Markup:
         amount = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
     bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
     return markup(bar, f"{share:.3f}", amount)
+
+
+# ---- the worth
+
+
+def worth(
+    run: Trajectory,
+    baseline: Trajectory | None,
+    name: str,
+    refusal: str | None,
+    price_per_kwh: float,
+    trains_per_day: float,
+    co2_kg_per_kwh: float,
+) -> Markup:
+    """Return the saving of a year against a baseline, as HTML; for a run that is late, how late it is instead."""
+    if baseline is None:
+        missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
+        return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])
+    late, later = comparisons.late_of(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
+    if late or later:
+        return note_paragraphs(
+            [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]
+        )
+    saved_kwh = baseline.energy_kwh - run.energy_kwh
+    saving = yearly_saving(saved_kwh, trains_per_day, price_per_kwh, co2_kg_per_kwh)
+    verb = "Saved" if saved_kwh >= 0 else "Lost"
+    rows = [
+        (
+            (f"Energy, {words.number(abs(saved_kwh), 2)} kWh a run", f"{words.number(abs(saving.energy_mwh), 0)} MWh"),
+            False,
+        ),
+        (("Money, as the price", words.number(abs(saving.money), 0)), False),
+        (("CO\u2082", f"{words.number(abs(saving.co2_t), 0)} t"), False),
+    ]
+    earlier_s = run.travel_time_s - baseline.travel_time_s
+    note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
+    return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
