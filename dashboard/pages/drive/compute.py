@@ -74,6 +74,39 @@ def compute_simple(scenario: Scenario) -> SimpleAnswer:
         return SimpleAnswer(scenario, None, str(refusal))
 
 
+# ---- a moved instruction
+
+
+@dataclass(frozen=True)
+class MovedRequest:
+    """An optimum, the index of a phase, and the place where that is to begin [m]."""
+
+    run: Trajectory
+    number: int
+    place_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class MovedAnswer:
+    """The run with a moved instruction, or the reason why there is none."""
+
+    request: MovedRequest
+    run: Trajectory | None
+    refusal: str = ""
+
+
+def compute_moved(request: MovedRequest) -> MovedAnswer:
+    """Return the best run with a moved instruction; a refusal is an answer too."""
+    # the optimal strategy, which it calls again and again, is loaded with the first runs
+    from railjoule.core.studies.moved_instruction import moved_run  # noqa: PLC0415
+
+    try:
+        run = moved_run(prepare_task(request.run.scenario), request.run, request.number, request.place_m)
+    except RailjouleError as refusal:
+        return MovedAnswer(request, None, str(refusal))
+    return MovedAnswer(request, run)
+
+
 # ---- the bound
 
 

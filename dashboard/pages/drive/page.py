@@ -3,6 +3,7 @@
 import io
 from typing import Any
 
+import numpy as np
 import panel as pn
 import panel_material_ui as pmui
 import param
@@ -31,10 +32,13 @@ from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawCh
 from railjoule.dashboard.pages.drive.compute import (
     FURTHER_BOXES,
     ActualRequest,
+    MovedAnswer,
+    MovedRequest,
     ProofRequest,
     Proven,
     SimpleAnswer,
     compute_actual,
+    compute_moved,
     compute_proof,
     compute_simple,
     same_plan,
@@ -101,6 +105,12 @@ WORTH_FIELDS = ("price_per_kwh", "trains_per_day", "co2_kg_per_kwh")
 COMPARED = {"Fastest run": "fastest", "Typical driver (set speeds)": "speed_limits", "Pinned run": "pinned"}
 """The runs against which a saving is counted; a typical driver holds one set speed per section."""
 FILLED_AFTER_MS = 400
+NOTHING_MOVED = -1
+MOVER_MENU: dict[str, Any] = {"margin": (8, 0), "width": 220, "sizing_mode": "fixed"}
+MOVER_CSS = """
+:host { display: flex; flex-wrap: wrap; align-items: center; gap: 0 16px; min-height: 56px; padding: 0 6px 0 50px; }
+@media (max-width: 899px) { :host { padding: 0 6px; } }
+"""
 SMALL: dict[str, Any] = {"variant": "text", "size": "small", "margin": 0}
 
 
@@ -109,7 +119,8 @@ class Drive(Page):
 
     page = "Drive"
     kept = ("advice", "supply", "compared", *WORTH_FIELDS)
-    passing = ("proving", "proving_further", "has_prices_open")
+    passing = ("proving", "proving_further", "has_prices_open", "moved_phase", "moved_to_m")
+    may_be_empty = ("moved_to_m",)
     fields = (Own(lambda page: ActualFields(page.desk).view),)
     figures = (*SCENES, LAW, SANKEY)
     rail_px = RAIL_PX
@@ -122,12 +133,15 @@ class Drive(Page):
     price_per_kwh = TypedNumber("Price per kWh", "", 2, default=0.15, bounds=(0.0, 1000.0))
     trains_per_day = TypedNumber("Trains per day", "", 0, default=300.0, bounds=(0.0, 100_000.0))
     co2_kg_per_kwh = TypedNumber("CO\u2082 per kWh, kg", "kg", 2, default=0.3, bounds=(0.0, 10.0))
+    moved_phase = param.Integer(default=NOTHING_MOVED, doc="Index of the phase that begins at another place.")
+    moved_to_m = TypedNumber("Begins at, m", "m", 0, default=None, allow_None=True, bounds=(0.0, None))
     has_prices_open = param.Boolean(default=False, doc="Whether the prices that prove the bound are in sight.")
     proving = param.Boolean(default=False, doc="Whether the first stage of the proof is under way.")
     proving_further = param.Boolean(default=False, doc="Whether the second stage is.")
     prove_further = param.Event(doc="The user starts the second stage.")
     actual = result(ActualRun, "The last good actual run.")
     simple = result(SimpleAnswer, "Simpler advice.")
+    moved = result(MovedAnswer, "The run with a moved instruction.")
     baseline = result(Runs, "The run that a saving is against, where it is not drawn.")
     first_proof = result(Proven, "The last step of the first stage.")
     further_proof = result(Proven, "The last step of the second stage.")
@@ -166,6 +180,19 @@ class Drive(Page):
     @work("scenario", "advice", into="simple", is_slow=lambda _: True)
     def _simple(self) -> Request:
         return (compute_simple, self.desk.scenario.scenario()) if self.advice == "simple" else None
+
+    # each solves several optima, and a drag asks again and again
+    @work("desk.runs", "desk.chosen", "moved_phase", "moved_to_m", into="moved", is_slow=lambda _: True)
+    def _moved(self) -> Request:
+        run = self._movable
+        if run is None or self.moved_phase == NOTHING_MOVED or self.moved_to_m is None:
+            return None
+        return compute_moved, MovedRequest(run, self.moved_phase, float(self.moved_to_m))
+
+    @property
+    def _movable(self) -> Trajectory | None:
+        """The run whose instructions can be moved: the optimum while it is shown."""
+        return self.desk.run if self.desk.chosen_now == "optimal" else None
 
     @work("scenario", "desk.runs", "compared", into="baseline", is_slow=lambda asked: asked.is_slow)
     def _baseline(self) -> Request:
@@ -225,15 +252,17 @@ class Drive(Page):
         proof = pn.Row(self.prove, self.prices, self.bellman, margin=0, stylesheets=[ROW_CSS])
         for name in ("difference", "law", "price"):
             plots[name].host.visible = False
-        beside = {"energy": [self.causes], "current": [self.no_current, self.proof, proof]}
+        self.mover, self.moved_text = pn.Row(margin=0, stylesheets=[MOVER_CSS]), parts.html_pane(sizing_mode=None)
+        plots["speed"].moved = self._drag
+        beside = {"line": [self.mover], "energy": [self.causes], "current": [self.no_current, self.proof, proof]}
         column = parts.stack(*(one for name, plot in plots.items() for one in (plot.host, *beside.get(name, ()))))
         self.worth, self.saving = parts.stack(css=WORTH_CSS), parts.html_pane()
         rail = parts.stack(self.account, self.worth, self.runs, self.phases, css=RAIL_CSS)
         if pn.state.curdoc is None:
-            self._fill_worth()
+            self._fill_later()
         else:
             # the page itself comes first
-            pn.state.curdoc.add_timeout_callback(self._fill_worth, FILLED_AFTER_MS)
+            pn.state.curdoc.add_timeout_callback(self._fill_later, FILLED_AFTER_MS)
         tools = pn.Row(
             self.advice_pane,
             self.pin,
@@ -254,7 +283,18 @@ class Drive(Page):
         )
         return parts.stack(self.repair, self.host.figures, tools, views, parts.stack(column, rail, css=LAYOUT_CSS))
 
-    def _fill_worth(self) -> None:
+    def _drag(self, place: float) -> None:
+        run = self._movable
+        if run is not None:
+            self.moved_to_m = float(np.interp(place, run.time_s, run.position_m)) if self.desk.over_time else place
+
+    def _fill_later(self) -> None:
+        """Make what needs not be there when the page opens."""
+        self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
+        self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
+        with added_to(self.mover):
+            self.mover[:] = [self.mover_menu, self.moved_field, self.moved_text]
+        self._show_moved()
         heading = parts.html_pane("<h2>What it is worth</h2>")
         fields = [NumberField(self, name, margin=(0, -16)) for name in WORTH_FIELDS]
         with added_to(self.worth):
@@ -339,7 +379,7 @@ class Drive(Page):
 
     @shows(
         *("desk.runs", "desk.chosen", "desk.ticked", "desk.pins", "desk.over_time", "desk.day.on"),
-        *("actual", "failure", "simple", "advice", "supply"),
+        *("actual", "failure", "simple", "advice", "supply", "moved"),
     )
     def _show_run(self) -> None:
         found = self._shown
@@ -354,7 +394,7 @@ class Drive(Page):
         width_px = max(window_px - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
         scene = RunScene(
             *(desk.chosen_now, drawn, desk.pinned, desk.over_time, narrow, width_px, actual, runs.runs.get("fastest")),
-            variant=None if simple is None else ("simpler advice", advised),
+            variant=self._variant(advised, simple),
             with_power=self.supply == "power",
         )
         # narrow windows have no names at the ends of lines, for which the room would be
@@ -374,6 +414,12 @@ class Drive(Page):
         if wide:
             host.draw([SANKEY], run, width_px - (RAIL_PX if window_px >= WIDE_PX else 0))
 
+    def _variant(self, advised: Trajectory, simple: Any) -> tuple[str, Trajectory] | None:
+        """Return the run to draw beside the chosen one: with a moved instruction, or of simpler advice."""
+        if self.moved is not None and self.moved.run is not None and self.moved.request.run is self._movable:
+            return "moved", self.moved.run
+        return None if simple is None else ("simpler advice", advised)
+
     @shows("desk.runs", "desk.chosen", "desk.over_time", "desk.day.on", "actual", "simple", "advice", "player.wanted")
     def _show_player(self) -> None:
         found = self._shown
@@ -386,6 +432,35 @@ class Drive(Page):
             train=[plot.sources[TRAIN].id for plot in plots if plot.figure is not None],
             over_time=self.desk.over_time,
         )
+
+    @shows("desk.runs", "desk.chosen", "desk.over_time", "moved_phase", "moved_to_m", "moved")
+    def _show_moved(self) -> None:
+        if not list(self.mover):
+            return
+        run, options = self._movable, {"None": NOTHING_MOVED}
+        groups = [] if run is None else words.instruction_groups(run.advice)
+        for number, (k, *more) in enumerate(groups, 1):
+            if run is not None and k and not more and run.phases[k].phase in texts.DOING:
+                options[f"{number} {words.PHASE_WORDS[run.phases[k].phase]}"] = k
+        self.mover.visible = len(options) > 1
+        if self.mover_menu.options != options:
+            # the instructions of another run have other places
+            self.param.update(moved_phase=NOTHING_MOVED, moved_to_m=None)
+            self.mover_menu.param.update(options=options, value=NOTHING_MOVED)
+        chosen = run is not None and self.moved_phase != NOTHING_MOVED
+        if run is not None and chosen and self.moved_to_m is None:
+            self.moved_to_m = float(run.phases[self.moved_phase].start_m)
+        elif not chosen:
+            self.moved_to_m = None
+        self.moved_field.visible = chosen
+        place_m = self.moved_to_m
+        over_time = run is not None and place_m is not None and self.desk.over_time
+        x = float(np.interp(place_m, run.position_m, run.time_s)) if run is not None and over_time else place_m
+        self.host.plots["speed"].place_switch(x)
+        sentence = "Drag the dashed line in the speed figure, or type a place." if chosen else ""
+        if chosen and self.moved is not None and self.moved.request.number == self.moved_phase:
+            sentence = texts.moved_words(self.moved)
+        self.moved_text.object = parts.markup("<p role=status>{}</p>", sentence)
 
     @shows(
         *("desk.runs", "desk.chosen", "desk.pins", "desk.day.on", "actual", "baseline", "compared"),

@@ -10,7 +10,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.pages.drive.compute import same_plan
+from railjoule.dashboard.pages.drive.compute import MovedAnswer, same_plan
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -214,3 +214,18 @@ def worth(
     earlier_s = run.travel_time_s - baseline.travel_time_s
     note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
     return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
+
+
+# ---- a moved instruction
+
+DOING = {"coast": "Coasting", "brake": "Braking"}
+
+
+def moved_words(answer: MovedAnswer) -> str:
+    """Return the cost of a moved instruction in a sentence, or why it cannot be moved there."""
+    asked, phase = answer.request, answer.request.run.phases[answer.request.number]
+    doing = DOING[phase.phase]
+    if answer.run is None:
+        return f"{doing} {answer.refusal}"
+    places = f"from {words.number(asked.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
+    return f"{doing} {places}: {comparisons.above(answer.run.energy_kwh, asked.run.energy_kwh)}, same arrival."
