@@ -52,7 +52,7 @@ export function render({model}) {
     const item = deep(".advice li:has(> b)").filter((one) => one.offsetParent)[number] ?? null;
     item?.classList.add("now");
     item?.setAttribute("aria-current", "step");
-    // within its list alone: the page stays where it is
+    // only within its list: the page stays where it is
     const list = item?.closest(".many");
     if (list) { list.scrollTop = item.offsetTop - list.offsetTop; }
     lit = {number, item};

@@ -92,7 +92,7 @@ def _fastest_ms(task: Task, place_m: float) -> float:
 
 
 def _braking_curve_start_m(task: Task, end_m: float) -> float:
-    """Return where the full braking of the fastest run begins that ends at a place [m]."""
+    """Return the begin of the fastest run's full braking that ends at a place [m]."""
     node = int(np.searchsorted(task.position_m, end_m - 1e-6))
     while node > 0 and task.fastest_speed2[node - 1] > task.fastest_speed2[node]:
         node -= 1

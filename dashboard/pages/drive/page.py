@@ -24,6 +24,7 @@ from railjoule.dashboard.charts.run_charts import (
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.day import FOLLOWING, LOAD_AND_POSITION
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page import Own, Page, Request, shows, study, work
 from railjoule.dashboard.pages.drive import texts
@@ -486,7 +487,8 @@ class Drive(Page):
             self.host.figures.object = texts.actual_figures(actual, runs, self.desk.run or run)
             self.causes.object = texts.causes_block(actual)
         advised, sentence, simple = self._advised(run)
-        self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=sentence)
+        note = parts.markup("{}{}", sentence, info("Simpler advice")) if sentence else ""
+        self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=note)
         pinned = simple is not None and self.desk.pin_of(simple.run) is not None
         self.pin.param.update(
             visible=simple is not None, disabled=pinned, label="Pinned" if pinned else "Pin this advice"

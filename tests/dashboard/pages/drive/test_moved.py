@@ -39,7 +39,7 @@ def desk() -> Desk:
     return Desk()
 
 
-def test_a_typed_place_costs_what_the_sentence_says(desk: Desk) -> None:
+def test_a_typed_place_costs_the_energy_of_the_sentence(desk: Desk) -> None:
     assert not desk.page.moved_field.visible
     assert set(desk.page.mover_menu.options) == {"None", "2 coast", "3 brake", "6 coast", "7 brake"}
     desk.page.moved_phase = COAST

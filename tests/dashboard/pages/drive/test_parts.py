@@ -34,7 +34,7 @@ def test_as_much_arrives_at_a_knot_as_leaves_it(flow: EnergyFlow) -> None:
     assert taken - back == pytest.approx(flow.energy.net_j, rel=1e-3)
 
 
-@pytest.mark.parametrize("width", [340.0, 900.0])
+@pytest.mark.parametrize("width", [640.0, 900.0])
 def test_the_svg_stays_within_its_width_and_says_its_numbers(flow: EnergyFlow, width: float) -> None:
     markup = sankey(flow, LIGHT, width, "Energy")
     svg = ElementTree.fromstring(markup[markup.index("<svg") : markup.index("</svg>") + 6])

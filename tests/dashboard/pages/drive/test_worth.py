@@ -41,7 +41,7 @@ def test_a_late_run_is_late_and_saves_nothing(optimum: Trajectory) -> None:
     assert plain(worth(optimum, late, "Pinned run", None, *NUMBERS)) == "Pinned run: 1.7 s late, not comparable."
 
 
-def test_without_a_baseline_it_says_why(optimum: Trajectory) -> None:
+def test_without_a_baseline_there_is_a_reason(optimum: Trajectory) -> None:
     assert plain(worth(optimum, None, "Pinned run", None, *NUMBERS)) == "Pin a run first."
     assert plain(worth(optimum, None, "Set speeds", None, *NUMBERS)) == "Computing ..."
     refused = worth(optimum, None, "Set speeds", "needs a line without neutral sections.", *NUMBERS)
