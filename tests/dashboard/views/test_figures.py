@@ -19,7 +19,7 @@ from railjoule.dashboard.pages.learn.model import guess_field
 from railjoule.dashboard.pages.measured_runs.work import try_example
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
-COUNTED = ("Trip", "Printed number, in the order of the tables", "Changes of regime between two stops")
+COUNTED = ("Trip", "Printed number, in the order of the tables")
 """What is counted has no unit."""
 CUT = {("contour", "x")} | {
     (name, "y")
