@@ -40,6 +40,8 @@ WORD_PX = 7.2
 GROUND, SIGNS, CURVES, TOP = 0.08, 1.22, (1.58, 1.68), 1.7
 """Heights in the strip of the line, in units of its relief above its lowest point (of the ground: below it). The relief
 ends at 1, so that gradients stand above it, and curves above these at the upper edge."""
+LEAST_KWH = 0.05
+"""The axis of a difference of energies reaches at least so far."""
 END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
 """What stands at the end of a line, beside its number, where the whole name has no room."""
 
@@ -234,7 +236,7 @@ class DifferenceChart(SceneChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=3, digits=1)
+        f = self.frame(ticks=3, digits=2)
         add_zero(f, self.palette)
         self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
         self.glyphs("varea", "run", "x", 0, "y", paint={"fill_color": "accent"}, fill_alpha=0.13)
@@ -248,7 +250,8 @@ class DifferenceChart(SceneChart):
             return
         x, pinned = scene.x(scene.run), scene.pinned
         difference = ENERGY.values(scene.run) - np.interp(x, scene.x(pinned), ENERGY.values(pinned))
-        self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), 0), 0.15))
+        # where nothing differs, the axis must have numbers that differ
+        self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), LEAST_KWH), 0.15))
         self.put("run", **xy(x, difference))
         self.follow_line("run")
         draw_borders(self, scene)

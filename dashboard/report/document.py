@@ -181,10 +181,14 @@ def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
 
 
 def _phases(run: Trajectory) -> list[list[Any]]:
-    """Return name, start [m], end [m] and the speed that is aimed at of the phases of a run."""
+    """Return name, start [m], end [m] and target speed of each group of phases that one line of the advice has."""
+    groups = [
+        (run.phases[group[0]], run.phases[group[-1]], run.advice[group[0]])
+        for group in words.instruction_groups(run.advice)
+    ]
     return [
-        [phase.phase, phase.start_m, phase.end_m, "" if told.to_kmh is None else words.tenths(told.to_kmh)]
-        for phase, told in zip(run.phases, run.advice, strict=True)
+        [first.phase, first.start_m, last.end_m, "" if told.to_kmh is None else words.tenths(told.to_kmh)]
+        for first, last, told in groups
     ]
 
 

@@ -1,5 +1,6 @@
 """Drive, as a user works with it."""
 
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -206,4 +207,41 @@ def test_the_train_plays_pauses_and_is_dragged(user: User) -> None:
     assert float(time.inner_text()) == pytest.approx(stood + 1, abs=1.0)
     slider.fill("60")
     expect(now).to_contain_text("hold 50 km/h")
+    assert_nothing_grave(user)
+
+
+SWITCH = """() => {
+  const models = [...Bokeh.documents[0].all_models];
+  const line = models.find((one) => one.type === "Span" && one.name === "switch");
+  const figure = models.find((one) => one.type === "Figure" && one.center.includes(line));
+  const view = Bokeh.index.find_one(figure), box = view.el.getBoundingClientRect();
+  return [box.left + view.frame.x_scale.compute(line.location), box.top + box.height / 2];
+}"""
+"""Where the line that moves an instruction is on the screen."""
+
+
+def test_the_start_of_coasting_is_dragged_and_typed(user: User) -> None:
+    page, whole = user.page, x_range(user)
+    page.get_by_role("combobox", name="Move an instruction").click()
+    page.get_by_role("menuitem", name="6 coast", exact=True).click()
+    place = page.get_by_label("Begins at, m, as a number")
+    expect(place).to_have_value("970")
+    place.fill("1000")
+    place.press("Enter")
+    expect(
+        page.get_by_text(re.compile(r"Coasting from 1.000 m instead of 970 m: \+0\.\d\d %, same arrival\."))
+    ).to_be_visible()
+    user.settled()
+    x, y = page.evaluate(SWITCH)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 8, y, steps=4)
+    page.mouse.up()
+    expect(place).not_to_have_value("1000")
+    expect(page.get_by_text(re.compile(r"Coasting from 9\d\d m instead of 970 m"))).to_be_visible()
+    # the box that zooms did not take the drag
+    assert x_range(user) == whole
+    page.get_by_role("combobox", name="Move an instruction").click()
+    page.get_by_role("menuitem", name="None", exact=True).click()
+    expect(place).to_be_hidden()
     assert_nothing_grave(user)

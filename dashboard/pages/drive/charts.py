@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from bokeh.models import LinearColorMapper, Span
+from bokeh.palettes import interp_palette
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
@@ -20,8 +21,8 @@ from railjoule.dashboard.look.words import MINUS
 
 # pixels of the picture along the line and the speed
 COLUMNS, ROWS = 180, 64
-STEPS = 10
-"""Colours from coasting to full effort, each way."""
+COLOURS = 21
+"""From full braking over coasting to full effort."""
 LOWEST, HIGHEST = -0.5, 2.5
 """Ends of the axis of the price [J/J]: next to a stop it grows without limit, elsewhere it stays near 0 to 1.5."""
 TRAIN = "train"
@@ -170,15 +171,7 @@ def sampled(law: ControlLaw) -> tuple[FloatArray, float]:
     return image, top
 
 
-def diverging(palette: Palette) -> list[str]:
+def diverging(palette: Palette) -> tuple[str, ...]:
     """Return colours from full braking over coasting to full traction."""
-    brake, coast, traction = (rgb(palette.tokens[name]) for name in ("driven", "coast", "accent"))
-    shares = np.linspace(1, 0, STEPS, endpoint=False)
-    warm = [coast + share * (brake - coast) for share in shares]
-    cold = [coast + share * (traction - coast) for share in shares[::-1]]
-    return ["#" + "".join(f"{round(part):02X}" for part in colour) for colour in (*warm, coast, *cold)]
-
-
-def rgb(colour: str) -> FloatArray:
-    """Return red, green and blue of a colour such as #0B5BD3, 0 to 255."""
-    return np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)], dtype=float)
+    colours: tuple[str, ...] = interp_palette([palette.tokens[name] for name in ("driven", "coast", "accent")], COLOURS)
+    return colours

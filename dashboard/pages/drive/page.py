@@ -9,7 +9,7 @@ import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
-from railjoule.core import TimetableError, Trajectory
+from railjoule.core import Scenario, TimetableError, Trajectory
 from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.plot import AxisPlot, Plot
@@ -150,6 +150,10 @@ class Drive(Page):
     def __init__(self, desk: Any, **params: Any) -> None:
         super().__init__(desk, **params)
         self.param.watch(self._remember, ["first_proof", "further_proof"])
+
+    def take(self, scenario: Scenario) -> None:
+        """Move no instruction of another scenario."""
+        self.param.update(moved_phase=NOTHING_MOVED, moved_to_m=None)
 
     def page_run(self) -> PageRun:
         """Return the plan or the actual run as a program."""

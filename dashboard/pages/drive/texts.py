@@ -1,6 +1,6 @@
 """Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
 
-from collections.abc import Sequence
+from itertools import accumulate
 
 from markupsafe import Markup
 
@@ -116,7 +116,7 @@ def causes_block(actual: ActualRun) -> str:
     if not actual.causes:
         return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
     energies = [cause.energy_kwh for cause in actual.causes]
-    ends = _running(energies)
+    ends = list(accumulate(energies))
     low, high = min(0.0, *ends), max(0.0, *ends)
     # causes may add nothing at all: the bars must still have a scale
     scale = max(high - low, 1e-9)
@@ -138,14 +138,6 @@ def causes_block(actual: ActualRun) -> str:
     order = ["Each cause is added to those above it."] if len(energies) > 1 else []
     flow = markup("<div class=flow>{}</div>", joined(rows))
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
-
-
-def _running(energies: Sequence[float]) -> list[float]:
-    ends, total = [], 0.0
-    for energy in energies:
-        total += energy
-        ends.append(total)
-    return ends
 
 
 # ---- the proof
