@@ -33,7 +33,7 @@ export function render({model}) {
   }));
   const readouts = make("span", {class: "readouts"}, ...[...numbers.values()].map(({place}) => place));
   // it has its place before there is a run to play
-  readouts.style.visibility = "hidden";
+  readouts.classList.add("idle");
   root.append(button, pace, range, readouts);
   let time = 0, begun_ms = 0, playing = false, asked = false, lit = null, shown = false;
 
@@ -60,7 +60,7 @@ export function render({model}) {
   const show = () => {
     if (!is_there()) { return; }
     shown = true;
-    readouts.style.visibility = "";
+    readouts.classList.remove("idle");
     time = Math.min(time, end());
     const {run} = model, at = (name, stepped) => quantity_at(run, name, time, stepped);
     range.max = String(end());

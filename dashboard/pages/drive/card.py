@@ -16,8 +16,8 @@ from railjoule.dashboard.state.numbers import clock
 
 WIDTH, HEIGHT = 1000.0, 219.0
 """Of the figure of speed, in the units of assets/templates/driver_card.html."""
-LARGEST_PX, SMALLEST_PX, PAGE_PX = 30.0, 9.0, 660.0
-"""Sizes of the type; height of the part of the page that the instructions share with their table of stops."""
+LARGEST_PX, SMALLEST_PX, PAGE_PX = 30.0, 8.0, 660.0
+"""Sizes of the type; height that rows, heading and foot share."""
 COLUMN_LINES = 9
 """Up to so many instructions stand in one column."""
 
@@ -41,9 +41,7 @@ def driver_card(run: Trajectory, note: str = "") -> str:
         x, y = WIDTH * places / run.distance_m, HEIGHT * (1 - speeds / top)
         return " ".join(f"{one:.1f},{other:.1f}" for one, other in zip(x, y, strict=True))
 
-    lines = len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2
-    # a line of two columns may need two rows
-    rows = max(lines * (1 if len(texts) <= COLUMN_LINES else 2), len(stops) - COLUMN_LINES)
+    rows = max(len(texts) if len(texts) <= COLUMN_LINES else (len(texts) + 1) // 2, len(stops))
     return _template().render(
         title=words.title(scenario.title),
         train=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),

@@ -107,6 +107,7 @@ COMPARED = {"Fastest run": "fastest", "Typical driver (set speeds)": "speed_limi
 """The runs against which a saving is counted; a typical driver holds one set speed per section."""
 FILLED_AFTER_MS = 400
 NOTHING_MOVED = -1
+NOTHING_MOVABLE = "No instruction can be moved: this run eases power and brakes gradually."
 MOVER_MENU: dict[str, Any] = {"margin": (8, 0), "width": 220, "sizing_mode": "fixed"}
 MOVER_CSS = """
 :host { display: flex; flex-wrap: wrap; align-items: center; gap: 0 16px; min-height: 56px; padding: 0 6px 0 50px; }
@@ -257,7 +258,7 @@ class Drive(Page):
         proof = pn.Row(self.prove, self.prices, self.bellman, margin=0, stylesheets=[ROW_CSS])
         for name in ("difference", "law", "price"):
             plots[name].host.visible = False
-        self.mover, self.moved_text = pn.Row(margin=0, stylesheets=[MOVER_CSS]), parts.html_pane(sizing_mode=None)
+        self.mover, self.moved_text = parts.stack(), parts.html_pane(sizing_mode=None)
         plots["speed"].moved = self._drag
         beside = {"line": [self.mover], "energy": [self.causes], "current": [self.no_current, self.proof, proof]}
         column = parts.stack(*(one for name, plot in plots.items() for one in (plot.host, *beside.get(name, ()))))
@@ -298,7 +299,8 @@ class Drive(Page):
         self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
         self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
         with added_to(self.mover):
-            self.mover[:] = [self.mover_menu, self.moved_field, self.moved_text]
+            row = self.mover_menu, self.moved_field, self.moved_text
+            self.mover[:] = [pn.Row(*row, margin=0, stylesheets=[MOVER_CSS])]
         self._show_moved()
         heading = parts.html_pane("<h2>What it is worth</h2>")
         fields = [NumberField(self, name, margin=(0, -16)) for name in WORTH_FIELDS]
@@ -447,7 +449,9 @@ class Drive(Page):
         for number, (k, *more) in enumerate(groups, 1):
             if run is not None and k and not more and run.phases[k].phase in texts.DOING:
                 options[f"{number} {words.PHASE_WORDS[run.phases[k].phase]}"] = k
-        self.mover.visible = len(options) > 1
+        # without the row, whose own display would show what is hidden
+        self.mover.visible = run is not None
+        self.mover_menu.visible = len(options) > 1
         if self.mover_menu.options != options:
             # the instructions of another run have other places
             self.param.update(moved_phase=NOTHING_MOVED, moved_to_m=None)
@@ -463,7 +467,9 @@ class Drive(Page):
         x = float(np.interp(place_m, run.position_m, run.time_s)) if run is not None and over_time else place_m
         self.host.plots["speed"].place_switch(x)
         sentence = "Drag the dashed line in the speed figure, or type a place." if chosen else ""
-        if chosen and self.moved is not None and self.moved.request.number == self.moved_phase:
+        if len(options) == 1:
+            sentence = NOTHING_MOVABLE
+        elif chosen and self.moved is not None and self.moved.request.number == self.moved_phase:
             sentence = texts.moved_words(self.moved)
         self.moved_text.object = parts.markup("<p role=status>{}</p>", sentence)
 

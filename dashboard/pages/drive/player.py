@@ -27,8 +27,9 @@ input { flex: 1 1 140px; min-width: 100px; height: 24px; margin: 0; accent-color
 .readouts { display: flex; flex-wrap: wrap; gap: 0 14px; }
 .readouts span { min-width: 62px; white-space: nowrap; text-align: right; }
 .readouts span[hidden] { display: none; }
+.idle { visibility: hidden; }
 .readouts b { color: var(--rj-ink); font-weight: 600; }
-@media (max-width: 899px) { :host { padding: 6px 14px 0; } }
+@media (max-width: 899px) { :host { padding: 6px 14px 0; } .idle { display: none; } }
 """
 
 
