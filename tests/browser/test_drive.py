@@ -218,7 +218,7 @@ SWITCH = """() => {
   const view = Bokeh.index.find_one(figure), box = view.el.getBoundingClientRect();
   return [box.left + view.frame.x_scale.compute(line.location), box.top + box.height / 2];
 }"""
-"""Where the line that moves an instruction is on the screen."""
+"""Returns the place of the dashed line on the screen."""
 
 
 def test_the_start_of_coasting_is_dragged_and_typed(user: User) -> None:

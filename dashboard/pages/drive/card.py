@@ -54,5 +54,5 @@ def driver_card(run: Trajectory, note: str = "") -> str:
         distance=words.distance(run.distance_m),
         top=words.number(top, 0),
         note=note,
-        size=f"{min(LARGEST_PX, max(SMALLEST_PX, PAGE_PX / (1.65 * rows + 11))):.1f}",
+        size=f"{min(LARGEST_PX, max(SMALLEST_PX, PAGE_PX / (1.85 * rows + 11))):.1f}",
     )
