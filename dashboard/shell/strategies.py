@@ -6,7 +6,6 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.core.scenario import load_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
@@ -15,6 +14,7 @@ from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.parts.html import swatch
+from railjoule.dashboard.state.draft import shipped
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs
 
@@ -93,13 +93,15 @@ class StrategyList(JSComponent):
 
 def refusal_lines(refused: Mapping[str, str]) -> str:
     """Return one line per reason with the strategies that refuse a scenario for it, and a way to one that they take."""
+    if not refused:
+        return ""
     by_reason: dict[str, list[str]] = {}
     for name, reason in refused.items():
         by_reason.setdefault(reason.rstrip("."), []).append(words.strategy(name))
     lines = joined(markup("<p>{}: {}.</p>", ", ".join(names), reason) for reason, names in by_reason.items())
     button = '<button type="button" data-kind="{}">{}</button>'
-    ways = {"open": f"Open {load_scenario(PLAIN_SCENARIO).title}", "leave": "Leave out"}
-    return lines + joined(markup(button, *way) for way in ways.items()) if lines else ""
+    ways = {"open": f"Open {shipped(PLAIN_SCENARIO).title}", "leave": "Leave out"}
+    return lines + joined(markup(button, *way) for way in ways.items())
 
 
 def strategy_numbers(runs: Runs, name: str) -> str:
