@@ -106,7 +106,7 @@ WORTH_FIELDS = ("price_per_kwh", "trains_per_day", "co2_kg_per_kwh")
 COMPARED = {"Fastest run": "fastest", "Typical driver (set speeds)": "speed_limits", "Pinned run": "pinned"}
 """The runs against which a saving is counted; a typical driver holds one set speed per section."""
 FILLED_AFTER_MS = 400
-NOTHING_MOVED = -1
+MOVE, NOTHING_MOVED = ("moved_phase", "moved_to_m"), -1
 NOTHING_MOVABLE = "No instruction can be moved: this run eases power and brakes gradually."
 MOVER_MENU: dict[str, Any] = {"margin": (8, 0), "width": 220, "sizing_mode": "fixed"}
 MOVER_CSS = """
@@ -121,7 +121,7 @@ class Drive(Page):
 
     page = "Drive"
     kept = ("advice", "supply", "compared", *WORTH_FIELDS)
-    passing = ("proving", "proving_further", "has_prices_open", "moved_phase", "moved_to_m")
+    passing = ("proving", "proving_further", "has_prices_open", *MOVE)
     may_be_empty = ("moved_to_m",)
     fields = (Own(lambda page: ActualFields(page.desk).view),)
     figures = (*SCENES, LAW, SANKEY)
@@ -188,7 +188,7 @@ class Drive(Page):
         return (compute_simple, self.desk.scenario.scenario()) if self.advice == "simple" else None
 
     # each solves several optima, and a drag asks again and again
-    @work("desk.runs", "desk.chosen", "moved_phase", "moved_to_m", into="moved", is_slow=lambda _: True)
+    @work("desk.runs", "desk.chosen", "desk.day.on", *MOVE, into="moved", is_slow=lambda _: True)
     def _moved(self) -> Request:
         run = self._movable
         if run is None or self.moved_phase == NOTHING_MOVED or self.moved_to_m is None:
@@ -197,8 +197,9 @@ class Drive(Page):
 
     @property
     def _movable(self) -> Trajectory | None:
-        """The run whose instructions can be moved: the optimum while it is shown."""
-        return self.desk.run if self.desk.chosen_now == "optimal" else None
+        """The run whose instructions can be moved: the optimum, while no actual run has a plan of its own."""
+        desk = self.desk
+        return desk.run if desk.chosen_now == "optimal" and not desk.day.on else None
 
     @work("scenario", "desk.runs", "compared", into="baseline", is_slow=lambda asked: asked.is_slow)
     def _baseline(self) -> Request:
@@ -440,7 +441,7 @@ class Drive(Page):
             over_time=self.desk.over_time,
         )
 
-    @shows("desk.runs", "desk.chosen", "desk.over_time", "moved_phase", "moved_to_m", "moved")
+    @shows("desk.runs", "desk.chosen", "desk.over_time", "desk.day.on", *MOVE, "moved")
     def _show_moved(self) -> None:
         if not list(self.mover):
             return

@@ -76,6 +76,14 @@ def test_a_place_that_cannot_be_is_refused_in_a_sentence(desk: Desk) -> None:
     assert desk.page.failure is None
 
 
+def test_the_plan_of_an_actual_run_has_no_instructions_to_move(desk: Desk) -> None:
+    desk.page.moved_phase = COAST
+    desk.state.day.on = True
+    assert not desk.page.mover.visible
+    assert desk.page.moved is None
+    assert not desk.speed.switch.visible
+
+
 def test_another_strategy_has_no_instructions_to_move(desk: Desk) -> None:
     desk.page.moved_phase = COAST
     desk.state.chosen = "fastest"
