@@ -37,6 +37,7 @@ class DriveSpeedChart(SpeedChart):
         self.moved: Callable[[float], None] = lambda _: None
         """Called with the place where the line is dragged to."""
         self.switch: Span | None = None
+        self.variant: dict[str, Curve] = {}
 
     def above(self) -> None:
         """Draw the variant, the train and the line that is dragged."""
@@ -46,16 +47,13 @@ class DriveSpeedChart(SpeedChart):
 
     def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
-        if scene.variant is None:
-            self.clear(VARIANT)
-        else:
-            self.put(VARIANT, **xy(scene.x(scene.variant[1]), self.values(scene.variant[1])))
+        run = None if scene.variant is None else scene.variant[1]
+        self.variant = {} if run is None else {VARIANT: (scene.x(run), self.values(run))}
+        self.put(VARIANT, **xy(*self.variant.get(VARIANT, (np.empty(0), np.empty(0)))))
         super().draw(scene)
 
     def _draw_names(self, scene: RunScene, lines: Mapping[str, Curve]) -> None:
-        if scene.variant is not None:
-            lines = {VARIANT: (scene.x(scene.variant[1]), self.values(scene.variant[1])), **lines}
-        super()._draw_names(scene, lines)
+        super()._draw_names(scene, {**self.variant, **lines})
 
     def place_switch(self, place: float | None) -> None:
         """Put the line that is dragged at a place of the axis, or hide it."""

@@ -1,8 +1,8 @@
 """Runs that Drive computes beside those of the strategies: the actual run, simpler advice, and tighter bounds."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.bounds import FIRST_STAGE_BOXES, ProofStep, tightening, with_tighter_bound
@@ -12,10 +12,6 @@ from railjoule.core.simulation.actual_run import ActualRun, actual_run
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.work.refusals import named_refusals
 from railjoule.dashboard.work.runs import Runs
-from railjoule.dashboard.work.simple_advice import compute_simple_advice
-
-if TYPE_CHECKING:
-    from railjoule.core.studies.simple_advice import SimpleAdvice
 
 FURTHER_BOXES = PAGE.chain_boxes
 """Boxes of the stage that is started by hand: some 8 s on one core, and at most 1 GB while it lasts."""
@@ -54,31 +50,28 @@ def compute_actual(request: ActualRequest) -> ActualRun:
         return actual_run(scenario)
 
 
-# ---- simpler advice
+# ---- simpler advice, and a moved instruction
 
 
 @dataclass(frozen=True, eq=False)
-class SimpleAnswer:
-    """Simpler advice for a scenario, or the reason why there is none."""
+class Answer:
+    """A request with its result, or with the reason why there is none: a refusal is an answer too."""
 
-    scenario: Scenario
-    advice: "SimpleAdvice | None"
+    request: Any
+    found: Any
     refusal: str = ""
 
 
-def compute_simple(scenario: Scenario) -> SimpleAnswer:
-    """Return simpler advice for a scenario; a refusal is an answer too."""
+def answer(compute: Callable[[Any], Any], request: Any) -> Answer:
+    """Compute the answer to a request."""
     try:
-        return SimpleAnswer(scenario, compute_simple_advice(scenario))
+        return Answer(request, compute(request))
     except RailjouleError as refusal:
-        return SimpleAnswer(scenario, None, str(refusal))
-
-
-# ---- a moved instruction
+        return Answer(request, None, str(refusal))
 
 
 @dataclass(frozen=True)
-class MovedRequest:
+class Move:
     """An optimum, the index of a phase, and the place where that is to begin [m]."""
 
     run: Trajectory
@@ -86,25 +79,11 @@ class MovedRequest:
     place_m: float
 
 
-@dataclass(frozen=True, eq=False)
-class MovedAnswer:
-    """The run with a moved instruction, or the reason why there is none."""
-
-    request: MovedRequest
-    run: Trajectory | None
-    refusal: str = ""
-
-
-def compute_moved(request: MovedRequest) -> MovedAnswer:
-    """Return the best run with a moved instruction; a refusal is an answer too."""
-    # the optimal strategy, which it calls again and again, is loaded with the first runs
+def compute_moved(move: Move) -> Trajectory:
+    """Return the best run with a moved instruction; errors as `moved_run`."""
     from railjoule.core.studies.moved_instruction import moved_run  # noqa: PLC0415
 
-    try:
-        run = moved_run(prepare_task(request.run.scenario), request.run, request.number, request.place_m)
-    except RailjouleError as refusal:
-        return MovedAnswer(request, None, str(refusal))
-    return MovedAnswer(request, run)
+    return moved_run(prepare_task(move.run.scenario), move.run, move.number, move.place_m)
 
 
 # ---- the bound

@@ -33,15 +33,14 @@ from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawCh
 from railjoule.dashboard.pages.drive.compute import (
     FURTHER_BOXES,
     ActualRequest,
-    MovedAnswer,
-    MovedRequest,
+    Answer,
+    Move,
     ProofRequest,
     Proven,
-    SimpleAnswer,
+    answer,
     compute_actual,
     compute_moved,
     compute_proof,
-    compute_simple,
     same_plan,
 )
 from railjoule.dashboard.pages.drive.fields import ActualFields
@@ -56,7 +55,7 @@ from railjoule.dashboard.state.pins import same_run
 from railjoule.dashboard.state.program import SOLVE, PageRun
 from railjoule.dashboard.state.programs import actual_run
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, is_slow
-from railjoule.dashboard.work.simple_advice import choose_simple
+from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple_advice
 from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
 
 REST_MS = 300
@@ -142,8 +141,8 @@ class Drive(Page):
     proving_further = param.Boolean(default=False, doc="Whether the second stage is.")
     prove_further = param.Event(doc="The user starts the second stage.")
     actual = result(ActualRun, "The last good actual run.")
-    simple = result(SimpleAnswer, "Simpler advice.")
-    moved = result(MovedAnswer, "The run with a moved instruction.")
+    simple = result(Answer, "Simpler advice.")
+    moved = result(Answer, "The run with a moved instruction.")
     baseline = result(Runs, "The run that a saving is against, where it is not drawn.")
     first_proof = result(Proven, "The last step of the first stage.")
     further_proof = result(Proven, "The last step of the second stage.")
@@ -183,17 +182,19 @@ class Drive(Page):
         return compute_actual, ActualRequest(desk.scenario.scenario(), changes)
 
     # seconds on a long line: sliders of other pages need not wait for it
-    @work("scenario", "advice", into="simple", is_slow=lambda _: True)
+    @work("scenario", "advice", into="simple", is_slow=lambda *_: True)
     def _simple(self) -> Request:
-        return (compute_simple, self.desk.scenario.scenario()) if self.advice == "simple" else None
+        if self.advice == "exact":
+            return None
+        return answer, compute_simple_advice, self.desk.scenario.scenario()
 
     # each solves several optima, and a drag asks again and again
-    @work("desk.runs", "desk.chosen", "desk.day.on", *MOVE, into="moved", is_slow=lambda _: True)
+    @work("desk.runs", "desk.chosen", "desk.day.on", *MOVE, into="moved", is_slow=lambda *_: True)
     def _moved(self) -> Request:
         run = self._movable
         if run is None or self.moved_phase == NOTHING_MOVED or self.moved_to_m is None:
             return None
-        return compute_moved, MovedRequest(run, self.moved_phase, float(self.moved_to_m))
+        return answer, compute_moved, Move(run, self.moved_phase, float(self.moved_to_m))
 
     @property
     def _movable(self) -> Trajectory | None:
@@ -329,7 +330,7 @@ class Drive(Page):
         if found is not None and self.simple is not None:
             simple = self._advised(found[0])[2]
             if simple is not None:
-                self.desk.pin_simple(self.simple.scenario, simple)
+                self.desk.pin_simple(self.simple.request, simple)
 
     def _press_prove(self, *_: Any) -> None:
         if self.proving_further:
@@ -372,15 +373,15 @@ class Drive(Page):
 
     def _advised(self, run: Trajectory) -> tuple[Trajectory, str, Any]:
         """Return the run whose advice is shown, a sentence on it, and the simple run if it is one."""
-        answer = self.simple
+        found = self.simple
         if self.advice == "exact":
             return run, "", None
         # not the run's own scenario: set speeds are driven over one with nodes of its own
-        if answer is None or self.desk.runs is None or not same_plan(answer.scenario, self.desk.runs.scenario):
+        if found is None or self.desk.runs is None or not same_plan(found.request, self.desk.runs.scenario):
             return run, COMPUTING, None
-        if answer.advice is None:
-            return run, f"Simpler advice {answer.refusal}", None
-        simple, sentence = choose_simple(answer.advice)
+        if found.found is None:
+            return run, f"Simpler advice {found.refusal}", None
+        simple, sentence = choose_simple(found.found)
         if simple is None:
             return run, sentence, None
         return simple.run, " ".join([sentence, *simple.run.notes]), simple
@@ -424,8 +425,8 @@ class Drive(Page):
 
     def _variant(self, advised: Trajectory, simple: Any) -> tuple[str, Trajectory] | None:
         """Return the run to draw beside the chosen one: with a moved instruction, or of simpler advice."""
-        if self.moved is not None and self.moved.run is not None and self.moved.request.run is self._movable:
-            return "moved", self.moved.run
+        if self.moved is not None and self.moved.found is not None and self.moved.request.run is self._movable:
+            return "moved", self.moved.found
         return None if simple is None else ("simpler advice", advised)
 
     @shows("desk.runs", "desk.chosen", "desk.over_time", "desk.day.on", "actual", "simple", "advice", "player.wanted")

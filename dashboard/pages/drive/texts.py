@@ -10,7 +10,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.pages.drive.compute import MovedAnswer, same_plan
+from railjoule.dashboard.pages.drive.compute import Answer, same_plan
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -213,11 +213,12 @@ def worth(
 DOING = {"coast": "Coasting", "brake": "Braking"}
 
 
-def moved_words(answer: MovedAnswer) -> str:
+def moved_words(answer: Answer) -> str:
     """Return the cost of a moved instruction in a sentence, or why it cannot be moved there."""
-    asked, phase = answer.request, answer.request.run.phases[answer.request.number]
+    move, run = answer.request, answer.found
+    phase = move.run.phases[move.number]
     doing = DOING[phase.phase]
-    if answer.run is None:
+    if run is None:
         return f"{doing} {answer.refusal}"
-    places = f"from {words.number(asked.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
-    return f"{doing} {places}: {comparisons.above(answer.run.energy_kwh, asked.run.energy_kwh)}, same arrival."
+    places = f"from {words.number(move.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
+    return f"{doing} {places}: {comparisons.above(run.energy_kwh, move.run.energy_kwh)}, same arrival."

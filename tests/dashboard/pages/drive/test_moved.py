@@ -48,10 +48,10 @@ def test_a_typed_place_costs_the_energy_of_the_sentence(desk: Desk) -> None:
     assert desk.speed.switch.visible
     assert desk.speed.switch.location == start
     desk.page.moved_to_m = 1000.0
-    more = 100 * (desk.page.moved.run.energy_kwh / desk.state.run.energy_kwh - 1)
+    more = 100 * (desk.page.moved.found.energy_kwh / desk.state.run.energy_kwh - 1)
     assert desk.text == f"Coasting from 1 000 m instead of 970 m: +{more:.2f} %, same arrival."
     # the run is drawn beside the optimum
-    assert len(desk.speed.sources["variant"].data["x"]) == len(desk.page.moved.run.position_m)
+    assert len(desk.speed.sources["variant"].data["x"]) == len(desk.page.moved.found.position_m)
     desk.page.moved_phase = -1
     assert not desk.speed.switch.visible
     assert not len(desk.speed.sources["variant"].data["x"])

@@ -12,7 +12,7 @@ from railjoule.core import Scenario, StrategyRefusedError, load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.drive import compute
+from railjoule.dashboard.pages.drive import page
 from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import KeptPin
@@ -72,7 +72,7 @@ class Desk:
 @pytest.fixture
 def searcher(monkeypatch: pytest.MonkeyPatch) -> Searcher:
     searcher = Searcher()
-    monkeypatch.setattr(compute, "compute_simple_advice", searcher)
+    monkeypatch.setattr(page, "compute_simple_advice", searcher)
     return searcher
 
 
@@ -91,7 +91,7 @@ def test_the_switch_shows_the_fewest_instructions_that_cost_little(desk: Desk, s
     exact = desk.text
     desk.page.advice = "simple"
     assert len(searcher.asked) == 1
-    simple, sentence = choose_simple(desk.page.simple.advice)
+    simple, sentence = choose_simple(desk.page.simple.found)
     assert simple is not None
     assert desk.page.advice_pane.object.startswith(parts.advice(simple.run, False).removesuffix("</div>"))
     assert sentence in desk.text
@@ -118,7 +118,7 @@ def test_another_scenario_has_advice_of_its_own(desk: Desk, searcher: Searcher) 
     before = desk.page.simple
     desk.state.scenario.choose("liashenko-0")
     assert desk.page.simple is not before
-    assert desk.page.simple.scenario.title == "Metro, profile 0"
+    assert desk.page.simple.request.title == "Metro, profile 0"
 
 
 def test_a_refusal_is_a_sentence(desk: Desk, searcher: Searcher) -> None:
@@ -131,7 +131,7 @@ def test_a_refusal_is_a_sentence(desk: Desk, searcher: Searcher) -> None:
 
 def test_the_chosen_run_is_pinned_and_run_again_from_an_address(desk: Desk) -> None:
     desk.page.advice = "simple"
-    chosen, _ = choose_simple(desk.page.simple.advice)
+    chosen, _ = choose_simple(desk.page.simple.found)
     assert chosen is not None
     desk.page.pin.clicks += 1
     (pin,) = desk.state.pins
