@@ -31,6 +31,7 @@ class PageHost(PageView):
 
     def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
         self.of, self.page, self.halves_from_px = page, page.page, page.halves_from_px
+        self.rail_px = page.rail_px
         self.heights: Mapping[str, tuple[int, int, int]] = {plot.name: plot.heights for plot in page.figures}
         super().__init__(page.desk, browser, palette)
 

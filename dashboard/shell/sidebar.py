@@ -16,7 +16,6 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.start.compute import card_names
 from railjoule.dashboard.pages.start.groups import scenario_groups
@@ -249,7 +248,6 @@ class HasView(Protocol):
 
 
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
-    "Drive": ActualFields,
     "What if": WhatIfFields,
 }
 """Fields that one page alone has, by its name."""

@@ -32,7 +32,7 @@ PROOF = (
         "How it is proven",
         "Each place of the line has a price of force: the energy that a joule at the wheels is worth there. With these "
         "prices, and a price of time, each metre has a least cost, whatever the speed and effort. The sum of these "
-        "costs is the bound. On Drive, \u201cShow price of force\u201d draws the prices below the speed.",
+        "costs is the bound. On Drive, \u201cShow price of force\u201d draws the prices along the line.",
     ),
     (
         "When there is a gap",

@@ -15,10 +15,9 @@ from railjoule.core import load_scenario
 from railjoule.core.bounds import FIRST_STAGE_BOXES, ProofStep
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.drive import proof_work as proving
-from railjoule.dashboard.pages.drive.proof_compute import FURTHER_BOXES, ProofRequest
-from railjoule.dashboard.pages.drive.proof_work import Proving
-from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.drive import compute, page
+from railjoule.dashboard.pages.drive.compute import FURTHER_BOXES, ProofRequest, compute_proof
+from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 
@@ -38,6 +37,7 @@ class Prover:
         self.may_go_on.set()
 
     def __call__(self, request: ProofRequest) -> Iterator[ProofStep]:
+        """Take the place of `railjoule.core.bounds.tightening`."""
         self.asked.append(request.budget)
         bound = request.run.bound
         for number, share in enumerate(self.shares, 1):
@@ -67,8 +67,9 @@ class Desk:
 
     def __init__(self) -> None:
         self.state = Workbench()
-        self.proving = Proving(self.state)
-        self.view = DriveView(self.state, Browser(), Palette(dark=False))
+        self.work = make_works("Drive")(self.state)
+        self.host = find_view("Drive")(self.state, Browser(), Palette(dark=False))
+        self.page = self.state.pages["Drive"]
         self.state.scenario.choose(TRAM)
         self.state.param.update(page="Drive", chosen="optimal")
 
@@ -85,13 +86,18 @@ class Desk:
 
     @property
     def words(self) -> str:
-        return " ".join(re.sub(r"<[^>]+>", " ", self.view.proof.text.object).split())
+        return " ".join(re.sub(r"<[^>]+>", " ", self.page.proof.object).split())
 
 
 @pytest.fixture
 def prover(monkeypatch: pytest.MonkeyPatch) -> Prover:
     prover = Prover()
-    monkeypatch.setattr(proving, "compute_proof", prover)
+
+    def prove(request: ProofRequest) -> Iterator[compute.Proven]:
+        monkeypatch.setattr(compute, "tightening", lambda *_: prover(request))
+        yield from compute_proof(request)
+
+    monkeypatch.setattr(page, "compute_proof", prove)
     return prover
 
 
@@ -106,36 +112,39 @@ def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
     assert prover.asked == [FIRST_STAGE_BOXES]
     assert desk.closed == pytest.approx(FIRST_SHARE)
     assert not desk.state.run.is_proven
-    assert desk.state.proof.stage == ""
-    assert desk.words.startswith("No way of driving this train over this line within 95.0 s uses less than ")
-    assert desk.view.proof.button.visible
-    assert desk.view.proof.button.label == "Prove further"
+    assert not desk.page.proving
+    assert not desk.page.proving_further
+    assert desk.words.startswith(
+        "What is proven No way of driving this train over this line within 95.0 s uses less than "
+    )
+    assert desk.page.prove.visible
+    assert desk.page.prove.label == "Prove further"
     # all runs that it covers have it, so that one number has one value
     assert desk.state.runs.runs["fastest"].bound is desk.state.run.bound
 
 
 def test_a_looser_bound_replaces_none(desk: Desk, prover: Prover) -> None:
     prover.shares = [0.1, 0.2]
-    desk.state.proof.param.trigger("go_on")
+    desk.page.param.trigger("prove_further")
     assert prover.asked == [FIRST_STAGE_BOXES, FURTHER_BOXES]
     assert desk.closed == pytest.approx(FIRST_SHARE)
-    assert not desk.view.proof.button.visible
+    assert not desk.page.prove.visible
     assert "--prove-seconds" in desk.words
 
 
 def test_prove_further_ends_where_the_proof_aims(desk: Desk, prover: Prover) -> None:
     prover.shares, prover.reached = [0.9], True
-    desk.view.proof.button.param.trigger("clicks")
+    desk.page.prove.param.trigger("clicks")
     assert desk.closed == pytest.approx(0.9)
     # within the tolerance the run is proven, and nothing is left to prove
     assert desk.state.run.is_proven
-    assert not desk.view.proof.button.visible
+    assert not desk.page.prove.visible
 
 
 def test_pins_have_the_same_bound(desk: Desk, prover: Prover) -> None:
     desk.state.pin()
     prover.shares = [0.8]
-    desk.state.proof.param.trigger("go_on")
+    desk.page.param.trigger("prove_further")
     assert desk.state.pins[0].trajectory.bound is desk.state.run.bound
 
 
@@ -169,43 +178,44 @@ def test_smooth_drives_and_other_pages_need_no_proof(prover: Prover) -> None:
     desk.state.scenario.choose("metro-with-limit")
     desk.run()
     assert prover.asked == [FIRST_STAGE_BOXES]
-    assert desk.view.proof.view.visible
-    assert not desk.view.proof.button.visible
+    assert "uses less than" in desk.words
+    assert not desk.page.prove.visible
 
 
 def test_the_price_of_force_is_drawn_on_request(desk: Desk) -> None:
-    chart = desk.view.scenes["price"]
+    chart = desk.host.plots["price"]
     assert not chart.host.visible
-    desk.view.proof.prices.param.trigger("clicks")
+    desk.page.prices.param.trigger("clicks")
     assert chart.host.visible
-    assert desk.view.proof.prices.label == "Hide price of force"
+    assert desk.page.prices.label == "Hide price of force"
     places = desk.state.run.bound.costate.position_m
     assert len(chart.sources["price"].data["x"]) == len(places)
     # a bound that chains of boxes tighten has no single price along the line
     tighter = replace(desk.state.run.bound, energy_j=desk.state.run.bound.energy_j + 1.0, costate=None)
     desk.state.take_bound(desk.state.runs.scenario, tighter)
     assert not chart.host.visible
-    assert not desk.view.proof.prices.visible
+    assert not desk.page.prices.visible
 
 
-@pytest.mark.parametrize("how", ["stop", "end"])
+@pytest.mark.parametrize("how", ["stop", "move"])
 def test_what_comes_too_late_is_dropped(desk: Desk, prover: Prover, how: str) -> None:
     page = Page()
     prover.shares = [0.7, 0.9]
     prover.may_go_on.clear()
     prover.ended.clear()
     with set_curdoc(page.document):
-        desk.state.proof.param.trigger("go_on")
-        assert desk.state.proof.stage == "further"
-        assert desk.view.proof.button.label == "Stop"
+        desk.page.param.trigger("prove_further")
+        assert desk.page.proving_further
+        assert desk.page.prove.label == "Stop"
         # a step is on its way when the work ends
         while not page.is_due:
             time.sleep(0.01)
         if how == "stop":
-            desk.view.proof.button.param.trigger("clicks")
+            desk.page.prove.param.trigger("clicks")
         else:
-            desk.proving.end()
-    assert desk.state.proof.stage == ""
+            desk.state.scenario.travel_time_s += 5
+    assert not desk.page.proving
+    assert not desk.page.proving_further
     prover.may_go_on.set()
     assert prover.ended.wait(PATIENCE_S)
     while page.is_due:

@@ -1,14 +1,16 @@
-"""What Drive tells of the actual run: its numbers, and where its extra energy comes from."""
+"""Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
 
-from collections.abc import Sequence
+from itertools import accumulate
 
 from markupsafe import Markup
 
 from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.pages.drive.proof_compute import same_plan
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.pages.drive.compute import Answer, same_plan
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -17,8 +19,10 @@ from railjoule.dashboard.parts.html import (
     joined,
     markup,
     note_paragraphs,
+    plain_table,
     price_figure,
 )
+from railjoule.dashboard.parts.worth import yearly_saving
 from railjoule.dashboard.work.runs import Runs
 
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
@@ -112,7 +116,7 @@ def causes_block(actual: ActualRun) -> str:
     if not actual.causes:
         return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
     energies = [cause.energy_kwh for cause in actual.causes]
-    ends = _running(energies)
+    ends = list(accumulate(energies))
     low, high = min(0.0, *ends), max(0.0, *ends)
     # causes may add nothing at all: the bars must still have a scale
     scale = max(high - low, 1e-9)
@@ -136,9 +140,85 @@ def causes_block(actual: ActualRun) -> str:
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
 
 
-def _running(energies: Sequence[float]) -> list[float]:
-    ends, total = [], 0.0
-    for energy in energies:
-        total += energy
-        ends.append(total)
-    return ends
+# ---- the proof
+
+BOXES = 1e6
+EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
+PROOF = (
+    '<div class="block inset"><h2>What is proven {}</h2><div class="proof-row">'
+    '<span role="status" aria-live="polite">{}'
+    '</span> <span class="muted">{}</span></div>{}</div>'
+)
+
+
+def proof_block(run: Trajectory, end: str, notes: str) -> Markup:
+    """Return the statement of a run's bound, the progress of its proof, the solver's numbers and notes, as HTML."""
+    milliseconds, cells = words.number(1e3 * run.solve_time_s), len(run.nodes_m) - 1
+    iterations = f", {run.iterations} iterations" if run.iterations else ""
+    solved = f"Solved in {milliseconds} ms{iterations}, {words.number(cells, 0)} cells."
+    statement = "No bound is known." if run.bound is None else run.bound.statement
+    # the count of boxes is not read aloud at every step, the statement is
+    return markup(PROOF, info("Proof"), statement, end, notes + note_paragraphs([solved]))
+
+
+def progress(step: ProofStep | None) -> Markup:
+    """Return how many boxes of its budget a proof has used, as HTML; None while it waits for others."""
+    share, amount = 0.0, "begins"
+    if step is not None:
+        share = step.share
+        amount = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
+    bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
+    return markup(bar, f"{share:.3f}", amount)
+
+
+# ---- the worth
+
+
+def worth(
+    run: Trajectory,
+    baseline: Trajectory | None,
+    name: str,
+    refusal: str | None,
+    price_per_kwh: float,
+    trains_per_day: float,
+    co2_kg_per_kwh: float,
+) -> Markup:
+    """Return the saving of a year against a baseline, as HTML; for a run that is late, how late it is instead."""
+    if baseline is None:
+        missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
+        return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])
+    late, later = comparisons.late_of(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
+    if late or later:
+        return note_paragraphs(
+            [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]
+        )
+    saved_kwh = baseline.energy_kwh - run.energy_kwh
+    saving = yearly_saving(saved_kwh, trains_per_day, price_per_kwh, co2_kg_per_kwh)
+    verb = "Saved" if saved_kwh >= 0 else "Lost"
+    rows = [
+        (
+            (f"Energy, {words.number(abs(saved_kwh), 2)} kWh a run", f"{words.number(abs(saving.energy_mwh), 0)} MWh"),
+            False,
+        ),
+        (("Money, as the price", words.number(abs(saving.money), 0)), False),
+        (("CO\u2082", f"{words.number(abs(saving.co2_t), 0)} t"), False),
+    ]
+    earlier_s = run.travel_time_s - baseline.travel_time_s
+    note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
+    return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
+
+
+# ---- a moved instruction
+
+DOING = {"coast": "Coasting", "brake": "Braking"}
+
+
+def moved_words(answer: Answer) -> str:
+    """Return the cost of a moved instruction in a sentence, or why it cannot be moved there."""
+    move, run = answer.request, answer.found
+    phase = move.run.phases[move.number]
+    doing = DOING[phase.phase]
+    if run is None:
+        return f"{doing} {answer.refusal}"
+    places = f"from {words.number(move.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
+    return f"{doing} {places}: {comparisons.above(run.energy_kwh, move.run.energy_kwh)}, same arrival."
