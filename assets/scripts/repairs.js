@@ -18,6 +18,17 @@
     return owner;
   };
 
+  // While a renderer takes new data, it waits between its glyphs. A painting then changes what is masked, and the visuals
+  // of glyphs that still have the data of before are read beyond the end of the new columns. The renderer sets all visuals
+  // once more when it has the data. To be filed with bokeh: "`masked.change` calls `set_visuals` during `set_data`."
+  repair("visuals", () => {
+    const {prototype: renderer} = prototype_of("GlyphRenderer").default_view;
+    const {set_visuals} = needed(renderer, "set_visuals");
+    renderer.set_visuals = async function (...rest) {
+      try { await set_visuals.apply(this, rest); } catch (error) { if (!(error instanceof RangeError)) { throw error; } }
+    };
+  });
+
   // Keys do nothing in a figure, whose words stand on its frame: the tab key has no business in it. It is done while the
   // figure is made, as a reader with a fast hand and a slow browser would otherwise land on a place without a name.
   repair("tab stops", () => {

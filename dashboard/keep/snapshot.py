@@ -5,6 +5,7 @@ Fields of the page and of the scenario stand under their own names, those of oth
 
 import json
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from functools import lru_cache
 from typing import Any
 
@@ -48,7 +49,8 @@ def originals_of(snapshot: Mapping[str, Any]) -> Snapshot:
         If there is no such scenario.
     """
     edits = json.dumps(snapshot.get("edits", {}))
-    return dict(_originals(snapshot["preset"], snapshot.get("toml") or "", edits))
+    # a copy, as models keep the lists that are laid on them
+    return deepcopy(_originals(snapshot["preset"], snapshot.get("toml") or "", edits))
 
 
 @lru_cache(maxsize=MOST_ORIGINALS)
