@@ -416,14 +416,14 @@ def test_the_value_of_a_line_beneath_the_mouse(page: Page) -> None:
 def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
     chart = {"words": "Speed", "unit": "km/h", "digits": 1, "small": 0, "stepped": False, "place": ["m", 0]}
     code = """
-      const lines = () => [["", {data: {place: [0, 100], speed: [0, 50]}}, "place", "speed"],
-        ["clock", {data: {x: [], y: []}}, "x", "y"]];
-      const axis = () => ({range: {}, charts: [{...a, caption: {text: ""}, sources: lines()}]});
-      const [one, other] = [axis(), axis()], text = ({charts}) => charts[0].caption.text;
+      const lines = [["", "run", "place", "speed"], ["clock", "day", "x", "y"]];
+      const axis = () => ({range: {}, captions: [{text: "", tags: [{...a, sources: lines}]}],
+        sources: {run: {data: {place: [0, 100], speed: [0, 50]}}, day: {data: {x: [], y: []}}}});
+      const [one, other] = [axis(), axis()], text = ({captions}) => captions[0].text;
       m.follow(one, {event_name: "mousemove", x: 20});
       const first = text(one);
       // both axes settle: only one of them has a mouse
-      one.charts[0].sources[0][1].data.speed[1] = 100;
+      one.sources.run.data.speed[1] = 100;
       m.follow(one, one.range);
       m.follow(other, other.range);
       const [moved, untouched] = [text(one), text(other)];
