@@ -549,12 +549,12 @@ def add_zero(f: figure, palette: Palette) -> None:
     f.add_layout(zero)
 
 
-def dragged(figure: figure, script: str, **args: Any) -> CustomJS:
+def dragged(figure: figure, script: str, answer: str = "", **args: Any) -> CustomJS:
     """Let a script answer drags on a figure, which it has as `f` beside what is named; return its callback.
 
-    The script's module exports a function of its own name, which takes these by name, and the event.
+    The script's module exports a function of that name, or of its own, which takes these by name, and the event.
     """
-    call = f"{script}({{{', '.join(['f', *args])}}}, cb_obj)"
+    call = f"{answer or script}({{{', '.join(['f', *args])}}}, cb_obj)"
     drag = CustomJS(args={"f": figure, **args}, code=function(script, call))
     for event in ("panstart", "pan", "panend"):
         figure.js_on_event(event, drag)

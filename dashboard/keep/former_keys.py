@@ -15,11 +15,13 @@ FORMER_MODELS: Mapping[str, tuple[str, ...]] = {
     "robustness": ("day", "what_if"),
     "disturbances": ("day",),
     "actual": ("day",),
+    "speed_limits": ("set_speeds",),
 }
 """By earlier model the present ones, which have its fields under the same names."""
 FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
     "Robustness": {"page": "What if", "what_if.tab": "load"},
     "Disturbances": {"page": "What if", "what_if.tab": "events"},
+    "Speed limits": {"page": "Set speeds"},
 }
 """By earlier page the values that open its successor."""
 

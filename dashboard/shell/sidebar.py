@@ -76,7 +76,10 @@ class Sidebar:
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.strategy_part = stack(
-            html_pane('<hr class="rule">'), html_pane('<div class="section">Strategies</div>'), self.strategies
+            html_pane('<hr class="rule">'),
+            html_pane('<div class="section">Strategies</div>'),
+            self.strategies,
+            text_button("Adjust set speeds", "speed", lambda _: setattr(state, "page", "Set speeds")),
         )
         self.changes = Changes(state)
         self.view = pn.Column(

@@ -65,7 +65,7 @@ CHANGES = {
     "Compare": Change(type_text("Load, % of capacity", "20"), "table:visible tbody td:nth-child(2)", "compared_speed"),
     "Trade-off": Change(type_text("Load, % of capacity", "80"), chart="frontier"),
     "What if": Change(type_text("Actual load, % of capacity", "20"), chart="driven_speed"),
-    "Speed limits": Change(type_text("Section 1: set speed, km/h", "50"), chart="limit_speed"),
+    "Set speeds": Change(type_text("Section 1: set speed, km/h", "50"), chart="limit_speed"),
     "Motor": Change(type_text("Current, A", "300"), chart="loop_speed"),
     "Line": Change(type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")),
     "Study": Change(type_text("Runs", "77"), ':text("on this computer."):visible'),

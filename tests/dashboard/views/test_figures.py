@@ -98,7 +98,7 @@ CASES = {
         ("metro-with-limit", with_live_run),
         ("metro-with-limit", partial(with_tab, "chance")),
     ],
-    "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
+    "Set speeds": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
     "Study": [("metro-with-limit", with_a_study)],

@@ -64,7 +64,7 @@ def test_a_station_can_be_dragged_until_a_leg_beside_it_has_nothing_left(given: 
     grips = grip_columns(given)
     first, second = given.runs["given"].legs
     assert grips["name"] == ["<b>B</b>"]
-    assert grips["arrival"] == pytest.approx([90.0], abs=1e-4)
+    assert grips["time"] == pytest.approx([90.0], abs=1e-4)
     assert grips["low"] == pytest.approx([0.1])
     assert grips["high"] == pytest.approx([first.supplement_s + second.supplement_s - 0.1])
 
@@ -80,17 +80,17 @@ def test_what_the_browser_has_dragged_is_taken_and_a_drawing_meanwhile_leaves_it
     chart.show(lambda: chart.draw(given, "equal", 900.0))
     assert len(chart.sources["given"].data["top"]) == len(chart.sources["equal"].data["top"]) == 2
     top = chart.y_range.end
-    chart.sources["moved"].data = {"number": [0], "arrival": [92.5]}
+    chart.sources["moved"].data = {"number": [0], "time": [92.5]}
     assert moves == [(0, 92.5)]
     later = runs_with(arrival_s=105.0)
     chart.moving = True
     chart.draw(later, "equal", 900.0)
     assert chart.y_range.end == top
-    assert chart.sources["grips"].data["arrival"] == pytest.approx([90.0], abs=1e-4)
+    assert chart.sources["grips"].data["time"] == pytest.approx([90.0], abs=1e-4)
     chart.moving = False
     chart.draw(later, "equal", 900.0)
     assert chart.y_range.end > top
-    assert chart.sources["grips"].data["arrival"] == pytest.approx([105.0], abs=1e-4)
+    assert chart.sources["grips"].data["time"] == pytest.approx([105.0], abs=1e-4)
     # what is emptied is no move
     assert moves == [(0, 92.5)]
 
