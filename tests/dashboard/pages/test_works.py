@@ -29,7 +29,7 @@ BY_HAND = {"SimpleAdvising", "Proving", "Live"}
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
+GO_ON = {"Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 

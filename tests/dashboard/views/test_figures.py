@@ -109,8 +109,8 @@ CASES = {
     "Help": [("metro-with-limit", None)],
 }
 """Of each page the scenarios, and what is done there, until each of its figures is drawn."""
-NO_FIGURE = {"sankey", "surface", "detuning", "robust_speed", "candidates"}
-"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/motor and what_if."""
+NO_FIGURE = {"sankey", "surface", "robust_speed", "candidates"}
+"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/what_if."""
 
 
 # Panel warns once of how panel-material-ui calls it
