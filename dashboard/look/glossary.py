@@ -168,7 +168,6 @@ TIME = (
     Term(
         "Fixed arrival",
         "An arrival that the timetable prescribes. Between two of them every second is worth the same energy.",
-        ("Arrives after, s",),
     ),
     Term(
         "Window of arrival",

@@ -39,7 +39,7 @@ SHARING_WORDS: Mapping[Sharing, str] = {
     "optimum": "optimal supplement",
     "proportional": "proportional supplement",
     "equal": "equal supplement",
-    "given": "given timetable",
+    "given": "present timetable",
 }
 SHARING_TOKENS: Mapping[Sharing, str] = {
     "optimum": "optimal",

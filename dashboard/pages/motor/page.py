@@ -216,7 +216,7 @@ class Motor(Page):
     fields = (
         Section("Controller", "with a rotor resistance of its own"),
         *CONTROL,
-        Hint("The controller computes slip from the rotor resistance.", "Slip"),
+        Hint("Slip is computed from this resistance.", "Slip"),
         Section("Inverter", "at most, each phase"),
         *LIMITS,
     )

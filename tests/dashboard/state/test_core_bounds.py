@@ -103,7 +103,6 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         StationModel(),
         {
             "dwell_s": (Station, "dwell_s", 1),
-            "arrival_s": (Station, "arrival_s", 1),
             "earliest_s": (Station, "earliest_arrival_s", 1),
             "latest_s": (Station, "latest_arrival_s", 1),
             "given_s": (Station, "arrival_s", 1),
