@@ -72,7 +72,7 @@ CHANGES = {
     "Learn": Change(press("This is my guess"), "main:visible", "lesson_coasting"),
     "Measured runs": Change(press("Try the example"), "main:visible", "measured_speed"),
     "Import": Change(press("Load the example"), "main:visible", "import_limits"),
-    "Papers": Change(press("Compute all again"), "main:visible"),
+    "Papers": Change(press("Draw the figures of Rawicki"), "main:visible"),
     "Help": Change(lambda user: user.page.locator("[data-open=Compare]").click(), "h1:visible", leaves=True),
 }
 
