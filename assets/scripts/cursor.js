@@ -34,7 +34,7 @@ export const caption_at = (chart, sources, place) => {
 };
 
 // Called by the mouse, and by a tag of the range when the runs beneath a resting mouse have changed.
-// A caption's tag tells what of which sources it reads: the arguments stay the same when runs come and go.
+// A caption's tag lists the sources and columns it reads: the arguments stay the same when runs come and go.
 export const follow = ({captions, sources, range}, event) => {
   if (event.event_name) { range[PLACE] = event.event_name === "mouseleave" ? null : event.x; }
   const place = range[PLACE] ?? null;

@@ -1,4 +1,4 @@
-// What is dragged in figures: steps by their level and their ends, and points up and down.
+// Drags in figures: steps by their level and their ends, and points up and down.
 
 import {written} from "./numbers.js";
 
@@ -13,7 +13,7 @@ export const scales = (figure) => ({
   x: figure.inner_width / (figure.x_range.end - figure.x_range.start),
   y: figure.inner_height / (figure.y_range.end - figure.y_range.start),
 });
-// What an event drags, or null; a drag begins with the nearest of the grips [{away}], in pixels, within reach.
+// The grip that an event drags, or null; a drag begins with the nearest of the grips [{away}], in pixels, within reach.
 export const held_by = (figure, event, grips, reach = GRIP_PX) => {
   if (event.event_name === "panstart") {
     figure[HELD] = grips().reduce((best, grip) => grip.away < (best?.away ?? reach) ? grip : best, null);
@@ -41,7 +41,7 @@ export const move_step = ({left, right, limit, middle, text}, {part, k}, {x, y},
   if (part === "right" && shared) { left[k + 1] = right[k]; }
   left.forEach((start, j) => { middle[j] = (start + right[j]) / 2; });
 };
-// The server hears of each move where it is to answer, else once the step is let go.
+// `moved` is sent with each move where the server is to answer, else once the step is let go.
 export const drag_steps = ({f, steps, moved, live, ...bounds}, event) => {
   const {left, right, limit} = steps.data, ends = event.event_name === "panend";
   const held = held_by(f, event, () => step_grips(steps.data, event, scales(f), bounds.shared));

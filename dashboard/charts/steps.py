@@ -40,7 +40,7 @@ def add_steps(chart: Chart, token: str, **bounds: Any) -> tuple[ColumnDataSource
 def draw_steps(chart: Chart, steps: Sequence[tuple[float, float, float, bool]]) -> None:
     """Draw steps: beginning and end, level, and whether ends can be moved.
 
-    They are sent whatever stands there: the browser moves them before the server hears of it.
+    They are sent whatever stands there: the browser moves them before the server does.
     """
     left, right, limit, movable = (list(column) for column in zip(*steps, strict=True)) if steps else ([], [], [], [])
     chart.sources[STEPS].data = {

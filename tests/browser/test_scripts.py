@@ -430,8 +430,8 @@ def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
       m.follow(one, {event_name: "mouseleave"});
       return [first, moved, untouched, text(one)];
     """
-    told = run(page, "cursor", code, chart)
-    assert told == ["Speed&ensp;&ensp;20 m: 10.0 km/h", "Speed&ensp;&ensp;20 m: 20.0 km/h", "", "Speed"]
+    texts = run(page, "cursor", code, chart)
+    assert texts == ["Speed&ensp;&ensp;20 m: 10.0 km/h", "Speed&ensp;&ensp;20 m: 20.0 km/h", "", "Speed"]
 
 
 def test_a_drag_holds_the_nearest_grip_of_its_own_figure(page: Page) -> None:
@@ -514,18 +514,18 @@ def test_set_speeds_move_in_halves_and_ends_between_their_neighbours(page: Page)
     assert end == {**before, "right": [190, 200, 300], "left": [0, 190, 200], "middle": [95, 195, 250]}
 
 
-def test_the_server_hears_of_steps_while_they_move_or_once_they_are_let_go(page: Page) -> None:
+def test_the_server_gets_steps_while_they_move_or_once_they_are_let_go(page: Page) -> None:
     code = """
-      const told = [], emit = () => {};
+      const sent = [], emit = () => {};
       const data = {left: [0], right: [100], limit: [50], middle: [50], text: ["50"], movable: [0]};
       const steps = {data, change: {emit}};
-      const moved = {set data(to) { told.push(to.limit[0]); }};
+      const moved = {set data(to) { sent.push(to.limit[0]); }};
       const f = {inner_width: 100, inner_height: 100, x_range: {start: 0, end: 100}, y_range: {start: 0, end: 100}};
       const given = {f, steps, moved, live: a, least: 1, most: 80, per: 1, shortest: 1, end: 100, shared: false};
       for (const [event_name, y] of [["panstart", 50], ["pan", 60], ["pan", 90], ["panend", 90]]) {
         m.drag_steps(given, {event_name, x: 50, y});
       }
-      return told;
+      return sent;
     """
     assert run(page, "drag", code, True) == [50, 60, 80]
     assert run(page, "drag", code, False) == [80]

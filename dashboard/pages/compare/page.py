@@ -28,7 +28,7 @@ REST_MS = 400
 IN_TURN = tuple(sorted(STRATEGIES, key=lambda name: STRATEGIES[name].seconds_per_cell))
 """The slowest come last, as a strategy still under way is abandoned when the next scenario is asked for."""
 AMONG = ("desk.runs", "compared", "desk.pins", "desk.ticked", "desk.chosen", "compare_all", "reference")
-"""What the runs to compare depend on."""
+"""Sources of the runs to compare."""
 TEXT_CSS = padded("0 20px 16px", "0 14px 16px")
 NO_PIN = parts.Markup("<p>Pin up to six runs to compare them here.</p>")
 

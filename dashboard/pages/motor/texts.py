@@ -69,8 +69,8 @@ def held_words(run: FieldOrientedRun) -> Markup:
 def parts_table(run: FieldOrientedRun) -> Markup:
     """Return the parts of the energy that are not zero, and their sum, the integral of input power."""
     total = float(run.energy_by_input_power_j[-1])
-    told = {name: joules for name, joules in run.parts_j.items() if abs(joules) >= words.LEAST_ENERGY_KWH * J_PER_KWH}
-    rows = [((words.PART_WORDS[name], *_amount(joules, total)), False) for name, joules in told.items()]
+    shown = {name: joules for name, joules in run.parts_j.items() if abs(joules) >= words.LEAST_ENERGY_KWH * J_PER_KWH}
+    rows = [((words.PART_WORDS[name], *_amount(joules, total)), False) for name, joules in shown.items()]
     rows.append((("All", *_amount(total, total)), True))
     return parts.inset(parts.table("Energy at the motors, by part", ("Part", "kWh", "%"), rows))
 

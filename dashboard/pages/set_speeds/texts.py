@@ -153,7 +153,7 @@ def inter_station_table(found: InterStationRuns) -> str:
 
 
 def storage_words(storage: StorageCurve) -> Markup:
-    """Return what the chosen storage saves, what is needed, and what a receptive line would save."""
+    """Return the savings of the chosen storage and of a receptive supply, and the storage needed, as a sentence."""
     chosen, need = storage.chosen, storage.need
     size, power = words.energy(chosen.storage.size_kwh), words.number(math.ceil(chosen.storage.power_kw), 0)
     saved, most = (

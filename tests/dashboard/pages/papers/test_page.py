@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 import numpy as np
+import panel as pn
 import pytest
 
 from railjoule.core import SolverError
 from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
 from railjoule.core.validation.table import FigureData, Line, Panel, PaperFigure
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.pages.host import find_view, make_works
@@ -56,7 +56,7 @@ def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
 
 
 def test_what_is_shipped_is_shown(papers: Papers) -> None:
-    texts = " ".join(pane.object for pane in papers.host.view.select(Words))
+    texts = " ".join(pane.object for pane in papers.host.view.select(pn.pane.HTML))
     assert COMPUTED in texts
     assert COMPUTED_BEFORE not in texts
     assert "One table" in papers.sections["ftorek"].tables.object

@@ -123,7 +123,7 @@ def test_what_a_storage_saves_is_one_sentence(view: SetSpeeds) -> None:
     assert f"The run needs {energy(view.run.need.max_drop_kwh)} kWh" in view.storage_text.object
 
 
-def test_other_sections_than_those_of_the_strategy_are_told(view: SetSpeeds) -> None:
+def test_other_sections_than_those_of_the_strategy_are_named(view: SetSpeeds) -> None:
     assert "other pages" not in view.host.heading.object
     view.desk.scenario.choose("metro-with-limit")
     assert len(view.desk.scenario.scenario().line.sections) == 11
