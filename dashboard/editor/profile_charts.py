@@ -65,7 +65,7 @@ class ProfileChart(DraggedChart):
         # the browser alone moves what is dragged, and only what was let go is sent here
         dropped = self.source("dropped", *self.columns)
         dropped.on_change("data", self._take)
-        bounds = {"shortest": MIN_SECTION_M, "steepest": STEEPEST_PERMILLE}
+        bounds: dict[str, Any] = {"shortest": MIN_SECTION_M, "steepest": STEEPEST_PERMILLE}
         dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
 
     def draw(self, line: Line) -> None:

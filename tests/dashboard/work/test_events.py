@@ -14,7 +14,7 @@ from railjoule.dashboard.work import events
 from railjoule.dashboard.work.events import Dated, Waits, write_down
 
 SECRET = "a-session-of-forty-letters-and-more-secret"
-LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Speed-limits duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
+LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Set-speeds duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
 
 
 class SessionDocument(Document):
