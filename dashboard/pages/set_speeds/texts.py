@@ -167,5 +167,6 @@ def storage_words(storage: StorageCurve) -> Markup:
             f"On-board storage of {size} kWh and {power} kW saves {saved} kWh ({share} %) against brake resistors, a "
             f"fully receptive supply {most} kWh. The run needs {words.energy(need.max_drop_kwh)} kWh and {peak} kW: "
             f"{words.number(need.cycles_per_day, 0)} full cycles of that size in an 18-hour day."
-        ]
+        ],
+        "padding:0 6px",
     )
