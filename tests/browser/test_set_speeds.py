@@ -1,4 +1,4 @@
-"""Speed limits, as a user works with it."""
+"""Set speeds, as a user works with it."""
 
 from collections.abc import Iterator
 
@@ -20,7 +20,7 @@ LIMIT = "Section 1: set speed, km/h"
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
     with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Speed limits")
+        someone.turn_to("Set speeds")
         someone.choose("Metro, set speeds, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone
