@@ -20,7 +20,7 @@ LIMIT = "Section 1: set speed, km/h"
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
     with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Set speeds")
+        someone.page.get_by_role("button", name="Adjust set speeds").click()
         someone.choose("Metro, set speeds, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone
