@@ -10,7 +10,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.pages.drive.compute import Answer, same_plan
+from railjoule.dashboard.pages.drive.compute import Answer
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -23,7 +23,7 @@ from railjoule.dashboard.parts.html import (
     price_figure,
 )
 from railjoule.dashboard.parts.worth import yearly_saving
-from railjoule.dashboard.work.runs import Runs
+from railjoule.dashboard.work.runs import Runs, same_plan
 
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'

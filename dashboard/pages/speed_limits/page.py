@@ -17,8 +17,7 @@ from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import Own, Page, Request, Section, shows, work
-from railjoule.dashboard.pages.page import BODY_CSS
+from railjoule.dashboard.page import BODY_CSS, Own, Page, Request, Section, shows, work
 from railjoule.dashboard.pages.speed_limits import texts
 from railjoule.dashboard.pages.speed_limits.compute import (
     InterStationRuns,
@@ -47,10 +46,9 @@ from railjoule.dashboard.pages.speed_limits.sections import (
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, buttons
 from railjoule.dashboard.parts.number_field import tie
+from railjoule.dashboard.state.kept import Items, result
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, core_bounds, keyed
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.page_work import Items
-from railjoule.dashboard.state.program import SOLVE, PageRun
+from railjoule.dashboard.state.recipes import SOLVE, PageRun
 from railjoule.dashboard.work.runs import is_slow
 
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)

@@ -4,7 +4,7 @@ from railjoule.core import InfeasibleLineError, RailjouleError, ScenarioError, l
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.limits import LONGEST_TEXT
 from railjoule.dashboard.state import opened
-from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.state.draft import open_scenario
 
 GOOD = format_scenario(load_scenario("liashenko-ii"))
 

@@ -5,23 +5,23 @@ import pytest
 from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import energy
-from railjoule.dashboard.pages.host import find_view
+from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.speed_limits.compute import run_figures
 from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
 from railjoule.dashboard.pages.speed_limits.texts import rule_html
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
 def view(state: Workbench) -> SpeedLimits:
     """The page with all its figures in sight."""
     names = [plot.name for plot in SpeedLimits.figures]
-    find_view("Speed limits")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    PageHost(state.pages["Speed limits"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     page: SpeedLimits = state.pages["Speed limits"]
     return page
 

@@ -3,7 +3,7 @@
 import pytest
 
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 # a metro with automatic train operation, and a tram without
