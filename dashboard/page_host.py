@@ -18,9 +18,9 @@ from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
+from railjoule.dashboard.look.words import failure_words
 from railjoule.dashboard.page import Page
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.recipes import about_numbers
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260

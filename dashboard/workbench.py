@@ -232,11 +232,6 @@ class Workbench(Kept):
             self.param.update(runs=runs, pins=pins)
         self.param.trigger("tightened")
 
-    @property
-    def stale(self) -> bool:
-        """Whether what is shown is the last good run, not the one asked for."""
-        return self.failure is not None
-
 
 FIRST = FirstRuns()
 

@@ -21,7 +21,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import without_keys, words_of
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.parts.failures import failure_words
+from railjoule.dashboard.look.words import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
 
 if TYPE_CHECKING:

@@ -34,7 +34,6 @@ PACKED = frozenset({".css", ".html", ".js", ".json", ".mjs", ".svg"})
 """Suffixes of the files that compress well."""
 SMALLEST_BYTES, MAX_FILES = 1024, 200
 """Below that, packing saves nothing that anyone notices; and as many packed files are kept."""
-PIECE_BYTES = 2**18
 
 
 # ---- in words

@@ -17,7 +17,8 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.page_work import PageWorks
-from railjoule.dashboard.pages.drive import compute, page
+from railjoule.dashboard.pages.drive import page
+from railjoule.dashboard.work import runs
 from railjoule.dashboard.work.runs import FURTHER_BOXES, ProofRequest, Runs, RunsRequest, compute_proof, compute_runs
 from railjoule.dashboard.workbench import Workbench
 
@@ -93,8 +94,8 @@ class Desk:
 def prover(monkeypatch: pytest.MonkeyPatch) -> Prover:
     prover = Prover()
 
-    def prove(request: ProofRequest) -> Iterator[compute.Proven]:
-        monkeypatch.setattr(compute, "tightening", lambda *_: prover(request))
+    def prove(request: ProofRequest) -> Iterator[runs.Proven]:
+        monkeypatch.setattr(runs, "tightening", lambda *_: prover(request))
         yield from compute_proof(request)
 
     monkeypatch.setattr(page, "compute_proof", prove)

@@ -28,10 +28,10 @@ def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
 def test_a_failure_keeps_the_runs(plans: Plans) -> None:
     before = plans.state.runs
     plans.state.scenario.travel_time_s = 20.0
-    assert plans.state.stale
+    assert plans.state.failure is not None
     assert plans.state.runs is before
     plans.state.scenario.travel_time_s = 150.0
-    assert not plans.state.stale
+    assert plans.state.failure is None
 
 
 def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
