@@ -14,7 +14,7 @@ from tornado.web import StaticFileHandler
 
 from railjoule.core.compilation import compilation
 from railjoule.core.compiled import MODE
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
 from railjoule.dashboard.keep.keeping import Keeping
@@ -30,9 +30,9 @@ from railjoule.dashboard.library_workarounds import (
     write_all_messages,
 )
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.host import find_view
-from railjoule.dashboard.pages.page import PageView
+from railjoule.dashboard.page import Page
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.scenario_folder import ScenarioFolder
@@ -40,11 +40,10 @@ from railjoule.dashboard.server.answers import KeptFileHandler, NotFoundHandler,
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
-from railjoule.dashboard.shell.shell import Page, Shell, empty_page
+from railjoule.dashboard.shell.shell import Shell, empty_page
 from railjoule.dashboard.state.files import serve_folder
-from railjoule.dashboard.state.plan_work import Plans
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
+from railjoule.dashboard.workbench import Plans, Workbench
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 events.keep_quiet()
@@ -62,8 +61,6 @@ COMPRESSION_LEVEL = 4
 LOOK_MS = 3000
 """How often Start lists the folder, which others may change too."""
 EXTRA_PATTERNS = extra_patterns()
-VIEWS: dict[str, type[PageView]] = {name: find_view(name) for name in PAGES}
-"""What draws each page."""
 
 
 class Session:
@@ -77,15 +74,15 @@ class Session:
         self.plans = Plans(self.state)
         self.pins = Pins(self.state)
         # before the page is read from its address: the works hear of what that changes
-        self.works = [work(self.state) for view in VIEWS.values() for work in view.works]
+        self.works = [PageWorks(page) for page in self.state.pages.values()]
         self.keeping = Keeping(self.state, self.browser)
         self.keeping.begin(address_query())
         # from here on the address has been read: colours, first page and views begin with what it names
         self._begin_colours()
         self.palette = Palette(self.state.dark)
-        self.views: dict[str, PageView] = {}
+        self.views: dict[str, PageHost] = {}
         self.editor = EditorView(self.state, self.browser, self.palette)
-        pages = {name: self._make(view) for name, view in VIEWS.items()}
+        pages = {name: self._make(page) for name, page in self.state.pages.items()}
         self.shell = Shell(self.state, self.browser, self.keeping, pages, self.editor.view)
         self.plans.begin()
         self.state.param.watch(self._paint, "dark")
@@ -109,14 +106,14 @@ class Session:
     def _end(self) -> None:
         """End what still runs: the page is gone."""
         events.end(self._document)
-        for work in (*self.works, self.reporting):
+        for work in self.works:
             work.end()
+        self.reporting.end()
 
-    def _make(self, view: type[PageView]) -> Callable[[], pn.viewable.Viewable]:
+    def _make(self, page: Page) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:
-            made = view(self.state, self.browser, self.palette)
-            self.views[view.__name__] = made
-            return made.view
+            view = self.views[page.page] = PageHost(page, self.browser, self.palette)
+            return view.view
 
         return make
 
@@ -168,7 +165,7 @@ def address_query() -> str:
     return "" if location is None else str(location.search or "")
 
 
-def make_page() -> Page:
+def make_page() -> pn.viewable.Viewable:
     """Return a new page for one session."""
     return Session().shell.page
 

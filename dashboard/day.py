@@ -20,8 +20,8 @@ from railjoule.core.scenario.disturbance import (
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
 from railjoule.dashboard.look import words
+from railjoule.dashboard.state.kept import Items
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds, keyed
-from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 TABLES = {
@@ -144,7 +144,7 @@ def _deviation(key: str, label: str, digits: int, largest: float, scale: float =
     )
 
 
-class Day(TypedParameters, PageModel):
+class Day(TypedParameters):
     """The actual conditions: one value of each for Drive's actual run and for What if.
 
     Parameters
@@ -197,19 +197,13 @@ class Day(TypedParameters, PageModel):
     def __init__(self, scenario: ScenarioModel, **params: Any) -> None:
         super().__init__(**params)
         self.scenario = scenario
-        self._watched: list[EventModel] = []
+        self._items = Items(lambda *_: self.param.trigger("changed"))
         # before any other watcher of the events
-        self.param.watch(self._watch_events, "events")
+        self.param.watch(lambda *_: self._items.follow(self.events, lambda event: event.kept), "events")
         scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
         scenario.follow(lambda scenario: scenario.disturbance, self._take_events)
         scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self._take_conditions)
         self.take(scenario.edited)
-
-    def _watch_events(self, *_: Any) -> None:
-        self._watched, before = list(self.events), self._watched
-        for event in self._watched:
-            if not any(event is known for known in before):
-                event.param.watch(lambda *_: self.param.trigger("changed"), list(event.kept))
 
     # ---- values of a scenario
 

@@ -103,3 +103,21 @@ def markdown() -> str:
 
 if __name__ == "__main__":
     print(markdown(), end="")
+
+
+STUDIES = (".nc",)
+FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json")
+"""Endings of the names of files of lines, trains and runs."""
+
+
+def too_large(name: str) -> str:
+    """Return why a file of this name is not read."""
+    return f"{name}: larger than the {LARGEST_RUN_BYTES / 1e6:g} MB that a file may have."
+
+
+def large_study(name: str) -> str:
+    """Return why a dropped study is not read, and the way to open it."""
+    limit = f"{LARGEST_RUN_BYTES / 1e6:g} MB"
+    return (
+        f"{name}: larger than the {limit} that can be dropped; \u201cOpen a study\u201d on Explore reads larger ones."
+    )

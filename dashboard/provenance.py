@@ -1,4 +1,4 @@
-"""Versions and commit of the program that made a result, for its files: with them a result can be made again."""
+"""Versions and commit of the program that made a result, and the documentation that was built beside it."""
 
 import importlib.metadata
 import json
@@ -66,3 +66,14 @@ def about_text(command: str, citation: str) -> str:
     return (
         f"{program}\n\nThe same numbers by the command line:\n\n{command.strip()}\n\nTo cite:\n\n{citation.strip()}\n"
     )
+
+
+# an editable install maps each file by a link; an installed package has no such folder
+FOLDER = Path(__file__).resolve().parents[1] / "build" / "docs"
+"""The folder in a checkout that `./run docs` writes to."""
+FRONT = "index.html"
+
+
+def is_built(folder: Path | str = FOLDER) -> bool:
+    """Return whether a folder has the front page of the documentation."""
+    return (Path(folder) / FRONT).is_file()

@@ -69,7 +69,7 @@ COMMAND_LINE = (
         f"command/{name}"
         for name in ("cli", "cluster", "commands", "imports", "measurements", "summary", "sweeps", "terminal")
     ),
-    "keep/embedded",
+    "keep/dropped",
     "look/comparisons",
     "look/words",
 )

@@ -13,8 +13,7 @@ import panel as pn
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import one_message, unfrozen
+from railjoule.dashboard.browser import Browser, one_message, unfrozen
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.work import events

@@ -169,8 +169,6 @@ def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
 class EnergyChart(RunChart):
     """Energy from the supply so far."""
 
-    names_in = "ends"
-
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(ENERGY, height, axis, palette)
 

@@ -116,8 +116,6 @@ class SceneChart(DistanceChart):
 
     fits = False
     """Whether its axis follows its lines, so that a report must fit it anew where they move."""
-    names_in = "names"
-    """The source of the names at its lines."""
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""

@@ -13,7 +13,7 @@ from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command.arguments import REPORT_SUFFIXES
 from railjoule.dashboard.command.values import shortened
-from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.keep.dropped import scenario_in_report
 from railjoule.dashboard.provenance import file_attributes
 
 if TYPE_CHECKING:

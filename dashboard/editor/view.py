@@ -2,15 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import Browser, one_message
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
@@ -22,9 +21,11 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import without_keys, words_of
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.parts.failures import failure_words
+from railjoule.dashboard.look.words import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
-from railjoule.dashboard.state.workbench import Workbench
+
+if TYPE_CHECKING:
+    from railjoule.dashboard.workbench import Workbench
 
 # beneath the bar of the pages, 48 px and a hairline; as high as Material's bars (1100), below its menus (1300)
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
@@ -87,7 +88,7 @@ PASTE_HELP = (
 class EditorView:
     """The drawer; its content is made when it is first opened, that of a group when the group is."""
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+    def __init__(self, state: "Workbench", browser: Browser, palette: Palette) -> None:
         self.state, self.editor, self.browser, self.palette = state, state.editor, browser, palette
         self.head: EditorHead | None = None
         self.groups: list[Group] = []

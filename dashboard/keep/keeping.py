@@ -13,19 +13,16 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.scenario._base import without_misleading
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
-from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
-from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
+from railjoule.dashboard.keep.snapshot import History, Snapshot, lay, originals_of, snapshot_of
 from railjoule.dashboard.library_workarounds import make_turns
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
-from railjoule.dashboard.state.kept import Kept
-from railjoule.dashboard.state.opened import outcome_of
-from railjoule.dashboard.state.page_work import Items
-from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.uploads import FILE_SUFFIXES, STUDIES, large_study
+from railjoule.dashboard.limits import FILE_SUFFIXES, LARGEST_RUN_BYTES, STUDIES, large_study
+from railjoule.dashboard.state.draft import outcome_of
+from railjoule.dashboard.state.kept import Items, Kept
 from railjoule.dashboard.work.worker import SLOW_THREADS
+from railjoule.dashboard.workbench import Workbench
 
 LOG = logging.getLogger(__name__)
 NOTE_MS = 200
@@ -157,11 +154,11 @@ class Keeping(param.Parameterized):
             except UnicodeDecodeError:
                 self.refuse_file(name, NO_TEXT)
         elif suffix not in STUDIES:
-            self.state.show_file(name, content)
+            self.state.turn_to("Files", dropped=(name, content))
         elif len(content) > LARGEST_RUN_BYTES:
             self.tell(large_study(name))
         else:
-            self.state.show_study(name, content)
+            self.state.turn_to("Explore", brought=(name, content))
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""

@@ -4,7 +4,7 @@ import base64
 import binascii
 import json
 import zlib
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
@@ -14,11 +14,55 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.former_keys import FORMER_PAGES, present_key
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MAX_FIELDS, MOST_KEYS
 from railjoule.dashboard.state.kept import Kept, short
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
+
+FORMER_KEYS: Mapping[str, str] = {
+    "robustness.accepted_delay_s": "what_if.accepted_lateness_s",
+    "robustness.knows": "what_if.known",
+    "wide_map": "trade_off.wide_map",
+    "copper_weight": "trade_off.copper_weight",
+    "compare_all": "compare.compare_all",
+    "reference": "compare.reference",
+}
+"""By earlier key the present one, where the field has another name."""
+FORMER_MODELS: Mapping[str, tuple[str, ...]] = {
+    "robustness": ("day", "what_if"),
+    "disturbances": ("day",),
+    "actual": ("day",),
+    "measured_runs": ("files",),
+    "study": ("explore",),
+    "speed_limits": ("set_speeds",),
+}
+"""By earlier model the present ones, which have its fields under the same names."""
+FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
+    "Robustness": {"page": "What if", "what_if.tab": "load"},
+    "Disturbances": {"page": "What if", "what_if.tab": "events"},
+    "Import": {"page": "Files", "files.tab": "line"},
+    "Measured runs": {"page": "Files", "files.tab": "runs"},
+    "Study": {"page": "Explore"},
+    "Speed limits": {"page": "Set speeds"},
+}
+"""By earlier page the values that open its successor."""
+
+
+def present_key(key: str, fields: Container[str]) -> str:
+    """Return the present key of a key in an address; the same one if it is not an earlier key.
+
+    Parameters
+    ----------
+    key : str
+    fields : container of str
+        All present keys.
+    """
+    if key in FORMER_KEYS:
+        return FORMER_KEYS[key]
+    model, _, field = key.partition(".")
+    present = (f"{successor}.{field}" for successor in FORMER_MODELS.get(model, ()))
+    return next((one for one in present if one in fields), key)
+
 
 VERSION = "1"
 LONGEST_QUERY = 1_500

@@ -7,10 +7,10 @@ from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin
 from railjoule.dashboard.state.recipes import Recipe
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 from railjoule.dashboard.work.worker import Worker
+from railjoule.dashboard.workbench import Workbench
 
 LOST = "No longer pinned: {}. The file of a measured run is in no link; bring it to Files, and pin it there again."
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec
 
+from railjoule.core import RailjouleError, ScenarioError, TimetableError
 from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
@@ -320,3 +321,13 @@ def slug(text: str) -> str:
     """Return the letters and digits of a text for the name of a file, in lower case, joined by hyphens."""
     # cut before it is stripped, as the cut may end with a hyphen
     return "-".join(re.findall(r"[a-z0-9]+", text.lower()))[:60].strip("-")
+
+
+def failure_words(failure: RailjouleError) -> tuple[str, str]:
+    """Return an error as what is wrong and why."""
+    if isinstance(failure, TimetableError):
+        asked, shortest = number(failure.travel_time_s), number(failure.shortest_time_s)
+        return f"{asked} s is too short.", f"The shortest possible run takes {shortest} s."
+    if isinstance(failure, ScenarioError):
+        return "This input cannot be read.", str(failure)
+    return "This run is not possible.", str(failure)

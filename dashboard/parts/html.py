@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
 import panel as pn
 
 from railjoule.core import Phase, Trajectory
@@ -262,20 +261,6 @@ def stop_times(run: Trajectory) -> list[list[str]]:
             times = [f"arrives {words.time(phase.start_s)} s", f"departs {words.time(phase.end_s)} s"]
             rows.append([_place_name(run, phase.start_m), *times])
     return [*rows, [_place_name(run, run.phases[-1].end_m), f"arrives {words.time(run.phases[-1].end_s)} s", ""]]
-
-
-def limit_table(run: Trajectory) -> list[list[str]]:
-    """Return the speed limits of line and vehicle along a run, from place to place."""
-    data = run.run_data
-    cells = np.flatnonzero(np.diff(data.position_m) > 0)
-    limit = data.limit_ms[cells]
-    first = np.append(0, np.flatnonzero(limit[1:] != limit[:-1]) + 1)
-    starts = data.position_m[cells[first]]
-    ends = [*starts[1:], data.position_m[-1]]
-    return [
-        [f"{words.number(start, 0)} m to {words.number(end, 0)} m", f"{words.tenths(kmh)} km/h"]
-        for start, end, kmh in zip(starts, ends, np.round(limit[first] / MS_PER_KMH, 1), strict=True)
-    ]
 
 
 def _departs(phase: Phase) -> bool:

@@ -6,7 +6,7 @@ from typing import Any
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.parts.html import stack
 
 TABS_PX = 42

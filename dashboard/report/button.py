@@ -7,14 +7,13 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import Browser, one_message
 from railjoule.dashboard.limits import LONGEST_NOTE
 from railjoule.dashboard.parts.html import html_pane, refusal
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.work import ReportingModel
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 FIELD: dict[str, Any] = {"size": "small", "margin": (6, 0), "sizing_mode": "stretch_width"}
 NOTE_HELP = f"Plain text of at most {LONGEST_NOTE} characters; an empty line begins a paragraph."

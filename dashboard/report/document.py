@@ -13,7 +13,7 @@ import bokeh
 from jinja2 import Environment, StrictUndefined, Template
 
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.keep.embedded import embedded
+from railjoule.dashboard.keep.dropped import embedded
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.scripts import source

@@ -20,8 +20,7 @@ from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.work.refusals import named_refusals
-from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tightened_runs
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, named_refusals, tightened_runs
 
 OPTIMA_COUNT = 40
 MAX_CELLS = 500

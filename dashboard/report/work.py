@@ -11,19 +11,19 @@ from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
-from railjoule.dashboard.state.page_model import PageModel
-from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.programs import page_recipe
-from railjoule.dashboard.state.recipes import Recipe
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.kept import result
+from railjoule.dashboard.state.recipes import Recipe, page_recipe
+from railjoule.dashboard.work.worker import Study
+from railjoule.dashboard.workbench import Workbench
 
 FINDINGS_SHARE = 0.9
 """Share of the work once all results are there; the rest is the file."""
 
 
-class ReportingModel(PageModel):
+class ReportingModel(param.Parameterized):
     """A report of one open page: whether it is requested, its progress, and the file."""
 
+    failure = result(RailjouleError, "Why the last report failed.")
     wanted = param.Event(doc="The user requests a report.")
     unwanted = param.Event(doc="The user stops the report.")
     contents = param.ClassSelector(class_=Contents, default=Contents(), doc="Sections, author and note.")
@@ -53,22 +53,23 @@ def _note(recipe: Recipe) -> str:
     return f"{recipe.untold} The numbers of this report are those of its scenario." if differs else ""
 
 
-class Reporting(PageWork[ReportingModel]):
+class Reporting:
     """Makes the report of one page on request."""
 
-    at_rest = {"busy": False}  # noqa: RUF012
-
     def __init__(self, state: Workbench) -> None:
-        super().__init__(state, ReportingModel())
-        self.report = self.study(draft_report, self._take)
+        self.state, self.model = state, ReportingModel()
+        self.report = Study(draft_report, self._take, self._fail)
         self.model.param.watch(self._ask, "wanted")
         self.model.param.watch(self.end, "unwanted")
         state.param.watch(self._forgive, "runs")
 
     def end(self, *_: Any) -> None:
         """End the work under way; there will be no report."""
-        super().end()
+        self.report.stop()
         self.model.busy = False
+
+    def _fail(self, failure: RailjouleError) -> None:
+        self.model.param.update(failure=failure, busy=False)
 
     def _forgive(self, *_: Any) -> None:
         """Forget the failure, as there are new runs."""
@@ -88,7 +89,7 @@ class Reporting(PageWork[ReportingModel]):
                 contents=self.model.contents,
             )
         except RailjouleError as error:
-            self.take_failure(error)
+            self._fail(error)
             return
         # before it is asked for: without a page around it, the report is there when `ask` returns
         self.model.param.update(

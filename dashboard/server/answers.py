@@ -10,9 +10,9 @@ from tornado.web import RedirectHandler, RequestHandler, StaticFileHandler
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.compiled import MODE
-from railjoule.dashboard.built_documentation import FOLDER, FRONT, is_built
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import bare_css
+from railjoule.dashboard.provenance import FOLDER, FRONT, is_built
 
 NOT_FOUND, SERVICE_UNAVAILABLE = 404, 503
 PAGE = """<!DOCTYPE html>
@@ -34,7 +34,6 @@ PACKED = frozenset({".css", ".html", ".js", ".json", ".mjs", ".svg"})
 """Suffixes of the files that compress well."""
 SMALLEST_BYTES, MAX_FILES = 1024, 200
 """Below that, packing saves nothing that anyone notices; and as many packed files are kept."""
-PIECE_BYTES = 2**18
 
 
 # ---- in words

@@ -5,16 +5,14 @@ from typing import Any
 import panel as pn
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import Browser, one_message
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
 from railjoule.dashboard.scenario_folder import FileExistsInFolderError
-from railjoule.dashboard.state.programs import page_recipe
-from railjoule.dashboard.state.recipes import as_command, as_python, as_toml
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import as_command, as_python, as_toml, page_recipe
+from railjoule.dashboard.workbench import Workbench
 
 COPIED = {
     True: "Copied.",

@@ -11,8 +11,7 @@ import panel_material_ui as pmui
 from bokeh.document import Document
 from bokeh.model import Model
 
-from railjoule.dashboard.browser.browser import BRAND, Browser
-from railjoule.dashboard.browser.messages import one_message, unfrozen
+from railjoule.dashboard.browser import BRAND, Browser, one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.library_workarounds import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
@@ -24,7 +23,7 @@ from railjoule.dashboard.page_list import PAGES, bar_entries
 from railjoule.dashboard.parts.html import heading, html_pane, stack
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.sidebar import Sidebar
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 FIRST_SKETCH = (
     '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">'

@@ -1,32 +1,33 @@
 """The sidebar: which scenario, the plan, the fields of the page in sight, the strategies, the changed fields."""
 
-from collections.abc import Callable, Mapping
 from functools import cache
-from typing import Any, Protocol
+from typing import Any
 
 import panel as pn
+import param
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import one_message, unfrozen
+from railjoule.dashboard.browser import Browser, one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.page import Hint, Own, Page, Section
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.host import PageFields as OwnFields
 from railjoule.dashboard.pages.start.compute import card_names
 from railjoule.dashboard.pages.start.groups import scenario_groups
-from railjoule.dashboard.pages.what_if.fields import WhatIfFields
+from railjoule.dashboard.parts.choices import box, menu
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.share import SaveScenario
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.state.kept import short
+from railjoule.dashboard.state.numbers import TypedNumber
 from railjoule.dashboard.state.scenario import RUN_FIELDS
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 FIELDS_AFTER_MS = 200
 FROM_FILE = "file"
@@ -115,7 +116,7 @@ class Sidebar:
         self.strategies.visible = bool(PAGES[page].strategies)
         for name, view in self._own.items():
             view.visible = name == page
-        if page in self._own or page not in self._makers:
+        if page in self._own or not self.state.pages[page].fields:
             return
         document = pn.state.curdoc
         if document is None:
@@ -124,20 +125,13 @@ class Sidebar:
             # the page itself comes first
             document.add_timeout_callback(lambda: self._add_fields(page), FIELDS_AFTER_MS)
 
-    @property
-    def _makers(self) -> Mapping[str, Callable[[Workbench], "HasView"]]:
-        of_pages = {
-            name: lambda _, page=page: OwnFields(page) for name, page in self.state.pages.items() if page.fields
-        }
-        return {**OWN_FIELDS, **of_pages}
-
     def _add_fields(self, page: str) -> None:
         if page in self._own:
             return
         with one_message():
             try:
                 with unfrozen():
-                    view = self._makers[page](self.state).view
+                    view = page_fields(self.state.pages[page])
             except Exception as error:
                 self.state.faults.note(error, f"the fields of {page} could not be shown")
                 view = html_pane(markup('<p class="error" role="alert">{}</p>', NOT_SHOWN))
@@ -241,16 +235,25 @@ def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, dict[
     return {"From a file": {f"{opened.title or 'Untitled'} (file)": file}, **shipped_scenarios()}
 
 
-class HasView(Protocol):
-    """Fields that are drawn."""
+def _field(page: Page, spec: str | Section | Hint | Own) -> Viewable:
+    if isinstance(spec, Own):
+        return spec.make(page)
+    if isinstance(spec, Section):
+        aside = markup(" <span>\u00b7 {}</span>", spec.aside) if spec.aside else ""
+        return html_pane(markup('<div class="section">{}{}</div>', spec.title, aside))
+    if isinstance(spec, Hint):
+        return html_pane(markup('<div class="row small"><span>{}{}</span></div>', spec.sentence, info(spec.term)))
+    declared = page.param[spec]
+    if isinstance(declared, TypedNumber):
+        return NumberField(page, spec)
+    if isinstance(declared, param.Selector):
+        return menu(page, spec, declared.label, page.choices.get(spec) or {str(one): one for one in declared.objects})
+    return box(page, spec, declared.label, margin=(0, 16, 0, 14))
 
-    view: Viewable
 
-
-OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
-    "What if": WhatIfFields,
-}
-"""Fields that one page alone has, by its name."""
+def page_fields(page: Page) -> Viewable:
+    """Return the fields of a page, below one another."""
+    return stack(*(_field(page, spec) for spec in page.fields), html_pane('<hr class="rule">'))
 
 
 def _permille(gradient: float) -> str:

@@ -15,8 +15,8 @@ from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.parts.html import swatch
 from railjoule.dashboard.state.draft import shipped
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs
+from railjoule.dashboard.workbench import Workbench
 
 UNKNOWN = markup("<span></span><span>{}</span>", words.UNKNOWN)
 UNDER_WAY = markup('<span class="reason">computing ...</span>')

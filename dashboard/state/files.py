@@ -14,7 +14,7 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.scenario_folder import Listing, ScenarioFolder
-from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.state.draft import open_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 FILE_THREADS = ThreadPoolExecutor(max_workers=1, thread_name_prefix="railjoule-files")

@@ -2,7 +2,7 @@
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, ClassVar, Self
 
 import param
@@ -205,3 +205,30 @@ def _item(value: Any, kind: Any) -> Any:
         if isinstance(template.param[field], param.Selector):
             setattr(template, field, checked[field])
     return checked
+
+
+def result(kind: type | tuple[type, ...], doc: str) -> Any:
+    """Return a parameter that holds a result once there is one."""
+    return param.ClassSelector(class_=kind, default=None, allow_None=True, doc=doc)
+
+
+class Items:
+    """Listens to the models that a list holds, to each of them once.
+
+    Parameters
+    ----------
+    act : callable
+        Called with each change.
+    """
+
+    def __init__(self, act: Callable[..., object]) -> None:
+        self._act = act
+        self._known: list[param.Parameterized] = []
+
+    def follow(self, items: Iterable[param.Parameterized], names: Callable[[Any], Iterable[str]]) -> None:
+        """Listen to those that are new, and only to the named parameters of each."""
+        # who has gone is not unwatched: a watcher is stored with its model, and goes with it
+        self._known, before = list(items), self._known
+        for item in self._known:
+            if not any(item is known for known in before):
+                item.param.watch(self._act, list(names(item)))

@@ -11,8 +11,8 @@ from railjoule.core.scenario import format_scenario, preset_names
 from railjoule.core.scenario._base import without_misleading
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
+from railjoule.dashboard.state.draft import open_scenario
 from railjoule.dashboard.state.kept import Kept
-from railjoule.dashboard.state.opened import open_scenario
 from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 

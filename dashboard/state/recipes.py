@@ -1,23 +1,78 @@
 """The recipe of a run: scenario, changes, strategy and program; as a scenario file, in Python and as a command line.
 
-All three texts give the same numbers as the page.
+All three texts give the same numbers as the page in sight. Share, the report and the copied command read them here.
 """
 
 import json
 import re
 import shlex
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
-from railjoule.core import Scenario
-from railjoule.core.scenario import format_scenario
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.citation import bibtex
+from railjoule.core.scenario import format_scenario, to_document
+from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.strategy import STRATEGIES
+from railjoule.dashboard.provenance import about_text
 from railjoule.dashboard.state.draft import shipped
-from railjoule.dashboard.state.program import SOLVE, Program
+
+if TYPE_CHECKING:
+    from railjoule.dashboard.workbench import Workbench
 
 FILE = "scenario.toml"
 LONGEST_LINE = 100
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+
+@dataclass(frozen=True)
+class Program:
+    """The Python that turns a scenario into the number of a page.
+
+    Parameters
+    ----------
+    imports : mapping of str to str
+        Its modules, by the name that is imported from each.
+    body : str
+        Python, which finds the scenario as `scenario` and prints an energy [kWh].
+    command : str
+        The command of `railjoule` that does the same with a scenario; empty where none does.
+    of_scenario : bool
+        Whether it runs the page's scenario at all.
+    """
+
+    imports: Mapping[str, str]
+    body: str
+    command: str
+    of_scenario: bool = True
+
+
+@dataclass(frozen=True)
+class PageRun:
+    """The run of a page.
+
+    Parameters
+    ----------
+    program : Program
+    changes : mapping
+        Changes of the scenario, by the keys of the file.
+    untold : str
+        A sentence on the part that no scenario file can hold; empty if one holds all.
+    """
+
+    program: Program
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    untold: str = ""
+
+
+def simulation(name: str, module: str) -> Program:
+    """Return the program of a simulation of the core."""
+    body = "ride = simulate(scenario)\nprint(ride.actual.energy_kwh)\n"
+    return Program({f"{name} as simulate": f"railjoule.core.simulation.{module}"}, body, "simulate")
+
+
+SOLVE = Program({"solve": "railjoule.core"}, "run = solve(scenario)\nprint(run.energy_kwh)\n", "solve")
 
 
 @dataclass(frozen=True)
@@ -144,3 +199,81 @@ def _triple(text: str) -> str:
     escaped = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
     # a line break right after the quotes would be part of the text, unless a backslash stands before it
     return f'"""\\\n{escaped}"""'
+
+
+ACTUAL_RUN = simulation("actual_run", "actual_run")
+FOLLOWING = simulation("simulate_following", "following")
+
+
+def page_run(state: "Workbench") -> PageRun:
+    """Return what the page in sight computes."""
+    computed: PageRun = state.pages[state.page].page_run()
+    return computed
+
+
+def page_recipe(state: "Workbench") -> Recipe:
+    """Return the recipe of the page in sight."""
+    scenario, computed = state.scenario, page_run(state)
+    document = to_document(scenario.base)
+    changes = {
+        path: value
+        for path, value in {**scenario.changes, **computed.changes}.items()
+        # without those that take a key away which the document does not have
+        if value is not None or _has(document, path)
+    }
+    # named only where it differs, as all keys: without changes the command only names the scenario
+    if changes.get("strategy") == scenario.base.strategy:
+        del changes["strategy"]
+    return Recipe(scenario.preset, scenario.opened, changes, program=computed.program, untold=computed.untold)
+
+
+def about_numbers(state: "Workbench") -> str:
+    """Return the text of a file that goes with the numbers of the page in sight."""
+    try:
+        command = as_command(page_recipe(state))
+    except RailjouleError as error:
+        command = f"# {error}"
+    source = STRATEGIES[state.chosen].source
+    return about_text(command, bibtex([source] if source else []))
+
+
+def _has(document: Mapping[str, Any], path: str) -> bool:
+    """Return whether a document has a key at a dotted path."""
+    table: Any = document
+    for key in path.split("."):
+        if not isinstance(table, Mapping) or key not in table:
+            return False
+        table = table[key]
+    return True
+
+
+def actual_run(state: "Workbench", changes: Mapping[str, Any]) -> PageRun:
+    """Return the run of a day; where nothing is otherwise than planned, that is the plan.
+
+    The commands would follow that plan all the same, and under target braking curves if the scenario has them.
+    """
+    if not _is_as_planned(state, changes):
+        return PageRun(ACTUAL_RUN, {**followed(state), **changes})
+    nothing_else: Mapping[str, Any] = {"disturbance": {}} if state.scenario.edited.disturbance != Disturbance() else {}
+    return PageRun(SOLVE, {"strategy": changes["strategy"], **followed(state), **nothing_else})
+
+
+def _is_as_planned(state: "Workbench", changes: Mapping[str, Any]) -> bool:
+    """Return whether nothing of a day differs from the plan: a later departure shifts the run and nothing else."""
+    day, measured = state.scenario.edited.disturbance, state.scenario.edited.simulation
+    load = changes.get("disturbance.actual_load_factor", day.actual_load_factor)
+    return (
+        not state.day.events
+        and load in {None, state.scenario.load_percent / 100}
+        and changes.get("disturbance.coordinate_error_m", day.coordinate_error_m) == 0
+        and changes.get("simulation.speed_error", measured.speed_error) == 0
+        and not any(changes.get("simulation.sensor_errors_m", measured.sensor_errors_m) or ())
+        and day.resistance_factor == day.line_voltage_factor == 1
+        and day.rail_condition in {None, state.scenario.edited.line.rail_condition}
+    )
+
+
+def followed(state: "Workbench") -> Mapping[str, Any]:
+    """Return what keeps a command from simulating the control loop that a file may ask for."""
+    in_loop = state.scenario.edited.simulation.kind == "field_oriented"
+    return {"simulation.kind": "following"} if in_loop else {}

@@ -13,9 +13,8 @@ from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.scenario.scenario import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
+from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, open_scenario, shipped
 from railjoule.dashboard.state.numbers import TypedParameters, keyed
-from railjoule.dashboard.state.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")

@@ -1,12 +1,22 @@
-"""The runs of several strategies over one scenario."""
+"""The runs of several strategies over one scenario, and the proven bounds of their plans."""
 
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.best_known import with_best_known
-from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter_bound
+from railjoule.core.bounds import (
+    FIRST_STAGE_BOXES,
+    ProofStep,
+    bounded,
+    run_to_prove,
+    tightened,
+    tightening,
+    with_tighter_bound,
+)
+from railjoule.core.budget import PAGE
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
@@ -14,6 +24,7 @@ from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.dashboard.look.key_names import without_keys
+from railjoule.dashboard.look.words import STRATEGY_WORDS
 
 
 # results equal themselves alone, as arrays have no single answer to `==`; requests are compared by their values
@@ -220,3 +231,98 @@ def timed_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     # `run_strategy`, which takes the time of all other runs, returns no law
     run, law = bellman_with_law(task)
     return replace(run, solve_time_s=time.perf_counter() - started), law
+
+
+@contextmanager
+def named_refusals(scenario: Scenario) -> Iterator[None]:
+    """Let a refusal of a scenario's strategy name that strategy."""
+    try:
+        yield
+    except StrategyRefusedError as refusal:
+        raise StrategyRefusedError(f"{STRATEGY_WORDS[scenario.strategy]}: {refusal}") from None
+
+
+# ---- tighter bounds
+
+FURTHER_BOXES = PAGE.chain_boxes
+"""Boxes of the stage that is started by hand: some 8 s on one core, and at most 1 GB while it lasts."""
+PLANNED = ("vehicle", "line", "timetable", "solver")
+"""The parts of a scenario on which a plan and its bound depend."""
+MAX_PLANS = 16
+"""Plans whose bounds a page stores, so that undo and a turn to another page need no proof again."""
+
+
+def same_plan(one: Scenario, other: Scenario) -> bool:
+    """Return whether two scenarios ask for the same plan: then a bound of one is a bound of the other."""
+    return one is other or all(getattr(one, part) == getattr(other, part) for part in PLANNED)
+
+
+@dataclass(frozen=True, eq=False)
+class Proven:
+    """The greatest bound proven for a plan, the last step of its proof, and boxes of the last stage that has ended."""
+
+    scenario: Scenario
+    bound: Bound
+    step: ProofStep
+    done_boxes: int = 0
+
+    @property
+    def is_complete(self) -> bool:
+        """Whether the page can prove no more."""
+        return self.step.reached or self.step.exhausted or self.done_boxes >= FURTHER_BOXES
+
+
+class ProofRequest:
+    """A run of a scenario whose bound is to be tightened, and with how many boxes; equal for the same plan."""
+
+    def __init__(self, scenario: Scenario, run: Trajectory, budget: int = FIRST_STAGE_BOXES) -> None:
+        self.scenario, self.run, self.budget = scenario, run, budget
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ProofRequest):
+            return NotImplemented
+        return self.budget == other.budget and same_plan(self.scenario, other.scenario)
+
+    def __hash__(self) -> int:
+        return hash(self.budget)
+
+
+def compute_proof(request: ProofRequest) -> Iterator[Proven]:
+    """Yield the bound as it tightens; errors as `railjoule.core.bounds.minimise`."""
+    bound, last = request.run.bound, None
+    assert bound is not None
+    for step in tightening(prepare_task(request.scenario), bound, request.run, request.budget):
+        last = Proven(request.scenario, step.bound, step)
+        yield last
+    if last is not None:
+        yield replace(last, done_boxes=request.budget)
+
+
+class Proofs:
+    """Proven bounds of the plans of one page; a bound that is looser than a known one of the same plan is dropped."""
+
+    def __init__(self) -> None:
+        self._known: tuple[Proven, ...] = ()
+
+    def of(self, scenario: Scenario) -> Proven | None:
+        """Return the proof of a plan."""
+        return next((known for known in reversed(self._known) if same_plan(known.scenario, scenario)), None)
+
+    def remember(self, proven: Proven) -> Proven:
+        """Store a step of a proof, and return all that is proven of its plan."""
+        before = self.of(proven.scenario)
+        if before is not None:
+            bound = max(before.bound, proven.bound, key=lambda bound: bound.energy_j)
+            proven = replace(proven, bound=bound, done_boxes=max(proven.done_boxes, before.done_boxes))
+        self._known = (*(one for one in self._known if one is not before), proven)[-MAX_PLANS:]
+        return proven
+
+    def bounded(self, run: Trajectory) -> Trajectory:
+        """Return a run with the proven bound of its plan, where that is greater than its own."""
+        known = self.of(run.scenario)
+        return run if known is None else with_tighter_bound(run, known.bound)
+
+    def laid_on(self, runs: Runs) -> Runs:
+        """Return runs with the proven bound of their plan."""
+        known = self.of(runs.scenario)
+        return runs if known is None else runs.with_bound(known.bound)

@@ -11,7 +11,7 @@ from browser.findings import grave_findings
 from browser.server import Server
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
-from railjoule.dashboard.keep.embedded import embedded
+from railjoule.dashboard.keep.dropped import embedded
 
 FIGURES = ("Energy from the supply", "Travel time", "Highest speed", "Recuperated")
 

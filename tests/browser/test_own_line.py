@@ -11,7 +11,7 @@ from playwright.sync_api import BrowserContext, Locator, expect
 from browser.server import Server
 from browser.user import User, open_page
 from railjoule.core.scenario import parse_scenario
-from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.keep.dropped import scenario_in_report
 from railjoule.dashboard.pages.files.page import EXAMPLE_LINE, sources
 
 CANARY = "</style><img src=x onerror='window.pwned=true'>"

@@ -9,14 +9,15 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.app import VIEWS, Session
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.app import Session
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, snapshot_of
 from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.state.pins import MOST_PINS, KeptPin
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 EXAMPLES, STEPS = 6, 15
 # short lines whose drives take no power idling, so that a run takes milliseconds
@@ -38,9 +39,8 @@ def opened(address: str) -> Workbench:
     state = Workbench()
     Pins(state)
     # they give the models of pages what the scenario says of them
-    for view in VIEWS.values():
-        for work in view.works:
-            work(state)
+    for page in state.pages.values():
+        PageWorks(page)
     Keeping(state, Browser()).begin(address)
     return state
 

@@ -79,12 +79,13 @@ def test_a_server_that_others_reach_says_that_there_is_no_login(
 
 LATE = """
 import sys
-from railjoule.dashboard.app import VIEWS, Session
+from railjoule.dashboard.app import Session
+from railjoule.dashboard.page_list import PAGES
 session = Session()
-for page in VIEWS:
+for page in PAGES:
     if page != "Papers":
         session.state.page = page
-        session.views[VIEWS[page].__name__]
+        session.views[page]
 assert "holoviews" not in sys.modules, "loaded too early"
 """
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
@@ -12,7 +12,7 @@ def state() -> Workbench:
 
 
 def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
-    make_works("Set speeds")(state)
+    PageWorks(state.pages["Set speeds"])
     page = state.pages["Set speeds"]
     state.scenario.edit({"line": {"preset": "flat-5km"}, "search.limits_kmh": [50.0, 60.0]})
     state.scenario.edit({"search.boundaries_m": [3000.0]})
@@ -21,7 +21,7 @@ def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
 
 
 def test_events_follow_edited_disturbances(state: Workbench) -> None:
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     stop = {"position_m": 0.5, "duration_s": 9.0}
     state.scenario.edit({"disturbance.stops": [stop], "disturbance.accepted_delay_s": 7200.0})
     (event,) = state.day.events
@@ -29,7 +29,7 @@ def test_events_follow_edited_disturbances(state: Workbench) -> None:
 
 
 def test_reality_follows_edited_disturbance_and_sensors(state: Workbench) -> None:
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.scenario.edit(
         {
             "disturbance.coordinate_error_m": -7.0,

@@ -5,7 +5,7 @@ import logging
 import pytest
 
 from railjoule.dashboard import faults
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.faults import MOST_KNOWN, Faults
 from railjoule.dashboard.state.scenario import ScenarioModel

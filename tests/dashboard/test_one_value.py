@@ -14,19 +14,20 @@ from io import StringIO
 import pytest
 
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
-from railjoule.dashboard.pages.host import find_view, make_works
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.start.cards import card_html
 from railjoule.dashboard.pages.start.compute import make_card
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import Findings
 from railjoule.dashboard.shell.sidebar import Sidebar
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs, tightened_runs
+from railjoule.dashboard.workbench import Workbench
 
 FIGURE = re.compile(
     r"<div class=label><span>(?P<label>.*?)</span>.*?</div>"
@@ -84,15 +85,15 @@ class Teller:
         self.name = name
         self.told: Told = defaultdict(dict)
         self.state = Workbench()
-        self.drive = find_view("Drive")(self.state, Browser(), PALETTE)
+        self.drive = PageHost(self.state.pages["Drive"], Browser(), PALETTE)
         self.sidebar = make_sidebar(self.state)
-        find_view("Compare")(self.state, Browser(), PALETTE)
+        PageHost(self.state.pages["Compare"], Browser(), PALETTE)
         self.compare = self.state.pages["Compare"]
         self.state.scenario.choose(name)
         self.first: str = self.state.chosen
         self.state.ticked = list(STRATEGIES)
         self.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), tuple(STRATEGIES)))
-        make_works("Drive")(self.state)
+        PageWorks(self.state.pages["Drive"])
         self.state.page = "Drive"
         self.state.runs = self.runs
         # the first stage of the proof is done by now: there is no page whose turn it waits for

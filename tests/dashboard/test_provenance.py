@@ -8,8 +8,8 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.citation import package_version
 from railjoule.dashboard import provenance
 from railjoule.dashboard.command.files import write_labelled_table
-from railjoule.dashboard.state.programs import about_numbers
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import about_numbers
+from railjoule.dashboard.workbench import Workbench
 
 
 def git(folder: Path, *words: str) -> str:

@@ -111,7 +111,7 @@ from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.charts.chart import style_of
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.shell.strategies import StrategyList
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 row = next(row for row in StrategyList(Workbench()).strategies if row["name"] == "slowed")
 print(json.dumps([row["label"], str(row["swatch"]), str(row["info"]), LIGHT["slowed"], DARK["slowed"],
     style_of("slowed")["line_dash"], strategies_css()]))

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from railjoule.core import Trajectory
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs
+from railjoule.dashboard.workbench import Workbench
 
 SIGNS: Mapping[str, str] = {"speed_limits": "Set speeds"}
 """Shorter names of strategies at their lines."""

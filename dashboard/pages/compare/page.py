@@ -11,17 +11,16 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import Page, Request, shows, study
+from railjoule.dashboard.page import BODY_CSS, Page, Request, shows, study
 from railjoule.dashboard.pages.compare import table
 from railjoule.dashboard.pages.compare.charts import PLOTS, end_of_run
 from railjoule.dashboard.pages.compare.contenders import Contender, contenders, find_reference
-from railjoule.dashboard.pages.page import BODY_CSS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
+from railjoule.dashboard.workbench import Workbench
 
 REST_MS = 400
 """While a slider moves, a study under way would delay the page."""

@@ -12,7 +12,7 @@ from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.parts.choices import menu
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, tie
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 class ActualFields:

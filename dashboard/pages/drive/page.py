@@ -11,7 +11,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario, TimetableError, Trajectory
 from railjoule.core.simulation.actual_run import ActualRun
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.plot import AxisPlot, Plot
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
@@ -31,17 +31,12 @@ from railjoule.dashboard.pages.drive import texts
 from railjoule.dashboard.pages.drive.card import driver_card
 from railjoule.dashboard.pages.drive.charts import TRAIN, DriveSpeedChart, LawChart, PriceChart, TrackStrip
 from railjoule.dashboard.pages.drive.compute import (
-    FURTHER_BOXES,
     ActualRequest,
     Answer,
     Move,
-    ProofRequest,
-    Proven,
     answer,
     compute_actual,
     compute_moved,
-    compute_proof,
-    same_plan,
 )
 from railjoule.dashboard.pages.drive.fields import ActualFields
 from railjoule.dashboard.pages.drive.player import Player, played_columns
@@ -49,12 +44,21 @@ from railjoule.dashboard.pages.drive.sankey import SankeyChart
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, menu, over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber
-from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.pins import same_run
-from railjoule.dashboard.state.program import SOLVE, PageRun
-from railjoule.dashboard.state.programs import actual_run
-from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, is_slow
+from railjoule.dashboard.state.recipes import SOLVE, PageRun, actual_run
+from railjoule.dashboard.work.runs import (
+    FURTHER_BOXES,
+    ProofRequest,
+    Proven,
+    Runs,
+    RunsRequest,
+    compute_proof,
+    compute_runs,
+    is_slow,
+    same_plan,
+)
 from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple_advice
 from railjoule.dashboard.work.worker import PROOF_THREADS, SLOW_THREADS
 

@@ -1,6 +1,7 @@
 """Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
 
 from itertools import accumulate
+from typing import NamedTuple
 
 from markupsafe import Markup
 
@@ -10,7 +11,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulation.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.pages.drive.compute import Answer, same_plan
+from railjoule.dashboard.pages.drive.compute import Answer
 from railjoule.dashboard.parts.html import (
     escaped,
     figure,
@@ -22,8 +23,7 @@ from railjoule.dashboard.parts.html import (
     plain_table,
     price_figure,
 )
-from railjoule.dashboard.parts.worth import yearly_saving
-from railjoule.dashboard.work.runs import Runs
+from railjoule.dashboard.work.runs import Runs, same_plan
 
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'
@@ -222,3 +222,33 @@ def moved_words(answer: Answer) -> str:
         return f"{doing} {answer.refusal}"
     places = f"from {words.number(move.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
     return f"{doing} {places}: {comparisons.above(run.energy_kwh, move.run.energy_kwh)}, same arrival."
+
+
+# ---- the worth of a saving
+
+DAYS_A_YEAR = 365
+KWH_PER_MWH, KG_PER_T = 1e3, 1e3
+
+
+class YearlySaving(NamedTuple):
+    """Energy [MWh], money [in the currency of the price] and carbon dioxide [t] saved in a year; negative if lost."""
+
+    energy_mwh: float
+    money: float
+    co2_t: float
+
+
+def yearly_saving(saved_kwh: float, trains_per_day: float, price_per_kwh: float, co2_kg_per_kwh: float) -> YearlySaving:
+    """Return the saving of a year of 365 days, if each train of a day saves the same energy.
+
+    Parameters
+    ----------
+    saved_kwh : float
+        Saving of one run [kWh].
+    trains_per_day : float
+    price_per_kwh : float
+    co2_kg_per_kwh : float
+        Carbon dioxide emitted per energy from the supply [kg/kWh].
+    """
+    yearly_kwh = saved_kwh * trains_per_day * DAYS_A_YEAR
+    return YearlySaving(yearly_kwh / KWH_PER_MWH, yearly_kwh * price_per_kwh, yearly_kwh * co2_kg_per_kwh / KG_PER_T)

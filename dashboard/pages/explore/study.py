@@ -43,10 +43,9 @@ from railjoule.dashboard.pages.explore.running import WAITS, Progress, State, St
 from railjoule.dashboard.pages.explore.table import COLUMNS, study_columns, study_table
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.draft import FIELD_KEYS
-from railjoule.dashboard.state.kept import short
+from railjoule.dashboard.state.kept import result, short
 from railjoule.dashboard.state.numbers import TypedInteger
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.program import SOLVE, PageRun, Program
+from railjoule.dashboard.state.recipes import SOLVE, PageRun, Program
 from railjoule.dashboard.work.run_table import Column, RunTable
 from railjoule.dashboard.work.study_pool import STUDY_THREADS
 

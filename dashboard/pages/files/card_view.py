@@ -10,7 +10,7 @@ from railjoule.core.imports import ImportedLine
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._sentences import counted
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css

@@ -9,7 +9,7 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core.scenario._sentences import counted
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.editor.fields_of import Field, parts_of, plain
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import words_of
@@ -26,8 +26,8 @@ from railjoule.dashboard.pages.files.line_charts import LINE_PLOTS, previews
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box
 from railjoule.dashboard.parts.number_field import tie
-from railjoule.dashboard.state.opened import Opened, open_scenario
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.draft import Opened, open_scenario
+from railjoule.dashboard.state.kept import result
 
 LINE = "line"
 SOURCE = "the import"

@@ -15,7 +15,7 @@ from railjoule.core import RailjouleError
 from railjoule.core.imports import SourceFile
 from railjoule.dashboard.keep.dropped import NO_TEXT, REPORTS, SCENARIOS, refused_file, scenario_text, words_of
 from railjoule.dashboard.library_workarounds import SmallFile
-from railjoule.dashboard.limits import LARGEST_RUN_BYTES
+from railjoule.dashboard.limits import FILE_SUFFIXES, LARGEST_RUN_BYTES, STUDIES, too_large
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.page import shows
@@ -27,9 +27,9 @@ from railjoule.dashboard.pages.files.run_charts import RUN_PLOTS
 from railjoule.dashboard.pages.files.runs_tab import RUNS, RunsTab
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.tabs import PageTabs
-from railjoule.dashboard.state.program import PageRun
-from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.uploads import FILE_SUFFIXES, STUDIES, too_large
+from railjoule.dashboard.state.kept import result
+from railjoule.dashboard.state.recipes import PageRun
+from railjoule.dashboard.workbench import Workbench
 
 TABS: Mapping[str, str] = {LINE: "Line and train", RUNS: "Recorded runs"}
 """The tabs by their names in the address."""
@@ -63,11 +63,13 @@ class Files(RunsTab):
     full_width = tuple(plot.name for plot in RUN_PLOTS)
 
     tab = param.Selector(default=LINE, objects=list(TABS), doc="The tab in sight.")
+    dropped = result(tuple, "Name and content of a file that was dropped on another page.")
     example = param.Boolean(default=False, doc="Whether the example runs are among the files.")
 
     def __init__(self, desk: Workbench, **params: Any) -> None:
         super().__init__(desk, **params)
         self._count, self._newest = 0, (0, "")
+        self.param.watch(self._bring_dropped, "dropped")
         self.param.watch(self._bring_example, "example")
         self.param.watch(self._turn_to_newest, "reading")
         self.param.watch(self.open_taken, "opened")
@@ -94,11 +96,17 @@ class Files(RunsTab):
         for name, content in named:
             suffix = PurePath(name).suffix.lower()
             if suffix in STUDIES:
-                self.desk.show_study(name, content)
+                self.desk.turn_to("Explore", brought=(name, content))
             elif suffix in (*SCENARIOS, *REPORTS):
                 self._open_scenario(name, content)
             else:
                 self.add(name, content)
+
+    def _bring_dropped(self, *_: Any) -> None:
+        if self.dropped is not None:
+            self.bring([self.dropped])
+            # the same file may be dropped once more
+            self.dropped = None
 
     def add(self, name: str, content: bytes, is_example: bool = False) -> None:
         """Take a file, or say why not; one of the same name is replaced."""

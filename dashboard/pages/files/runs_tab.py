@@ -13,7 +13,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import Request, shows, study
+from railjoule.dashboard.page import BODY_CSS, Request, shows, study
 from railjoule.dashboard.pages.files import texts
 from railjoule.dashboard.pages.files.card_view import FileCard, fill, menu
 from railjoule.dashboard.pages.files.cards import describe_run, read_meaning
@@ -29,12 +29,11 @@ from railjoule.dashboard.pages.files.run_charts import (
     TRACK,
     RunsScene,
 )
-from railjoule.dashboard.pages.page import BODY_CSS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber
-from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.pins import Pin
 
 RUNS = "runs"

@@ -2,7 +2,6 @@
 
 from panel.viewable import Viewable
 
-from railjoule.dashboard.built_documentation import is_built
 from railjoule.dashboard.limits import limits
 from railjoule.dashboard.look.glossary import GROUPS, Term
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -10,6 +9,7 @@ from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.page import Page
 from railjoule.dashboard.page_list import KEYED, PAGES
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.provenance import is_built
 
 KEYS = (
     ("?", "open this page"),

@@ -11,7 +11,7 @@ import segno
 from panel.viewable import Viewable
 
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.browser.messages import one_message
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_lines import Curve, as_steps

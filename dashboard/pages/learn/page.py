@@ -22,11 +22,10 @@ from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
 from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, WORDS, begin_all, judge
 from railjoule.dashboard.pages.learn.verdict import Verdict
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.program import PageRun, Program
-from railjoule.dashboard.state.recipes import Recipe
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import PageRun, Program, Recipe
+from railjoule.dashboard.workbench import Workbench
 
 GUESSES, DRAFTS = (tuple(getattr(lesson, name) for lesson in LESSONS) for name in ("guess", "draft"))
 LAST_POSITION = "Shown: the last slider position that could be computed."

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import Any, get_args
+from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError, load_scenario
 from railjoule.core.energy import share_above
@@ -12,7 +12,6 @@ from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.studies.whole_line import Sharing, WholeLine, shared_line
 from railjoule.core.task import Task
 
-SHARINGS: tuple[Sharing, ...] = get_args(Sharing)
 RULES: tuple[Sharing, ...] = ("proportional", "equal")
 EXAMPLE, EXAMPLE_TITLE = "metro-10-stations", "Metro, ten stations"
 # A load or a day's weather off by a few per cent moves the energy by more. On a metro of even legs the optimum saves

@@ -15,7 +15,7 @@ from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import Page, Request, shows, work
+from railjoule.dashboard.page import BODY_CSS, Page, Request, shows, work
 from railjoule.dashboard.pages.line import texts
 from railjoule.dashboard.pages.line.charts import ENERGY, PATH, PRICE, SHARING_WORDS, SPEED, SUPPLEMENTS, TRACK
 from railjoule.dashboard.pages.line.compute import (
@@ -28,13 +28,11 @@ from railjoule.dashboard.pages.line.compute import (
     example_scenario,
 )
 from railjoule.dashboard.pages.line.model import TIMES, LinkedStation, Row, StationModel, station_rows
-from railjoule.dashboard.pages.page import BODY_CSS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.parts.number_field import number_fields
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.page_work import Items
-from railjoule.dashboard.state.program import PageRun, Program
+from railjoule.dashboard.state.kept import Items, result
+from railjoule.dashboard.state.recipes import PageRun, Program
 from railjoule.dashboard.work.runs import is_slow
 
 WHOLE_LINE = Program(

@@ -22,7 +22,7 @@ from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, induction_map, machine_points
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
-from railjoule.dashboard.work.refusals import named_refusals
+from railjoule.dashboard.work.runs import named_refusals
 
 MACHINE_SCENARIO = "ftorek-300s"
 """A shipped scenario whose drive has a machine."""

@@ -41,11 +41,11 @@ from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber, keyed
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.program import SOLVE, PageRun, Program, simulation
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import SOLVE, PageRun, Program, simulation
 from railjoule.dashboard.work.runs import is_slow
+from railjoule.dashboard.workbench import Workbench
 
 IN_CLOSED_LOOP = simulation("simulate_field_oriented", "field_oriented")
 CRUISE_KMH = 44.0

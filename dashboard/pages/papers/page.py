@@ -25,8 +25,8 @@ from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
 from railjoule.dashboard.pages.papers.tables import figure_cells, paper_html, tables_csv
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.program import PageRun, Program
+from railjoule.dashboard.state.kept import result
+from railjoule.dashboard.state.recipes import PageRun, Program
 
 VALIDATION = Program(
     {"PAPERS": "railjoule.core.validation"},

@@ -34,7 +34,7 @@ from railjoule.core.studies.storage import (
 from railjoule.core.studies.whole_line import nodes_at_stops
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
-from railjoule.dashboard.work.refusals import named_refusals
+from railjoule.dashboard.work.runs import named_refusals
 
 LARGEST_SIZE_SHARE, SIZES = 1.5, 25
 """The curve of storages ends at this many times the size needed."""

@@ -16,8 +16,7 @@ from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import Own, Page, Request, Section, shows, work
-from railjoule.dashboard.pages.page import BODY_CSS
+from railjoule.dashboard.page import BODY_CSS, Own, Page, Request, Section, shows, work
 from railjoule.dashboard.pages.set_speeds import texts
 from railjoule.dashboard.pages.set_speeds.charts import MAP, OTHERS, SAVED, SPEED, TRACK, both
 from railjoule.dashboard.pages.set_speeds.compute import (
@@ -45,10 +44,9 @@ from railjoule.dashboard.pages.set_speeds.sections import (
 )
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, button, buttons
+from railjoule.dashboard.state.kept import Items, result
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, core_bounds, keyed
-from railjoule.dashboard.state.page_model import result
-from railjoule.dashboard.state.page_work import Items
-from railjoule.dashboard.state.program import SOLVE, PageRun
+from railjoule.dashboard.state.recipes import SOLVE, PageRun
 from railjoule.dashboard.work.runs import is_slow
 
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)

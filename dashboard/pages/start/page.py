@@ -12,7 +12,7 @@ from railjoule.dashboard.pages.start.compute import Card, card_names, compute_ca
 from railjoule.dashboard.pages.start.groups import scenario_groups
 from railjoule.dashboard.pages.start.my_files import FILES_CSS, files_html
 from railjoule.dashboard.parts.html import html_pane, stack
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.kept import result
 
 START_CSS = """
 .hero { padding: 22px 20px 6px; }

@@ -21,7 +21,7 @@ from railjoule.dashboard.pages.trade_off.surface import SurfacePane
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons
 from railjoule.dashboard.parts.number_field import NumberField
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.kept import result
 
 ENOC_SCENARIO = "ftorek-300s"
 """A shipped scenario that ENOC accepts."""

@@ -29,8 +29,8 @@ from railjoule.dashboard.pages.what_if.draws import draws_table
 from railjoule.dashboard.pages.what_if.heat_map import percent_difference
 from railjoule.dashboard.pages.what_if.load import LAYOUT_CSS
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, keyed
-from railjoule.dashboard.state.page_model import result
 
 # ---- the robust plan
 
@@ -267,7 +267,7 @@ class ChanceTab(Page):
         """Show the draws so far on the page of tables of runs."""
         table = None if self.chance is None else draws_table(self.chance)
         if table is not None:
-            self.desk.explore(table)
+            self.desk.turn_to("Explore", draws=table)
 
     @shows("chance", "failure", "accepted_lateness_s", tab=DRAWS)
     def _show_chance(self) -> None:

@@ -18,7 +18,7 @@ from railjoule.core.studies.montecarlo import monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, UnreachedProbabilityError, robust_plan_steps
 from railjoule.core.studies.sensitivity_table import Knows, sensitivity_steps
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.work.refusals import named_refusals
+from railjoule.dashboard.work.runs import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
 # closer together at first, where each second saves most

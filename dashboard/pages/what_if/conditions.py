@@ -5,8 +5,8 @@ from typing import Any
 
 from railjoule.dashboard import day
 from railjoule.dashboard.pages.what_if.compute import Conditions
-from railjoule.dashboard.state.programs import followed
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import followed
+from railjoule.dashboard.workbench import Workbench
 
 
 def _sources(*fields: str) -> tuple[str, ...]:

@@ -29,7 +29,7 @@ from railjoule.dashboard.pages.what_if.live_view import LivePart
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS, late_curves, late_ends, saved_by
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.work.runs import is_slow
 
 BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")

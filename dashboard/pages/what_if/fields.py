@@ -15,7 +15,6 @@ from railjoule.dashboard.pages.what_if.rides import RIDES
 from railjoule.dashboard.parts.choices import box
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, number_fields
-from railjoule.dashboard.state.workbench import Workbench
 
 FIELDS = {
     "stop": {"position_m": "at, m", "duration_s": "stops for, s"},
@@ -30,10 +29,10 @@ SECTION = '<div class="section">{} <span>\u00b7 {}</span></div>'
 class WhatIfFields:
     """The fields of each tab, made when it is first open; in sight on What if only."""
 
-    def __init__(self, state: Workbench) -> None:
-        self.page, self.day, self.scenario = state.pages["What if"], state.day, state.scenario
+    def __init__(self, page: Any) -> None:
+        self.page, self.day, self.scenario = page, page.desk.day, page.desk.scenario
         self.parts = {tab: stack(visible=False) for tab in (LOAD, RIDES, DRAWS)}
-        self.view = stack(*self.parts.values(), html_pane('<hr class="rule">'))
+        self.view = stack(*self.parts.values())
         self.page.param.watch(self._turn, "tab")
         self._turn()
 

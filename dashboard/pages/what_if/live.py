@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import panel as pn
 import param
@@ -23,13 +23,13 @@ from railjoule.core.simulation.live import (
     wait_longer,
 )
 from railjoule.dashboard.day import FIRST_STOP_S
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds
-from railjoule.dashboard.state.page_model import PageModel, result
-from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
-from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.refusals import named_refusals
-from railjoule.dashboard.work.runs import is_slow
+from railjoule.dashboard.work.runs import is_slow, named_refusals
+
+if TYPE_CHECKING:
+    from railjoule.dashboard.page_work import PageWorks
 
 PACES = (1.0, 5.0, 20.0)
 """How many times faster than in reality a run plays."""
@@ -43,7 +43,7 @@ class LiveResult:
     known: DisturbedRun
 
 
-class LiveModel(TypedParameters, PageModel):
+class LiveModel(TypedParameters):
     """The run that plays, and what is set next."""
 
     passing = (
@@ -74,6 +74,7 @@ class LiveModel(TypedParameters, PageModel):
         "Voltage, %", "%", default=80.0, **core_bounds(VoltageChange, "line_voltage_factor", 100)
     )
 
+    failure = result(RailjouleError, "Why the last request failed.")
     run = result(LiveRun, "The run as it is now.")
     planned = param.Event(doc="The run has another plan, or is another one.")
     replan_s = param.Number(default=0.0, doc="How long its plan ahead took [s].")
@@ -152,19 +153,33 @@ def compare_with_notice(run: LiveRun) -> LiveResult:
     return LiveResult(finished_run(run), known_run(run))
 
 
-class Live(PageWork[LiveModel]):
-    """Plays a run while its page is in sight."""
+class Live:
+    """Plays a run while the tab of events is in sight.
 
-    page = "What if"
+    Parameters
+    ----------
+    page : Page
+        The page that has the tab, and the run as `page.live`.
+    works : PageWorks
+        The work of the page.
+    """
 
-    def __init__(self, state: Workbench) -> None:
-        self.of = state.pages[self.page]
-        super().__init__(state, self.of.live)
-        self.starts = self.worker(
-            begin_run, self._take_start, marked=True, is_slow=lambda scenario: is_slow(scenario, scenario.strategy)
+    def __init__(self, page: Any, works: "PageWorks") -> None:
+        self.of, self.works, self.state, self.model = page, works, page.desk, page.live
+        state = self.state
+        # first of all watchers: the run of the scenario before is gone when the next one is asked for
+        state.scenario.param.watch(self._forget, ["preset", "opened"])
+        self.starts = works.worker(
+            "live_start",
+            begin_run,
+            self._take_start,
+            self._fail,
+            marked=True,
+            is_slow=lambda scenario: is_slow(scenario, scenario.strategy),
         )
-        self.steps = self.worker(take_step, self._take_step, self._refuse_step)
-        self.results = self.worker(compare_with_notice, self._take_result)
+        self.steps = works.worker("live_step", take_step, self._take_step, self._refuse_step)
+        self.results = works.worker("live_result", compare_with_notice, self._take_result, self._fail)
+        self._asked: Scenario | None = None
         self._waiting: Step | None = None
         self._planning = False
         self._read_s = 0.0
@@ -179,24 +194,17 @@ class Live(PageWork[LiveModel]):
         self.model.param.watch(lambda event: self.plan(event.new), "step")
         self.model.take(state.scenario.edited)
 
-    @property
-    def in_sight(self) -> bool:
-        """Whether the tab of events is."""
-        return super().in_sight and self.of.is_open("events")
-
-    def forget(self, *_: Any) -> None:
+    def _forget(self, *_: Any) -> None:
         """Forget the run, as its scenario has gone."""
-        super().forget()
+        self._asked = None
         self._drop()
 
-    def end(self, *_: Any) -> None:
-        """Stop the clock as well."""
-        super().end()
-        self.model.playing = False
+    def _fail(self, failure: RailjouleError) -> None:
+        self.model.failure = failure
 
     def _restart(self, *_: Any) -> None:
         """Put the train back to the start."""
-        self.forget()
+        self._forget()
         self._ask()
 
     def plan(self, step: Step) -> None:
@@ -224,12 +232,13 @@ class Live(PageWork[LiveModel]):
             self.results.ask(now)
 
     def _ask(self, *_: Any) -> None:
-        if not (self.in_sight and self.model.on):
+        if not (self.works.in_sight and self.of.is_open("events") and self.model.on):
             self.model.playing = False
             return
         accepted = {"disturbance.accepted_delay_s": float(self.state.day.accepted_delay_s)}
         scenario = self.state.scenario.scenario().replace(strategy=self.state.chosen, **accepted)
-        if self.is_new(scenario):
+        if scenario != self._asked:
+            self._asked = scenario
             self._drop()
             self.starts.ask(scenario)
 
@@ -251,7 +260,7 @@ class Live(PageWork[LiveModel]):
         self._go_on()
 
     def _refuse_step(self, failure: RailjouleError) -> None:
-        self.take_failure(failure)
+        self._fail(failure)
         self._go_on()
 
     def _go_on(self) -> None:

@@ -38,7 +38,7 @@ from railjoule.dashboard.pages.what_if.conditions import (
 from railjoule.dashboard.pages.what_if.heat_map import MEASURES, HeatMapChart, printed_table
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, menu
-from railjoule.dashboard.state.page_model import result
+from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.work.runs import is_slow
 
 LOAD = "load"

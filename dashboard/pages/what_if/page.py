@@ -1,6 +1,7 @@
 """The page What if: the plan under another load, a position error, events on the way, and random draws."""
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import param
 from panel.viewable import Viewable
@@ -8,17 +9,20 @@ from panel.viewable import Viewable
 from railjoule.core import Scenario
 from railjoule.dashboard import day
 from railjoule.dashboard.look import words
-from railjoule.dashboard.page import shows
+from railjoule.dashboard.page import Own, shows
 from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
 from railjoule.dashboard.pages.what_if.events import EventsTab
+from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.pages.what_if.live_view import PLAYED
 from railjoule.dashboard.pages.what_if.load import BRAKING, DRIVEN, HEAT_MAP, LOAD, PLACE, LoadTab
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.tabs import PageTabs
-from railjoule.dashboard.state.program import PageRun
-from railjoule.dashboard.state.programs import FOLLOWING, actual_run, followed
+from railjoule.dashboard.state.recipes import FOLLOWING, PageRun, actual_run, followed
+
+if TYPE_CHECKING:
+    from railjoule.dashboard.page_work import PageWorks
 
 TABS: Mapping[str, str] = {LOAD: "Load and position", RIDES: "Events", DRAWS: "Chance"}
 """The tabs by their names in the address."""
@@ -35,7 +39,7 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         *(SPEEDS, ENERGIES, LATE, PLAYED),
         *(MORE, SCATTER, DELAYS, *ROBUST),
     )
-    works = (Live,)
+    fields = (Own(lambda page: WhatIfFields(page).view),)
     # as the grids of the tabs, which have one column up to 1099 px
     halves_from_px = 1100
     full_width = (SPEEDS.name, ENERGIES.name, PLAYED.name)
@@ -64,6 +68,10 @@ class WhatIf(LoadTab, EventsTab, ChanceTab):
         # the command would drive the events of a file as well
         events = day.NO_EVENTS if desk.scenario.edited.disturbance.events else {}
         return PageRun(FOLLOWING, {**chosen, **followed(desk), **events, **desk.day.conditions})
+
+    def begin_work(self, works: "PageWorks") -> None:
+        """Play runs."""
+        self.player = Live(self, works)
 
     # ---- what it shows
 

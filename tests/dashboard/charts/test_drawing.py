@@ -7,7 +7,7 @@ from bokeh.document import Document
 from bokeh.plotting import figure
 from panel.io.state import set_curdoc
 
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.charts.drawing import LATER_MS, DrawingQueue
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.faults import Faults

@@ -5,11 +5,12 @@ from itertools import pairwise
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 class Pages:
@@ -17,8 +18,8 @@ class Pages:
 
     def __init__(self, preset="metro-with-limit"):
         self.state = Workbench()
-        make_works("What if")(self.state)
-        make_works("Drive")(self.state)
+        PageWorks(self.state.pages["What if"])
+        PageWorks(self.state.pages["Drive"])
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)
         if not self.state.day.events:
@@ -32,7 +33,7 @@ class Pages:
     def draw(self):
         state = self.state
         state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
-        return find_view("Drive")(state, Browser(), Palette(dark=False))
+        return PageHost(state.pages["Drive"], Browser(), Palette(dark=False))
 
 
 @pytest.fixture

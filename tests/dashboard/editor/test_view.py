@@ -3,11 +3,11 @@ from typing import Any
 import pytest
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.editor.model import GROUPS
 from railjoule.dashboard.editor.view import EditorView, FieldForm, LineGroup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

@@ -4,8 +4,14 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.scenario.text_file import TomlError
-from railjoule.dashboard.keep.dropped import LARGEST_SCENARIO_BYTES, TOO_LARGE, refused_file, scenario_text, words_of
-from railjoule.dashboard.keep.embedded import embedded
+from railjoule.dashboard.keep.dropped import (
+    LARGEST_SCENARIO_BYTES,
+    TOO_LARGE,
+    embedded,
+    refused_file,
+    scenario_text,
+    words_of,
+)
 
 TOML = 'title = "<b>x</b>"\n[timetable]\ntravel_time_s = 100'
 

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.scenario import format_scenario, parse_scenario
-from railjoule.dashboard.keep.embedded import embedded, scenario_in_report
+from railjoule.dashboard.keep.dropped import embedded, scenario_in_report
 
 HOSTILE = "a \"quoted\" \\ </script><script>alert('1')</script> <!-- \u00e9 &lt;"
 

@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.keep.history import MAX_STEPS, ONE_MOVE_S, History
+from railjoule.dashboard.keep.snapshot import MAX_STEPS, ONE_MOVE_S, History
 
 
 class Clock:

@@ -9,23 +9,23 @@ from turns import Page
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
-from railjoule.dashboard.pages.host import make_works
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.shell.sidebar import Changes
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (make_works("What if"), make_works("Set speeds"), make_works("Motor"), make_works("Line")):
-        work(state)
+    for page in ("What if", "Set speeds", "Motor", "Line"):
+        PageWorks(state.pages[page])
     return state
 
 

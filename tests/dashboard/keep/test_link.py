@@ -11,8 +11,8 @@ from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
-from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 STATE = Workbench()
 KEYS = [key for key, _, _ in fields_of(STATE)]
@@ -181,8 +181,8 @@ def test_any_text_is_read(text: str) -> None:
 @given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
-    for work in (make_works("What if"), make_works("Set speeds")):
-        work(state)
+    for page in ("What if", "Set speeds"):
+        PageWorks(state.pages[page])
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
     snapshot_of(state)
     state.scenario.scenario()

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.keep.snapshot import lay, snapshot_of
-from railjoule.dashboard.page import PageWorks
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 PATIENCE_S = 60
 

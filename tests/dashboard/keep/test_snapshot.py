@@ -4,7 +4,7 @@ import pytest
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.snapshot import changed, lay, originals_of, snapshot_of
 from railjoule.dashboard.state.kept import Kept, is_kept
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

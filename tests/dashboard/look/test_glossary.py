@@ -11,7 +11,7 @@ import pytest
 import railjoule.dashboard
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import MOST_WORDS, TERMS, Term, info, term_of, texts
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 DASHBOARD = Path(railjoule.dashboard.__file__).parent
 EXPLAINING = ("glossary.py", "help.py")

@@ -7,9 +7,8 @@ import pytest
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.run_charts import EffortChart
 from railjoule.dashboard.charts.sketches import NOT_DRAWN
+from railjoule.dashboard.page_host import NOT_SHOWN, PageHost
 from railjoule.dashboard.pages.drive.page import Drive
-from railjoule.dashboard.pages.host import PageHost
-from railjoule.dashboard.pages.page import NOT_SHOWN
 from railjoule.dashboard.shell.shell import NOT_OPENED
 
 
@@ -38,7 +37,7 @@ def planted(traced: pytest.LogCaptureFixture) -> int:
 
 
 def drive(session: Session) -> PageHost:
-    view = session.views["DriveView"]
+    view = session.views["Drive"]
     assert isinstance(view, PageHost)
     return view
 
@@ -48,7 +47,7 @@ def shown(session: Session) -> str:
 
 
 def test_a_page_that_is_made_late_draws_what_is_there(session: Session) -> None:
-    assert "DriveView" not in session.views
+    assert "Drive" not in session.views
     session.state.page = "Drive"
     assert all(chart.is_drawn for chart in drive(session).charts if chart.host.visible)
     assert "7.8" in shown(session)
@@ -86,7 +85,7 @@ def test_a_part_that_fails_is_told_in_one_sentence(
         assert NOT_SHOWN in view._error.object
         assert planted(traced) == 1
         session.state.page = "What if"
-        assert isinstance(session.views["WhatIfView"], PageHost)
+        assert isinstance(session.views["What if"], PageHost)
         session.state.page = "Drive"
     session.state.scenario.travel_time_s = 200.0
     assert not view._error.visible
@@ -104,6 +103,6 @@ def test_a_page_that_cannot_be_opened_is_tried_again(
         assert NOT_OPENED in text.object
         assert planted(traced) == 1
         session.state.page = "Compare"
-        assert "CompareView" in session.views
+        assert "Compare" in session.views
     session.state.page = "Drive"
     assert "7.8" in shown(session)

@@ -11,20 +11,19 @@ import pytest
 from panel.io.state import set_curdoc
 from turns import PATIENCE_S, Page
 
-from railjoule.dashboard.app import VIEWS
+from railjoule.dashboard.page_list import page_classes
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.what_if.compute import compute_reality
-from railjoule.dashboard.state.plan_work import Plans
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import worker
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
-from railjoule.dashboard.work.worker import Study, Worker, nobody
+from railjoule.dashboard.work.worker import Worker, nobody
+from railjoule.dashboard.workbench import Plans, Workbench
 
-WORKS = {work.__name__: work for view in VIEWS.values() for work in view.works}
+WORKS = [name for name, page in page_classes().items() if any(page.methods("work"))]
+"""The pages that compute."""
 OWN_ABOUT = {"Explore", "Learn", "Papers", "Start"}
 """What they compute is of no scenario, or belongs to the study that was begun with it."""
-BY_HAND = {"Live"}
-"""They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"Drive": "tram-950m-recuperating", "Line": "metro-10-stations", "Motor": "ftorek-300s"}
@@ -60,24 +59,24 @@ class Job:
 class Desk:
     """A workbench with one work, out of its page's sight, that has something to ask for."""
 
-    def __init__(self, made):
-        self.state, self.page, self.name = Workbench(page="Help"), Page(), made.__name__
-        if made.__name__ in PRESETS:
-            self.state.scenario.choose(PRESETS[made.__name__])
-        self.work = made(self.state)
-        found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
-        self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
+    def __init__(self, name):
+        self.state, self.page, self.name = Workbench(page="Help"), Page(), name
+        if name in PRESETS:
+            self.state.scenario.choose(PRESETS[name])
+        self.work = Plans(self.state) if name == "Plans" else PageWorks(self.state.pages[name])
+        found = {"runs": self.work.runs} if name == "Plans" else self.work.jobs
+        self.jobs = {name: Job(job) for name, job in found.items()}
         self.state.day.on = True
-        if made.__name__ == "Drive":
+        if name == "Drive":
             # a run whose bound can be tightened
             self.state.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), ("optimal",)))
-        if made.__name__ == "What if":
+        if name == "What if":
             # tables and curves follow from these
             self.state.day.add_stop()
             page = self.state.pages["What if"]
             compute, *asked = page._rides()
             page.param.update(reality=compute_reality(page._reality()[1]), rides=compute(*asked))
-        if made.__name__ == "Files":
+        if name == "Files":
             page = self.state.pages["Files"]
             page.tab = "runs"
             page.try_example()
@@ -92,7 +91,7 @@ class Desk:
         """Turn to the page, and to the tab that shows what a job computes."""
         if self.name == "What if":
             self.work.of.tab = next(one.tab for _, one in self.work.of.methods("work") if one.into == name)
-        self.state.page = self.work.page
+        self.state.page = self.name
 
     def move(self):
         self.state.scenario.load_percent += 1.0
@@ -115,30 +114,24 @@ class Desk:
 def desk(request, monkeypatch):
     # the papers as with other code than that which computed those that are shipped: then they are computed again
     monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: ShippedTables({}, False))
-    desk = Desk(WORKS[request.param])
+    desk = Desk(request.param)
     yield desk
     for job in desk.jobs.values():
         job.may_go_on.set()
     desk.work.end()
 
 
-def name_of(desk):
-    return desk.name
-
-
 def test_it_asks_while_its_page_is_in_sight_and_for_what_has_changed_meanwhile(desk):
     desk.move()
     assert desk.asked == 0
-    if name_of(desk) in BY_HAND:
-        return
-    desk.state.page = desk.work.page
+    desk.state.page = desk.name
     first = desk.asked
     assert first > 0
     desk.state.page = "Help"
     desk.move()
     assert desk.asked == first
-    if name_of(desk) not in ONCE:
-        desk.state.page = desk.work.page
+    if desk.name not in ONCE:
+        desk.state.page = desk.name
         assert desk.asked > first
 
 
@@ -159,7 +152,7 @@ def test_what_comes_for_a_scenario_that_has_gone_is_dropped(desk):
 
 def test_studies_rest_while_nobody_sees_them(desk):
     for name, job in desk.jobs.items():
-        if isinstance(job.job, Worker) or f"{name_of(desk)}.{name}" in GO_ON:
+        if isinstance(job.job, Worker) or f"{desk.name}.{name}" in GO_ON:
             continue
         desk.show(name)
         job.may_go_on.clear()
@@ -170,14 +163,14 @@ def test_studies_rest_while_nobody_sees_them(desk):
         before = desk.asked
         desk.take_turns(job)
         desk.show(name)
-        assert name_of(desk) in BY_HAND or desk.asked > before, name
+        assert desk.asked > before, name
         desk.state.page = "Help"
 
 
-@pytest.mark.parametrize("made", [Plans, *WORKS.values()], ids=["Plans", *WORKS])
-def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
+@pytest.mark.parametrize("page", ["Plans", *WORKS])
+def test_a_page_is_late_until_what_it_waits_for_has_come(page, monkeypatch):
     monkeypatch.setattr(worker, "LATE_MS", 0)
-    desk = Desk(made)
+    desk = Desk(page)
     for name, job in desk.jobs.items():
         if not job.is_marked:
             continue
@@ -186,12 +179,12 @@ def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
             job.job.ask("late")
         assert desk.state.late == frozenset()
         desk.wait_for_timers()
-        assert (desk.work.page or "Drive") in desk.state.late, name
+        assert ("Drive" if page == "Plans" else page) in desk.state.late, name
         desk.take_turns(job)
         assert desk.state.late == frozenset()
 
 
 def test_every_page_that_computes_has_a_mark_or_none_by_intent():
     """A page without one waits for nothing that a slider changes, or shows by itself how far it is."""
-    marked = {name for name, made in WORKS.items() if any(job.is_marked for job in Desk(made).jobs.values())}
-    assert WORKS.keys() - marked == {"Compare", "Explore", "Learn", "Papers", "Start"}
+    marked = {name for name in WORKS if any(job.is_marked for job in Desk(name).jobs.values())}
+    assert set(WORKS) - marked == {"Compare", "Explore", "Learn", "Papers", "Start"}

@@ -3,7 +3,7 @@ import pytest
 from bokeh.document import Document
 
 from railjoule.dashboard.parts.choices import box, buttons, menu, over_time_buttons
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.mark.parametrize(

@@ -2,14 +2,14 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.sidebar import Sidebar
 from railjoule.dashboard.state.scenario import ScenarioModel
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

@@ -1,10 +1,10 @@
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.report.button import ReportButton, ReportForm
 from railjoule.dashboard.report.contents import Contents, ContentsError
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.work import ReportingModel
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 class Asked:

@@ -11,7 +11,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import parse_scenario
-from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.keep.dropped import scenario_in_report
 from railjoule.dashboard.look import words
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import report_html

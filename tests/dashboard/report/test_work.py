@@ -4,10 +4,10 @@ import pytest
 
 from railjoule.core.scenario import parse_scenario
 from railjoule.core.trajectory import MEASURED
-from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.keep.dropped import scenario_in_report
 from railjoule.dashboard.report.work import Reporting, file_name
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

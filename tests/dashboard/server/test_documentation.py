@@ -5,7 +5,7 @@ import pytest
 from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application
 
-from railjoule.dashboard.built_documentation import FOLDER
+from railjoule.dashboard.provenance import FOLDER
 from railjoule.dashboard.server.answers import extra_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.options import ServerOptions

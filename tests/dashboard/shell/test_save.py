@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.scenario_folder import ScenarioFolder
 from railjoule.dashboard.shell.share import SaveScenario
 from railjoule.dashboard.state.files import serve_folder
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

@@ -5,8 +5,8 @@ from functools import cache
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.shell.strategies import PLAIN_SCENARIO, StrategyList, refusal_lines
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 @cache

@@ -30,7 +30,7 @@ from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
 from railjoule.dashboard.pages.set_speeds.sections import SectionModel
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.scenario import ScenarioModel
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 STOP, LIMIT = EventModel(kind="stop"), EventModel(kind="limit")
 VOLTAGE, RECUPERATION = EventModel(kind="voltage"), EventModel(kind="recuperation")

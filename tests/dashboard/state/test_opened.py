@@ -3,8 +3,8 @@ import pytest
 from railjoule.core import InfeasibleLineError, RailjouleError, ScenarioError, load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.limits import LONGEST_TEXT
-from railjoule.dashboard.state import opened
-from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.state import draft
+from railjoule.dashboard.state.draft import open_scenario
 
 GOOD = format_scenario(load_scenario("liashenko-ii"))
 
@@ -16,13 +16,13 @@ def test_a_text_is_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
         read.append(text)
         raise ScenarioError(f"{source}: no.")
 
-    monkeypatch.setattr(opened, "parse_scenario", parse)
-    opened.outcome_of.cache_clear()
+    monkeypatch.setattr(draft, "parse_scenario", parse)
+    draft.outcome_of.cache_clear()
     for name in ("one.toml", "another.toml"):
         with pytest.raises(ScenarioError, match=f"^{name}: no\\.$"):
             open_scenario("text", name)
     assert read == ["text"]
-    opened.outcome_of.cache_clear()
+    draft.outcome_of.cache_clear()
 
 
 def test_what_is_kept_gives_the_scenario_again() -> None:
@@ -66,8 +66,8 @@ def test_memory_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> No
     def parse(text: str, source: str) -> object:
         raise MemoryError
 
-    monkeypatch.setattr(opened, "parse_scenario", parse)
-    opened.outcome_of.cache_clear()
+    monkeypatch.setattr(draft, "parse_scenario", parse)
+    draft.outcome_of.cache_clear()
     with pytest.raises(ScenarioError, match=r"^x: not enough memory on the server to read it\.$"):
         open_scenario("text", "x")
-    opened.outcome_of.cache_clear()
+    draft.outcome_of.cache_clear()

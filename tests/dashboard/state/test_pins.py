@@ -3,8 +3,8 @@ import pytest
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.dashboard.pages.compare.contenders import contenders, find_reference
 from railjoule.dashboard.state.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, recipe_of
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 def solved(state: Workbench) -> Workbench:

@@ -9,10 +9,11 @@ import pytest
 from bokeh.models import FullscreenTool, GlyphRenderer, HoverTool, SaveTool
 from bokeh.plotting import figure
 
-from railjoule.dashboard.app import VIEWS, Session
+from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.figures import DARK_INK, WHITE, dress_alone
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
+from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
@@ -92,7 +93,7 @@ def with_a_stop(state):
 
 
 CASES = {
-    **{page: [(name, None) for name in SCENARIOS] for page in VIEWS},
+    **{page: [(name, None) for name in SCENARIOS] for page in PAGES},
     "Start": [("metro-with-limit", None)],
     "Drive": [("metro-with-limit", with_law), ("ftorek-300s", None), ("tram-950m-stop", with_simple_advice)],
     "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None), ("ftorek-300s", with_contours)],
@@ -118,7 +119,7 @@ NO_FIGURE = {"sankey", "surface", "robust_speed", "candidates"}
 
 # Panel warns once of how panel-material-ui calls it
 @pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
-@pytest.mark.parametrize("page", VIEWS)
+@pytest.mark.parametrize("page", PAGES)
 def test_all_figures_of_a_page_are_drawn(page, caplog):
     drawn, known = set(), set()
     for preset, prepare in CASES[page]:
@@ -128,7 +129,7 @@ def test_all_figures_of_a_page_are_drawn(page, caplog):
         if prepare is not None:
             prepare(session.state)
         session.state.page = page
-        view = session.views[VIEWS[page].__name__]
+        view = session.views[page]
         # the many rows of Papers are computed for each theme
         for dark in (False,) if page == "Papers" else (False, True):
             session.state.dark = dark

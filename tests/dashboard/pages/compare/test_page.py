@@ -16,10 +16,10 @@ from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.keep.link import read_link
 from railjoule.dashboard.keep.snapshot import lay
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.compare.page import REST_MS, Compare
 from railjoule.dashboard.shell.strategies import strategy_numbers
-from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 PAGE = "Compare"
 
@@ -75,7 +75,7 @@ def test_a_slider_that_moves_begins_no_study(session: Session, page: Compare) ->
     timers: list[tuple[int, Callable[[], None]]] = []
     before = page.compared
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(PageWork, "after", lambda _, milliseconds, act: timers.append((milliseconds, act)))
+        patch.setattr(PageWorks, "after", lambda _, milliseconds, act: timers.append((milliseconds, act)))
         for load in (61.0, 62.0, 63.0):
             session.state.scenario.load_percent = load
         assert [milliseconds for milliseconds, _ in timers] == [REST_MS] * 3

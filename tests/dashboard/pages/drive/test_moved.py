@@ -5,11 +5,12 @@ import re
 import numpy as np
 import pytest
 
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 COAST = 5
 """The phase of coasting after the limit of the first scenario."""
@@ -20,8 +21,8 @@ class Desk:
 
     def __init__(self) -> None:
         self.state = Workbench()
-        make_works("Drive")(self.state)
-        self.host = find_view("Drive")(self.state, Browser(), Palette(dark=False))
+        PageWorks(self.state.pages["Drive"])
+        self.host = PageHost(self.state.pages["Drive"], Browser(), Palette(dark=False))
         self.page, self.speed = self.state.pages["Drive"], self.host.plots["speed"]
         self.state.page = "Drive"
         self.run()

@@ -13,13 +13,14 @@ from turns import PATIENCE_S, Page
 
 from railjoule.core import load_scenario
 from railjoule.core.bounds import FIRST_STAGE_BOXES, ProofStep
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.drive import compute, page
-from railjoule.dashboard.pages.drive.compute import FURTHER_BOXES, ProofRequest, compute_proof
-from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.pages.drive import page
+from railjoule.dashboard.work import runs
+from railjoule.dashboard.work.runs import FURTHER_BOXES, ProofRequest, Runs, RunsRequest, compute_proof, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 TRAM = "tram-950m-recuperating"
 FIRST_SHARE = 0.5
@@ -67,8 +68,8 @@ class Desk:
 
     def __init__(self) -> None:
         self.state = Workbench()
-        self.work = make_works("Drive")(self.state)
-        self.host = find_view("Drive")(self.state, Browser(), Palette(dark=False))
+        self.work = PageWorks(self.state.pages["Drive"])
+        self.host = PageHost(self.state.pages["Drive"], Browser(), Palette(dark=False))
         self.page = self.state.pages["Drive"]
         self.state.scenario.choose(TRAM)
         self.state.param.update(page="Drive", chosen="optimal")
@@ -93,8 +94,8 @@ class Desk:
 def prover(monkeypatch: pytest.MonkeyPatch) -> Prover:
     prover = Prover()
 
-    def prove(request: ProofRequest) -> Iterator[compute.Proven]:
-        monkeypatch.setattr(compute, "tightening", lambda *_: prover(request))
+    def prove(request: ProofRequest) -> Iterator[runs.Proven]:
+        monkeypatch.setattr(runs, "tightening", lambda *_: prover(request))
         yield from compute_proof(request)
 
     monkeypatch.setattr(page, "compute_proof", prove)

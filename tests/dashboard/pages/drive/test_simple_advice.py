@@ -9,16 +9,17 @@ import pytest
 from turns import PATIENCE_S
 
 from railjoule.core import Scenario, StrategyRefusedError, load_scenario
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.drive import page
-from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import KeptPin
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple_advice
+from railjoule.dashboard.workbench import Workbench
 
 SCENARIO = "tram-950m-recuperating"
 
@@ -58,8 +59,8 @@ class Desk:
 
     def __init__(self) -> None:
         self.state = Workbench()
-        make_works("Drive")(self.state)
-        self.host = find_view("Drive")(self.state, Browser(), Palette(dark=False))
+        PageWorks(self.state.pages["Drive"])
+        self.host = PageHost(self.state.pages["Drive"], Browser(), Palette(dark=False))
         self.page = self.state.pages["Drive"]
         self.state.scenario.choose(SCENARIO)
         self.state.param.update(page="Drive", chosen="optimal", runs=runs_in(self.state.scenario.travel_time_s))

@@ -12,15 +12,15 @@ from turns import Page
 
 from railjoule.core import load_scenario
 from railjoule.core.studies.sweep import SweepTable
-from railjoule.dashboard.page import PageWorks
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.explore import study as studies
 from railjoule.dashboard.pages.explore.compute import table_file
 from railjoule.dashboard.pages.explore.fields import MOST_VARIED, fields_that_vary
 from railjoule.dashboard.pages.explore.page import Explore
 from railjoule.dashboard.pages.explore.ranges import InputRanges, Span
 from railjoule.dashboard.pages.explore.running import Progress, Step
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.study_pool import STUDY_THREADS
+from railjoule.dashboard.workbench import Workbench
 
 TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
 METRO = load_scenario("metro-with-limit")

@@ -5,11 +5,11 @@ from measured_example import DRIVERS, FOLDER, driven, recorded
 from railjoule.core import solve
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.keep.snapshot import snapshot_of
-from railjoule.dashboard.page import PageWorks
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.files import texts
 from railjoule.dashboard.pages.files.measured import compute_measured, energy_so_far, power_error
 from railjoule.dashboard.pages.files.page import Files
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 EXAMPLE = (FOLDER / DRIVERS[0].file).read_bytes()
 

@@ -4,14 +4,13 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.link import read_link
-from railjoule.dashboard.keep.snapshot import snapshot_of
+from railjoule.dashboard.keep.snapshot import History, snapshot_of
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
-from railjoule.dashboard.page import PageWorks
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.files.columns import MAX_ROWS
 from railjoule.dashboard.pages.files.page import MAX_FILES, Files
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from railjoule.dashboard.pages.learn.compute import LESSONS as COMPUTED
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.guessed import guess_html
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES, Lesson
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 MOST_WORDS, MOST_WORDS_ASKED = 150, 40
 """The second so that the first action needs no reading of more than a few seconds."""

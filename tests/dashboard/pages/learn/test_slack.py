@@ -5,7 +5,7 @@ import pytest
 from railjoule.core import ScenarioError
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.pages.learn.slack import begin, judge, line_tables, opened, read_sharing
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 WRONG = ("", "uneven", "uneven:20,20,21", "uneven:0,30,30", "odd:20,20,20", "even:20,20,20,0", "even:-1,31,30")
 

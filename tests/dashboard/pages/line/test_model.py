@@ -3,7 +3,7 @@ import pytest
 from railjoule.core import ScenarioError
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.pages.line.page import WholeLines
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 TEN = "metro-10-stations"
 

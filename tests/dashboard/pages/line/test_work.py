@@ -1,17 +1,18 @@
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
 def state() -> Workbench:
     """A workbench whose page Line is in sight; all work is done in the test's own turn."""
     state = Workbench(page="Line")
-    make_works("Line")(state)
+    PageWorks(state.pages["Line"])
     state.scenario.choose("metro-10-stations")
     return state
 
@@ -133,7 +134,7 @@ def test_another_scenario_knows_nothing_of_a_drag(state: Workbench) -> None:
 
 def test_a_line_without_stations_has_an_example(state: Workbench) -> None:
     page = state.pages["Line"]
-    find_view("Line")(state, Browser(started=True, charts_in_sight=["supplements"]), Palette(dark=False))
+    PageHost(state.pages["Line"], Browser(started=True, charts_in_sight=["supplements"]), Palette(dark=False))
     assert not page.of_example.visible
     assert page.host.plots["supplements"].sources["grips"].data["name"][:2] == ["Old Town", "Market"]
     state.scenario.choose("liashenko-ii")

@@ -1,7 +1,7 @@
 import pytest
 
-from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
 """A run that takes little time to compute."""
@@ -11,7 +11,7 @@ SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s"
 def opened():
     """A workbench whose page Motor is in sight; all work is done in the test's own turn."""
     state = Workbench()
-    make_works("Motor")(state)
+    PageWorks(state.pages["Motor"])
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
     state.scenario.edit(SHORT)

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core import ScenarioError, load_scenario
 from railjoule.dashboard.pages.motor.page import Motor
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 SUBURBAN = load_scenario("ftorek-300s")
 

@@ -5,19 +5,19 @@ from lines import sent
 
 from railjoule.core import load_scenario
 from railjoule.core.simulation.field_oriented import simulate_field_oriented
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view
+from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.motor.page import Motor
 from railjoule.dashboard.pages.motor.texts import length, run_figures
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
 def shown(opened: Workbench) -> Motor:
     """The page with all its figures in sight."""
     names = [plot.name for plot in Motor.figures]
-    find_view("Motor")(opened, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    PageHost(opened.pages["Motor"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     return opened.pages["Motor"]
 
 

@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
 

@@ -9,14 +9,15 @@ import pytest
 from railjoule.core import SolverError
 from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
 from railjoule.core.validation.table import FigureData, Line, Panel, PaperFigure
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.pages.host import find_view, make_works
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.papers.page import COMPUTED, COMPUTED_BEFORE, Papers
 from railjoule.dashboard.pages.papers.panels import draw_panel
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 # Panel warns once of how panel-material-ui calls it
 pytestmark = pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
@@ -47,10 +48,10 @@ def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
     shipped = ShippedTables(SHIPPED, True)
     monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: shipped)
     state = Workbench()
-    works = make_works("Papers")(state)
+    works = PageWorks(state.pages["Papers"])
     state.page = "Papers"
     page = state.pages["Papers"]
-    find_view("Papers")(state, Browser(started=True, charts_in_sight=["differences"]), Palette(dark=False))
+    PageHost(state.pages["Papers"], Browser(started=True, charts_in_sight=["differences"]), Palette(dark=False))
     yield page
     works.end()
 

@@ -1,8 +1,8 @@
 import pytest
 
-from railjoule.dashboard.pages.host import make_works
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.set_speeds import page
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 RUNS = {}
 """Runs and searches by what was asked for: each takes half a second, and most tests begin with the same."""
@@ -21,7 +21,7 @@ def state(monkeypatch):
 
     monkeypatch.setattr(page, "compute_limit_run", computed_once)
     state = Workbench()
-    make_works("Set speeds")(state)
+    PageWorks(state.pages["Set speeds"])
     state.scenario.choose("kharkiv-like-40kmh")
     state.page = "Set speeds"
     return state

@@ -3,7 +3,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
 from railjoule.dashboard.pages.set_speeds.sections import even_borders
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture

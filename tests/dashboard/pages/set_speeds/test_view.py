@@ -5,23 +5,23 @@ import pytest
 from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import energy
-from railjoule.dashboard.pages.host import find_view
+from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.set_speeds.charts import WITH_SET_SPEEDS
 from railjoule.dashboard.pages.set_speeds.compute import run_figures
 from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
 from railjoule.dashboard.pages.set_speeds.texts import rule_html
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
 def view(state: Workbench) -> SetSpeeds:
     """The page with all its figures in sight."""
     names = [plot.name for plot in SetSpeeds.figures]
-    find_view("Set speeds")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    PageHost(state.pages["Set speeds"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     page: SetSpeeds = state.pages["Set speeds"]
     return page
 

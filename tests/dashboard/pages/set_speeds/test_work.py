@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 def test_the_search_sets_the_limits(state: Workbench) -> None:

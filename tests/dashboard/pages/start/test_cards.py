@@ -6,8 +6,8 @@ import pytest
 from railjoule.core.scenario import preset_names
 from railjoule.dashboard.pages.start.cards import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.pages.start.compute import card_names, compute_cards
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 def test_every_shipped_scenario_has_one_card() -> None:

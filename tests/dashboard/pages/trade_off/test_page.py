@@ -12,8 +12,8 @@ from railjoule.dashboard.charts.label_places import AROUND_PX
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.snapshot import lay, originals_of, snapshot_of
 from railjoule.dashboard.pages.trade_off.page import ENOC_SCENARIO, TradeOffPage
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture(scope="module")

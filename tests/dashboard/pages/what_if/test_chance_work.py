@@ -3,19 +3,20 @@
 import numpy as np
 import pytest
 
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.what_if.page import WhatIf
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
 def model() -> WhatIf:
     state = Workbench()
     state.scenario.choose("liashenko-0")
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     found: WhatIf = state.pages["What if"]
     found.tab = "chance"
     state.page = "What if"
@@ -52,7 +53,7 @@ def test_a_robust_plan_is_found_on_request_and_goes_with_its_settings(
 ) -> None:
     monkeypatch.setattr("railjoule.dashboard.pages.what_if.chance.ROBUST_RUNS", 300)
     names = [plot.name for plot in model.figures]
-    view = find_view("What if")(model.desk, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    view = PageHost(model.desk.pages["What if"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     model.param.update(probability_percent=80.0, candidates=4)
     assert model.robust is None
     model.search_robust()

@@ -2,15 +2,15 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
 def state() -> Workbench:
     """A workbench whose tab of events is in sight; all work is done in the test's own turn."""
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.scenario.choose("liashenko-ii")
     state.pages["What if"].tab = "events"
     state.page = "What if"
@@ -44,7 +44,7 @@ def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbenc
 def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:
     """Flat out, replanned runs arrive earlier than the driver and take more: 26.6 kWh against 21.0, as it looked."""
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.pages["What if"].tab = "events"
     state.page = "What if"
     model = state.pages["What if"]
@@ -67,7 +67,7 @@ def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:
 
 def test_an_event_that_is_added_on_drive_leaves_the_accepted_delay() -> None:
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.day.drop("stop", 1200.0)
     state.pages["What if"].tab = "events"
     state.page = "What if"
@@ -82,7 +82,7 @@ def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
 
 def test_a_limit_on_the_shipped_tram_is_possible() -> None:
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.scenario.choose("tram-950m")
     assert state.chosen == "phases"
     state.pages["What if"].tab = "events"
@@ -97,7 +97,7 @@ def test_a_limit_on_the_shipped_tram_is_possible() -> None:
 
 def test_the_plan_follows_the_field_of_its_strategy_alone() -> None:
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
     state.pages["What if"].tab = "events"

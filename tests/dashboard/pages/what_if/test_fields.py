@@ -3,7 +3,7 @@
 import pytest
 
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 # a metro with automatic train operation, and a tram without
@@ -13,7 +13,7 @@ from railjoule.dashboard.state.workbench import Workbench
 )
 def test_sensors_are_shown_where_the_train_brakes_along_the_target_curve(preset: str, shown: bool) -> None:
     state = Workbench()
-    fields = WhatIfFields(state)
+    fields = WhatIfFields(state.pages["What if"])
     state.scenario.choose(preset)
     assert state.day.target_braking == fields.sensors.visible == shown
     state.day.target_braking = not shown
@@ -23,7 +23,7 @@ def test_sensors_are_shown_where_the_train_brakes_along_the_target_curve(preset:
 def test_the_fields_are_those_of_the_tab() -> None:
     state = Workbench()
     page = state.pages["What if"]
-    fields = WhatIfFields(state)
+    fields = WhatIfFields(state.pages["What if"])
     assert [part.visible for part in fields.parts.values()] == [True, False, False]
     assert not list(fields.parts["events"])
     page.tab = "events"

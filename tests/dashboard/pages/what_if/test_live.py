@@ -3,21 +3,21 @@
 import pytest
 
 from railjoule.core.simulation.disturbances import simulate_disturbances
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.pages.what_if.live import Live
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
 
 
 def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
     state = Workbench()
-    make_works("What if")(state)
-    work, model = Live(state), state.pages["What if"].live
+    PageWorks(state.pages["What if"])
+    work, model = state.pages["What if"].player, state.pages["What if"].live
     state.scenario.choose("liashenko-ii")
     state.pages["What if"].tab = "events"
     state.page = "What if"
-    view = find_view("What if")(state, Browser(), Palette(dark=False))
+    view = PageHost(state.pages["What if"], Browser(), Palette(dark=False))
     assert model.run is None
     model.on = model.playing = True
     model.param.update(pace=20.0, signal_m=900.0, signal_s=15.0)
@@ -52,7 +52,7 @@ def test_a_run_is_played_with_events_kept_and_computed_by_the_page() -> None:
 
 def test_the_clock_stops_when_the_page_is_left_and_the_run_goes_with_its_scenario() -> None:
     state = Workbench()
-    Live(state)
+    PageWorks(state.pages["What if"])
     state.pages["What if"].tab = "events"
     state.page = "What if"
     state.pages["What if"].live.on = state.pages["What if"].live.playing = True

@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from railjoule.core import ScenarioError
-from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.host import find_view, make_works
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.what_if.load import stop_table
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture(scope="module")
@@ -15,7 +16,7 @@ def state() -> Workbench:
     """A workbench whose page What if is in sight; all work is done in the test's own turn."""
     state = Workbench()
     state.scenario.choose("liashenko-0")
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.page = "What if"
     return state
 
@@ -108,7 +109,7 @@ def test_a_failure_of_one_tab_is_not_told_on_another(state: Workbench) -> None:
 def test_the_first_run_stops_at_the_platform() -> None:
     """Without the target curve its headline was a saving of 1.8 % by a train 14.5 m beyond the platform."""
     state = Workbench()
-    make_works("What if")(state)
+    PageWorks(state.pages["What if"])
     state.page = "What if"
     reality = state.pages["What if"].reality
     assert abs(reality.following.stop_error_m) < 0.05
@@ -117,7 +118,7 @@ def test_the_first_run_stops_at_the_platform() -> None:
 
 def test_a_press_on_a_cell_sets_the_conditions(state: Workbench) -> None:
     names = [plot.name for plot in state.pages["What if"].figures]
-    view = find_view("What if")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    view = PageHost(state.pages["What if"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     chart = view.plots["heatmap"]
 
     class Press:

@@ -1,29 +1,27 @@
-"""What all pages share: they draw what is there when they are made, follow their sources, and outlive their errors."""
+"""Draws a page: its figures and its message; each part again when a source changes, and whatever fails beside it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any
 
 import panel as pn
 import param
-from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import unfrozen
-from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.browser import Browser, unfrozen
+from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.download import SavedNumbers
 from railjoule.dashboard.charts.drawing import DrawingQueue
+from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
+from railjoule.dashboard.look.words import failure_words
+from railjoule.dashboard.page import Page
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.failures import failure_words
-from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.programs import about_numbers
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import about_numbers
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
 """What stands beside the charts, the sidebar open, and how wide they are at least."""
@@ -34,42 +32,35 @@ PAGE_CSS = """
   --rj-words: var(--rj-ink3); }
 """
 """Numbers and charts from before the last change are grey until the next ones come."""
-BODY_CSS = padded("4px 20px 0 14px", "4px 10px 0 6px")
-"""Of charts that take the whole width of a page."""
 NOT_SHOWN = "A part of this page could not be shown: a program error, which the server\u2019s log describes."
 
 
-class PageView:
-    """A page.
+class PageHost:
+    """The view of a page.
 
-    A subclass makes its pieces in `make`, and names with `shows` what shows which values. It need not draw anything
-    itself: all parts are called once when the page is made, whatever is there by then, and again when one of their
-    values changes. While the page is out of sight they wait.
+    All parts that the page marks with `shows` are called once when it is made, whatever is there by then, and again
+    when a source changes. While the page is out of sight they wait.
     """
 
-    page = ""
-    """Its name, one of PAGES."""
-    works: tuple[Callable[[Workbench], PageWork[Any]], ...] = ()
-    """What asks for what it shows, once for each open page; it waits while the page is out of sight."""
-    heights: Mapping[str, tuple[int, int, int]] = {}
-    """Height of each chart [px]: in usual, wide and narrow windows."""
-    halves_from_px: int | None = None
-    """From this width of the window on, two columns of charts stand beside each other; None where there is one."""
-    rail_px = 0
-    """What stands beside the charts in wide windows."""
-
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.state, self.browser, self.palette = state, browser, palette
-        self.heading = parts.html_pane(parts.heading(self.page, state.scenario.edited.title, "", ""))
+    def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
+        self.of, self.state, self.browser, self.palette = page, page.desk, browser, palette
+        state = self.state
+        self.heading = parts.html_pane(parts.heading(page.page, state.scenario.edited.title, "", ""))
         self.figures = parts.html_pane(numbers_sketch())
         self.message = parts.html_pane(visible=False)
         self._error = parts.html_pane(visible=False)
         self._parts: list[_Part] = []
         self._failed = self._busy = False
         self.queue = DrawingQueue(browser, state.faults, lambda: self.in_sight, self.settle)
-        content = self.make()
+        self.heights = {plot.name: plot.heights for plot in page.figures}
+        self.axes: dict[str, Axis] = {}
+        self.plots: dict[str, Any] = {plot.name: plot.made(self._find_axis(plot), palette) for plot in page.figures}
+        page.host = self
+        content = parts.stack(self.heading, self.message, page.layout())
+        # after `layout`: sources may be parts that it makes
+        self._parts = [_Part(page, name, names) for name, names in page.methods("shown")]
         self.numbers = SavedNumbers(
-            self.page,
+            page.page,
             lambda: self.charts,
             content,
             lambda: state.scenario.edited.title,
@@ -77,48 +68,61 @@ class PageView:
             lambda: about_numbers(state),
         )
         self.view = parts.stack(self._error, content, self.numbers.button, css=PAGE_CSS)
-        # after `make`, in which the page names its parts
         self._watch_sources()
         self.queue.take(self.charts)
         # sizes before the first drawing: where names of lines have room depends on them
         self._fit()
         self.redraw()
-        state.param.watch(self._appear, "page")
+        if "tab" in page.param:
+            page.param.watch(self._catch_up, "tab")
+        state.param.watch(self._catch_up, "page")
         state.param.watch(self._mark, "late")
         browser.follow(["window_width"], self._refit)
         browser.follow(["charts_in_sight"], self._sight)
         browser.follow(["started"], self.queue.go_on)
 
-    def make(self) -> Viewable:
-        """Make the pieces of the page, and return them laid out."""
-        raise NotImplementedError
-
-    @property
-    def charts(self) -> tuple[Chart, ...]:
-        """All charts of the page, in the order in which they are read."""
-        return ()
-
-    def settle(self) -> None:
-        """Tell a shared cursor of charts that were built or drawn; called last within a message."""
-
-    def shows(self, draw: Any, *sources: tuple[Any, list[str]], is_open: Callable[[], bool] = lambda: True) -> None:
-        """Call a part of the page when the page is made, and when any of the named values changes.
-
-        Parameters
-        ----------
-        draw : callable
-            The part, without arguments.
-        sources : pairs
-            A parameterized object and the names of its values.
-        is_open : callable
-            Returns whether the part can be seen: until then it is due.
-        """
-        self._parts.append(_Part(draw, sources, is_open))
-
     @property
     def in_sight(self) -> bool:
         """Whether this is the page in sight."""
-        return bool(self.state.page == self.page)
+        return bool(self.state.page == self.of.page)
+
+    # ---- figures
+
+    @property
+    def axis(self) -> Axis:
+        """The axis that the figures share, where the page has only one."""
+        return self.axes[""]
+
+    def _find_axis(self, plot: AnyPlot) -> Axis:
+        name = getattr(plot, "axis", "")
+        if name not in self.axes:
+            self.axes[name] = Axis(self.palette)
+        return self.axes[name]
+
+    def draw(self, plots: Iterable[AnyPlot], *drawn: Any, **more: Any) -> None:
+        """Draw the same in figures of the page, each as its chart draws; what is out of sight is drawn later."""
+        for plot in plots:
+            chart = self.plots[plot.name]
+            chart.show(partial(chart.draw, *drawn, **more))
+
+    def take_charts(self, charts: Iterable[Chart]) -> None:
+        """Have these charts besides those of the page's figures, in place of those taken before."""
+        named = {plot.name: self.plots[plot.name] for plot in self.of.figures}
+        self.plots = {**named, **{chart.name: chart for chart in charts}}
+        self.queue.take(self.charts)
+        self._fit()
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return tuple(self.plots.values())
+
+    def settle(self) -> None:
+        """Tell the cursor of the figures that it may meet new ones."""
+        for name, axis in self.axes.items():
+            axis.settle_over(self.of.is_over_time(name))
+
+    # ---- parts
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
@@ -155,9 +159,9 @@ class PageView:
             )
         self._catch_up()
 
-    def _catch_up(self) -> None:
+    def _catch_up(self, *_: Any) -> None:
         """Call all parts that are due; one that fails is told of, and the others go on."""
-        # what is due stays so until the page comes into sight, see `_appear`
+        # what is due stays so until the page comes into sight, see `__init__`
         if not self.in_sight:
             return
         # a part that changes what another one shows leads back here: `_run_all` finds what has become due
@@ -192,28 +196,26 @@ class PageView:
             part.failed = False
         except Exception as error:
             part.failed = True
-            self.state.faults.note(error, f"a part of the page {self.page} could not be shown")
+            self.state.faults.note(error, f"a part of the page {self.of.page} could not be shown")
 
-    def _appear(self, *_: Any) -> None:
-        self._catch_up()
+    # ---- sizes and marks
 
     def _fit(self) -> None:
         """Give the charts the heights that suit the window."""
         width = self.browser.window_width
         size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
-        room = self.room_px()
         for chart in self.charts:
-            chart.width_px = room
+            chart.width_px = self.room_px(chart.name not in self.of.full_width)
             if chart.name in self.heights:
                 chart.resize(self.heights[chart.name][size])
 
-    def room_px(self) -> float:
-        """Return how wide the place of a chart is at least."""
+    def room_px(self, in_halves: bool = True) -> float:
+        """Return the least width of the place of a chart, in its column or across all."""
         width = self.browser.window_width
         room = width - (NARROW_EDGES_PX if width < NARROW_PX else SIDEBAR_PX + EDGES_PX)
         if width >= WIDE_PX:
-            room -= self.rail_px
-        if self.halves_from_px is not None and width >= self.halves_from_px:
+            room -= self.of.rail_px
+        if in_halves and self.of.halves_from_px is not None and width >= self.of.halves_from_px:
             room = (room - COLUMN_GAP_PX) // 2
         return float(max(room, LEAST_WIDTH_PX))
 
@@ -227,15 +229,17 @@ class PageView:
 
     def _mark(self, *_: Any) -> None:
         """Grey what is from before the last change."""
-        stale = self._failed or self.page in self.state.late
+        stale = self._failed or self.of.page in self.state.late
         classes = [STALE] if stale else []
         if self.view.css_classes != classes:
             self.view.css_classes = classes
 
 
 class _Part:
-    """A part of a page: what draws it, whether that is due, and whether it failed the last time."""
+    """A part of a page: the method that draws it, whether that is due, and whether it failed the last time."""
 
-    def __init__(self, draw: Any, sources: tuple[tuple[Any, list[str]], ...], is_open: Callable[[], bool]) -> None:
-        self.draw, self.sources, self.is_open = draw, sources, is_open
+    def __init__(self, page: Page, name: str, sources: Iterable[str]) -> None:
+        self.draw = getattr(page, name)
+        self.sources = page.sources(sources)
+        self.is_open: Callable[[], bool] = partial(page.is_shown, self.draw.tab)
         self.due, self.failed = True, False

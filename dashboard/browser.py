@@ -7,15 +7,18 @@ clipboard, and loads the page again when the server was lost. What a user asks f
 """
 
 import base64
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from importlib.resources import files
 from typing import Any
 
+import panel as pn
 import param
 from panel.custom import JSComponent
 
 from railjoule.core.scenario.text_file import MAX_FILE_BYTES
 from railjoule.dashboard.faults import handle
+from railjoule.dashboard.library_workarounds import frozen, thaw
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.page_list import KEYED, PAGES
 
@@ -137,3 +140,28 @@ class Browser(JSComponent):
         listener = self._listeners.get(str(data.get("kind"))) if isinstance(data, dict) else None
         if listener is not None:
             listener(data)
+
+
+@contextlib.contextmanager
+def one_message() -> Iterator[None]:
+    """Send all changes made within as one message, for which the document is searched once for new models.
+
+    Bokeh searches the whole document whenever what a model contains changes.
+    """
+    document = pn.state.curdoc
+    freeze = contextlib.nullcontext() if document is None else document.models.freeze()
+    # the hold around the freeze: a search after the message would send the new models again with the next one
+    with pn.io.hold(), unfrozen(), freeze:
+        yield
+
+
+@contextlib.contextmanager
+def unfrozen() -> Iterator[None]:
+    """Leave the document of this turn open to changes after an error within: Bokeh's own `freeze` does not."""
+    document = pn.state.curdoc
+    before = frozen(document)
+    try:
+        yield
+    except Exception:
+        thaw(document, before)
+        raise

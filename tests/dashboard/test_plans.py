@@ -2,9 +2,8 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from railjoule.dashboard.state.plan_work import Plans
-from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import FirstRuns, RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Plans, Workbench
 
 
 @pytest.fixture
@@ -29,14 +28,14 @@ def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
 def test_a_failure_keeps_the_runs(plans: Plans) -> None:
     before = plans.state.runs
     plans.state.scenario.travel_time_s = 20.0
-    assert plans.state.stale
+    assert plans.state.failure is not None
     assert plans.state.runs is before
     plans.state.scenario.travel_time_s = 150.0
-    assert not plans.state.stale
+    assert plans.state.failure is None
 
 
 def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("railjoule.dashboard.state.plan_work.FIRST", FirstRuns())
+    monkeypatch.setattr("railjoule.dashboard.workbench.FIRST", FirstRuns())
     # as while a session is made, whose event loop others wait for
     document = Document()
     with set_curdoc(document):

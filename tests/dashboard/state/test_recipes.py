@@ -15,14 +15,22 @@ from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.studies.sweep import MemoryResults, make_study, sweep
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.host import make_works
+from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
-from railjoule.dashboard.state.program import Program
-from railjoule.dashboard.state.programs import page_recipe, page_run
-from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, as_toml, toml_value
-from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.state.recipes import (
+    FILE,
+    Program,
+    Recipe,
+    as_command,
+    as_python,
+    as_toml,
+    page_recipe,
+    page_run,
+    toml_value,
+)
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.workbench import Workbench
 
 SHORT_METRO = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
 SHORT_TRAM = {"line": {"sections": [{"length_m": 300.0}]}, "timetable.travel_time_s": 45.0}
@@ -180,7 +188,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
     state = Workbench()
     state.scenario.choose(case.preset)
     for page in ("What if", "Drive", "Set speeds", "Motor", "Line"):
-        make_works(page)(state)
+        PageWorks(state.pages[page])
     if case.edits:
         state.scenario.edit(case.edits)
     case.prepare(state)
@@ -248,7 +256,7 @@ def test_a_name_cannot_become_a_command() -> None:
 def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state = Workbench()
     learn = state.pages["Learn"]
-    make_works("Learn")(state)
+    PageWorks(state.pages["Learn"])
     state.page = "Learn"
     learn.coasting = 120.0
     exec(compile(as_python(page_recipe(state)), "program", "exec"), {})

@@ -1,12 +1,16 @@
-"""The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
+"""The desk: the state that all pages of one session share, and the work behind it, the runs of the scenario.
+
+It has the pages by name, and imports none of them.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import panel as pn
 import param
 
-from railjoule.core import Scenario, Trajectory
+from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.lower_bound import Bound
 from railjoule.core.measured import MeasuredRun
@@ -14,11 +18,9 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
-from railjoule.dashboard.page_list import PAGES, page_classes, room_of
-from railjoule.dashboard.pages.drive.compute import Proofs, same_plan
+from railjoule.dashboard.page_list import PAGES, package_name, page_classes
 from railjoule.dashboard.state.files import FilesModel
-from railjoule.dashboard.state.kept import Kept
-from railjoule.dashboard.state.page_model import PageModel, result
+from railjoule.dashboard.state.kept import Kept, result
 from railjoule.dashboard.state.pins import (
     MOST_PINS,
     TOO_MANY,
@@ -32,17 +34,18 @@ from railjoule.dashboard.state.pins import (
     same_run,
 )
 from railjoule.dashboard.state.recipes import Recipe
-from railjoule.dashboard.state.scenario import ScenarioModel
-from railjoule.dashboard.work.run_table import RunTable
-from railjoule.dashboard.work.runs import Runs
+from railjoule.dashboard.state.scenario import RUN_FIELDS, ScenarioModel
+from railjoule.dashboard.work.runs import FirstRuns, Proofs, Runs, RunsRequest, same_plan
+from railjoule.dashboard.work.worker import Worker
 
 if TYPE_CHECKING:
     from railjoule.core.studies.simple_advice import SimpleRun
 
+
 COLOURS = ("system", "light", "dark")
 
 
-class Workbench(Kept, PageModel):
+class Workbench(Kept):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
 
     kept = (
@@ -63,6 +66,7 @@ class Workbench(Kept, PageModel):
     colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
     notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
+    failure = result(RailjouleError, "Why the last request failed.")
     runs = result(Runs, "The last good runs.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
     kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
@@ -85,7 +89,7 @@ class Workbench(Kept, PageModel):
         self.proof = Proofs()
         super().__init__(**params)
         self.pages: dict[str, Any] = {name: page(self) for name, page in page_classes().items()}
-        """Pages that are one class, by name; the others have a model above and a view of their own."""
+        """The pages, by name."""
         self.address_prefix = self.scenario.address_prefix = ""
         for name, model in self.models.items():
             if model is not self.scenario:
@@ -119,7 +123,7 @@ class Workbench(Kept, PageModel):
     def models(self) -> dict[str, Kept]:
         """The models of the scenario and of all pages, by name."""
         known = {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
-        return {**known, **{room_of(name).rpartition(".")[2]: page for name, page in self.pages.items()}}
+        return {**known, **{package_name(name): page for name, page in self.pages.items()}}
 
     @property
     def drawn(self) -> tuple[str, ...]:
@@ -171,20 +175,10 @@ class Workbench(Kept, PageModel):
             recipe = replace(recipe_of(self.scenario, scenario, "optimal"), simple=simple.changes_allowed)
             self._pin(simple.run, recipe, f"{pin_name(simple.run)}, {simple.changes} changes")
 
-    def show_file(self, name: str, content: bytes) -> None:
-        """Turn to Files with a file of a line, a train or a run."""
-        self.page = "Files"
-        self.pages["Files"].bring([(name, content)])
-
-    def show_study(self, name: str, content: bytes) -> None:
-        """Turn to Explore with the file of one."""
-        self.page = "Explore"
-        self.pages["Explore"].brought = (name, content)
-
-    def explore(self, table: RunTable) -> None:
-        """Turn to Explore with a table of runs."""
-        self.page = "Explore"
-        self.pages["Explore"].draws = table
+    def turn_to(self, page: str, **values: Any) -> None:
+        """Turn to a page, and give it values."""
+        self.page = page
+        self.pages[page].param.update(**values)
 
     def pin_measured(self, found: MeasuredRun) -> None:
         """Pin a measured run."""
@@ -238,7 +232,62 @@ class Workbench(Kept, PageModel):
             self.param.update(runs=runs, pins=pins)
         self.param.trigger("tightened")
 
-    @property
-    def stale(self) -> bool:
-        """Whether what is shown is the last good run, not the one asked for."""
-        return self.failure is not None
+
+FIRST = FirstRuns()
+
+
+class Plans:
+    """Asks for the runs of the strategies that are drawn, whatever page is in sight."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state = state
+        self._mark_pages = state.marks(*(name for name, entry in PAGES.items() if entry.shows_runs))
+        self.runs = Worker(
+            FIRST.compute,
+            self._take,
+            lambda failure: state.param.update(failure=failure),
+            self._mark,
+            is_slow=lambda request: request.is_slow,
+            about=state.scenario.identity,
+        )
+
+    def _mark(self, late: bool) -> None:
+        """Mark the pages as late, unless only more strategies are under way: those that are shown stay valid."""
+        state, runs = self.state, self.state.runs
+        is_shown = runs is not None and runs.scenario == state.scenario.scenario() and state.chosen in runs.runs
+        self._mark_pages(late and not is_shown)
+
+    def begin(self) -> None:
+        """Listen to what runs depend on: what the address has changed before is asked for once."""
+        self.state.scenario.param.watch(self.ask, list(RUN_FIELDS))
+        self.state.param.watch(self.ask, ["ticked", "chosen"])
+
+    def ask(self, *_: Any) -> None:
+        """Ask for the runs; the page asks again for those that need compiled code before there is any."""
+        request = self._request()
+        if request.is_possible:
+            self.runs.ask(request)
+
+    def take_first(self) -> None:
+        """Take short runs that are known into a page that opens; others it asks for when it is there."""
+        request = self._request()
+        if not request.is_short:
+            return
+        known = FIRST.known(request)
+        if known is not None:
+            self._take(known)
+        # without a page around it nobody else waits
+        elif pn.state.curdoc is None:
+            self.runs.do(request)
+
+    def compute_first(self) -> None:
+        """Compute what a page opens with, for those that will."""
+        request = self._request()
+        if FIRST.known(request) is None:
+            FIRST.compute(request)
+
+    def _request(self) -> RunsRequest:
+        return RunsRequest(self.state.scenario.scenario(), self.state.drawn, with_law=self.state.chosen == "bellman")
+
+    def _take(self, runs: Runs) -> None:
+        self.state.param.update(runs=self.state.proof.laid_on(runs), failure=None)

@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.dashboard.parts.worth import yearly_saving
+from railjoule.dashboard.pages.drive.texts import yearly_saving
 
 
 def test_a_year_of_savings() -> None:
