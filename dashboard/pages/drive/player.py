@@ -15,7 +15,7 @@ from railjoule.dashboard.look.scripts import module
 DIGITS = 4
 """Decimals of the numbers that are sent: of a MW they are 100 W."""
 STYLE = """
-:host { display: block; padding: 6px 14px 0 20px; box-sizing: border-box; }
+:host { padding: 6px 14px 0 20px; box-sizing: border-box; }
 .player { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 12px; font: 13px/1.4 var(--rj-font);
   color: var(--rj-ink2); font-feature-settings: "tnum" 1; }
 button, select { min-height: 28px; border: 1px solid var(--rj-line2); border-radius: 6px; background: var(--rj-surface);

@@ -3,7 +3,10 @@
 import re
 from functools import cache
 
+import pytest
+
 from railjoule.core import load_scenario
+from railjoule.dashboard.look.theme import number_css, strategies_css
 from railjoule.dashboard.shell.strategies import PLAIN_SCENARIO, StrategyList, refusal_lines
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.workbench import Workbench
@@ -60,3 +63,9 @@ def test_bellman_has_a_row_where_it_is_drawn_or_the_optimum_is_not_proven() -> N
     assert "bellman" in shown.hidden
     state.chosen = "bellman"
     assert "bellman" not in shown.hidden
+
+
+@pytest.mark.parametrize("css", [strategies_css(), number_css()], ids=["strategies", "number"])
+def test_a_component_can_be_hidden(css: str) -> None:
+    # Bokeh hides a component by a rule of its host, which a later one would undo
+    assert not re.search(r":host\s*\{[^}]*\bdisplay\b", css)
