@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -46,6 +47,7 @@ def test_by_mouse_to_the_best_distribution_and_line(chromium: Browser, server: S
         expect(user.scenario("Distribute the supplement: uneven legs")).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Server) -> None:
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         keys, share = user.page.keyboard, lesson(user.page)

@@ -19,9 +19,8 @@ LIMIT = "Section 1: set speed, km/h"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Speed limits")
-        someone.choose("Metro, set speeds, 40 km/h")
+    address = f"{server.url}?v=1&page=Speed limits&preset=kharkiv-like-40kmh"
+    with User.on(window, address, on_drive=False) as someone:
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone
 

@@ -55,7 +55,7 @@ def test_every_command_of_the_core_works(run_file: str) -> None:
         ["compare", "liashenko-0"],
         ["simulate", "liashenko-0", "--set", "disturbance.coordinate_error_m=5"],
         ["simulate", "tram-950m-stop"],
-        ["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented"],
+        ["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented", "solver.mesh_m=100"],
         ["study", "tradeoff", "liashenko-0", "-o", run_file.replace("run.csv", "table.csv")],
         ["validate", "rawicki"],
         ["--version"],
