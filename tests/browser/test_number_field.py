@@ -69,7 +69,7 @@ def test_keys_move_a_slider_to_its_ends_and_back(user: User) -> None:
         slider.press(key)
         expect(text).to_have_value(number)
         expect(slider).to_have_attribute("aria-valuetext", f"{number} %")
-    # a step back that comes at once is of what the slider was moved to
+    # a step back that comes immediately is of what the slider was moved to
     slider.press("ArrowLeft")
     slider.press("Control+z")
     expect(user.page).not_to_have_url(re.compile("load_percent=10"))

@@ -57,12 +57,12 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
 
 
 FEWER = {"--sample 4096": "--sample 64", "--candidates 8": "--candidates 3"}
-"""Numbers of runs in the gate, with which the same command takes a tenth of its time; the night runs it as told."""
+"""Numbers of runs in the gate, a tenth of the time for the same command; the night runs it as it is printed."""
 
 
 def shortened(command):
-    for told, fewer in FEWER.items():
-        command = command.replace(told, fewer)
+    for printed, fewer in FEWER.items():
+        command = command.replace(printed, fewer)
     return command
 
 

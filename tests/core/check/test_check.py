@@ -57,7 +57,7 @@ def run() -> Trajectory:
 
 
 @cache
-def run_of(drive: str, strategy: str) -> Trajectory:
+def solve_drive(drive: str, strategy: str) -> Trajectory:
     return solve(scenario_of(drive), strategy)
 
 
@@ -68,7 +68,7 @@ def broken(scenario: Scenario, run: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("strategy", ["optimal", "fastest"])
 @pytest.mark.parametrize("drive", DRIVES)
 def test_good_runs_keep_every_rule(drive, strategy):
-    run = run_of(drive, strategy)
+    run = solve_drive(drive, strategy)
     result = check_run(run.scenario, run)
     assert not result.broken
     assert result.ok
@@ -354,7 +354,7 @@ def test_a_tunnel_that_the_run_does_not_know_breaks_the_balance_of_forces(run):
     ],
 )
 def test_other_induction_machines_break_the_rule(rule, changes):
-    run = run_of("induction", "fastest")
+    run = solve_drive("induction", "fastest")
     assert rule in broken(run.scenario.replace(**changes), run)
 
 
@@ -375,12 +375,12 @@ def test_other_induction_machines_break_the_rule(rule, changes):
     ],
 )
 def test_another_drive_breaks_the_line_power(drive, changes):
-    run = run_of(drive, "fastest")
+    run = solve_drive(drive, "fastest")
     assert "line power" in broken(run.scenario.replace(**changes), run)
 
 
 def test_a_weaker_synchronous_motor_breaks_its_limit():
-    run = run_of("synchronous", "fastest")
+    run = solve_drive("synchronous", "fastest")
     assert "motors while driving" in broken(run.scenario.replace(**{"drive.max_current_a": 60.0}), run)
 
 

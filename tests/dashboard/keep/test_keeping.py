@@ -103,7 +103,7 @@ def test_a_dropped_file_is_shown_on_the_page_of_its_kind(keeping: Keeping) -> No
     drop(keeping, "large.nc", b"0" * (LARGEST_RUN_BYTES + 1))
     assert "larger than the 8 MB that can be dropped" in state.notice
     drop(keeping, "study.nc", b"CDF")
-    assert state.page == "Study"
+    assert state.page == "Explore"
     drop(keeping, "mine.toml", format_scenario(load_scenario("ftorek-300s").replace(title="Mine")).encode())
     assert state.scenario.base.title == "Mine"
     keeping.lifeline._handle_msg({"kind": "drop", "name": "a.csv", "data": "no base64!"})
