@@ -17,20 +17,18 @@ from railjoule.core.compiled import MODE
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.insides import (
+from railjoule.dashboard.keep.keeping import Keeping
+from railjoule.dashboard.keep.pins import Pins
+from railjoule.dashboard.library_workarounds import (
     PageAnswer,
     PageConnection,
-    application_of,
-    collect_garbage_seldom,
-    count_no_events,
+    collect_garbage_rarely,
     exchange,
+    find_application,
     first_html,
-    tell_no_insides,
+    hide_tracebacks,
     write_all_messages,
 )
-from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
-from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.host import find_view
@@ -42,14 +40,7 @@ from railjoule.dashboard.server.answers import KeptFileHandler, NotFoundHandler,
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
-from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
-from railjoule.dashboard.shortcuts import (
-    define_once,
-    make_views_lightly,
-    read_set_values_alone,
-    remember_defaults,
-)
 from railjoule.dashboard.state.files import serve_folder
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
@@ -57,13 +48,8 @@ from railjoule.dashboard.work import events
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 events.keep_quiet()
-count_no_events()
-tell_no_insides()
+hide_tracebacks()
 write_all_messages()
-remember_defaults()
-read_set_values_alone()
-define_once()
-make_views_lightly()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 # and looks through the whole page for mistakes of programmers, which the log would name
@@ -92,8 +78,7 @@ class Session:
         self.pins = Pins(self.state)
         # before the page is read from its address: the works hear of what that changes
         self.works = [work(self.state) for view in VIEWS.values() for work in view.works]
-        self.lifeline = Lifeline()
-        self.keeping = Keeping(self.state, self.lifeline)
+        self.keeping = Keeping(self.state, self.browser)
         self.keeping.begin(address_query())
         # from here on the address has been read: colours, first page and views begin with what it names
         self._begin_colours()
@@ -101,8 +86,7 @@ class Session:
         self.views: dict[str, PageView] = {}
         self.editor = EditorView(self.state, self.browser, self.palette)
         pages = {name: self._make(view) for name, view in VIEWS.items()}
-        share = Share(self.state, self.keeping)
-        self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
+        self.shell = Shell(self.state, self.browser, self.keeping, pages, self.editor.view)
         self.plans.begin()
         self.state.param.watch(self._paint, "dark")
         self._document = pn.state.curdoc
@@ -112,14 +96,14 @@ class Session:
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.plans.take_first()
         self.reporting = Reporting(self.state)
-        self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
+        ReportButton(self.reporting.model, self.browser, self.state, self.shell.top)
         pn.state.onload(self._load)
         events.begin(self._document, lambda: str(self.state.page), began_s)
 
     def _begin_colours(self) -> None:
         """Take the colours of the address, else those for which the system asked when it was here last."""
         chosen, asked = self.state.colours, pn.state.cookies.get("railjoule_dark") == "1"
-        self.browser.wants_dark, self.browser.follows_system = asked, chosen == "system"
+        self.browser.wants_dark = asked
         self.state.dark = self.browser.dark = asked if chosen == "system" else chosen == "dark"
 
     def _end(self) -> None:
@@ -139,7 +123,6 @@ class Session:
     def _load(self) -> None:
         # what was changed before the page had loaded has not reached the browser: both are told now
         self.browser.start()
-        self.lifeline.started = True
         if self.state.files.folder is not None:
             self.state.param.watch(self._list_files, "page")
             pn.state.add_periodic_callback(self._list_files, period=LOOK_MS)
@@ -158,11 +141,11 @@ class Session:
     def _poll(self) -> None:
         """Show the progress of the compilation; once it has ended, ask for what had to wait for it."""
         if not MODE.is_compiled:
-            self.shell.compiling.show(compilation().share)
+            self.shell.show_compiling(compilation().share)
         elif self._polling is not None:
             self._polling.stop()
             self._polling = None
-            self.shell.compiling.hide()
+            self.shell.hide_compiling()
             self.plans.ask()
             self._turn_to_page()
 
@@ -247,7 +230,7 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
             StaticFileHandler: (KeptFileHandler, {}),
         },
     )
-    guard(application_of(server), options, lambda: opening.taken_places)
+    guard(find_application(server), options, lambda: opening.taken_places)
     return server
 
 
@@ -264,7 +247,7 @@ def prepare() -> None:
     # or Python looks for garbage in all that stays until the end, again and again: half a second of all pages each time
     gc.collect()
     gc.freeze()
-    collect_garbage_seldom()
+    collect_garbage_rarely()
 
 
 def open_pages(server: Server) -> int:

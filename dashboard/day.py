@@ -19,10 +19,9 @@ from railjoule.core.scenario.disturbance import (
 )
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.scenario.options import TARGET_BRAKING_KEYS, MonteCarloOptions, SimulationOptions
-from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.look import words
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters, core_bounds, keyed
-from railjoule.dashboard.state.page_model import PageModel, result
+from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 TABLES = {
@@ -194,7 +193,6 @@ class Day(TypedParameters, PageModel):
 
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     changed = param.Event(doc="An event has other numbers.")
-    run = result(ActualRun, "The last good actual run.")
 
     def __init__(self, scenario: ScenarioModel, **params: Any) -> None:
         super().__init__(**params)

@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import panel as pn
 from bokeh.document import Document
 
-from railjoule.dashboard.insides import session_document, thaw
+from railjoule.dashboard.library_workarounds import session_document, thaw
 
 LOG = logging.getLogger(__name__)
 OURS = str(Path(__file__).parents[1])

@@ -226,6 +226,8 @@ class Page(TypedParameters, PageModel):
     """From this width of the window on, figures stand in two columns; None where there is one."""
     full_width: ClassVar[tuple[str, ...]] = ()
     """Names of figures that have the width of the page where others have halves of it."""
+    rail_px: ClassVar[int] = 0
+    """Width of the parts beside the figures in wide windows [px]."""
 
     host: "PageHost"
     """Its view, once it is drawn."""
@@ -377,7 +379,8 @@ class PageWorks(PageWork[Page]):
         if not self.is_new(request, spec.into):
             return
         if request is None:
-            self.of.param.update(**{spec.into: None})
+            self._failures.pop(spec.into, None)
+            self.of.param.update(**{spec.into: None, **self._change_of_failure()})
             if spec.threads is not None:
                 self.jobs[spec.into].stop()
             self._set_busy(spec, False)

@@ -129,11 +129,11 @@ REQUIREMENTS = [
     for text in [*PROJECT["project"]["dependencies"], *(text for extra in EXTRAS.values() for text in extra)]
     if Requirement(text).name != "railjoule"
 ]
-BOUNDED = {"bokeh", "panel", "panel-material-ui", "param"}
-"""Packages of whose insides the page makes use: see dashboard/insides.py and shortcuts.py."""
+BOUNDED = {"bokeh", "panel", "panel-material-ui"}
+"""Packages whose private API is used: see dashboard/library_workarounds.py."""
 
 
-def test_dependencies_have_lower_bounds_and_those_with_insides_in_use_upper_ones():
+def test_dependencies_have_lower_bounds_and_those_with_private_api_in_use_upper_ones():
     bounds = {one.name: sorted(bound.operator for bound in one.specifier) for one in REQUIREMENTS}
     assert bounds == {name: ["<", ">="] if name in BOUNDED else [">="] for name in bounds}
     assert bounds.keys() >= BOUNDED

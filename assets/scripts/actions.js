@@ -14,16 +14,6 @@ const lines_of = (card) => [...card.querySelectorAll("li:has(> b), .way")].map((
   return number ? `${number}. ${item.textContent.trim().slice(number.length)}` : item.textContent;
 });
 const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
-// a heading and a table below it, as the card has them beside its lines
-const sheet_part = ([title, rows]) => [make("h2", {}, title),
-  make("table", {}, ...rows.map((cells) => make("tr", {}, ...cells.map((text) => make("td", {}, text)))))];
-// with so many lines the sheet is to stay one page: some 900 px are left of A4 beside margins and headings
-const sheet_style = (count) => {
-  const size = Math.max(8, Math.min(15, Math.floor(900 / (1.45 * count + 6))));
-  return ` body { font-size: ${size}px; } h1 { font-size: ${1.5 * size}px; margin: 0; } p { margin: 0; }
-    h2 { font-size: ${1.15 * size}px; margin: .8em 0 .2em; } h3 { font-size: ${size}px; margin: .3em 0 0; }
-    table { font: inherit; border-spacing: 0; } td { padding: 0 24px 0 0; }`;
-};
 const print_card = (card) => {
   document.getElementById("rj-print")?.remove();
   const frame = make("iframe", {id: "rj-print", title: "Driver\u2019s advice, to print", "aria-hidden": "true"});
@@ -31,21 +21,17 @@ const print_card = (card) => {
   document.body.append(frame);
   const sheet = frame.contentDocument;
   const style = sheet.createElement("style");
-  const more = card.dataset.sheet ? JSON.parse(card.dataset.sheet) : null;
   style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } h2 { font-size: 20px; } p { margin: 0 0 6px; }";
-  if (more) { style.textContent += sheet_style(lines_of(card).length + more.before[1].length + more.after[1].length); }
   const heading = sheet.createElement("h1");
   heading.textContent = card.dataset.title;
   sheet.title = card.dataset.title;
   sheet.head.append(style);
   sheet.body.append(heading);
-  if (more) { sheet.body.append(...sheet_part(more.before), make("h2", {}, "Orders")); }
   for (const line of lines_of(card)) {
-    const item = sheet.createElement(/^\d+\. /.test(line) ? "p" : more ? "h3" : "h2");
+    const item = sheet.createElement(/^\d+\. /.test(line) ? "p" : "h2");
     item.textContent = line;
     sheet.body.append(item);
   }
-  if (more) { sheet.body.append(...sheet_part(more.after)); }
   frame.contentWindow.print();
 };
 const ACTIONS = {

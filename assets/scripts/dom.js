@@ -63,3 +63,9 @@ export const until = (holds, within_ms) => new Promise((resolve) => {
   };
   look();
 });
+
+// From first.js: all elements on the page that match, those within shadow roots included.
+export const {deep} = window.railjoule;
+
+// The name of the chart whose place an element is, as charts.py writes it into a class of the place.
+export const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);

@@ -1,55 +1,35 @@
-// Runs in the head, before anything is painted: the colours of the page, and a list of all shadow roots as they come
-// to be, so that nobody has to search the whole page for them.
+// Runs in the head, before anything is painted: the colours of the page, and a sentence if it does not open.
 (() => {
   "use strict";
-  const root = document.documentElement;
-  const system = window.matchMedia("(prefers-color-scheme: dark)");
+  const LOOK_MS = 200, PATIENCE_MS = 15000, FULL = 503;
+  const root = document.documentElement, system = window.matchMedia("(prefers-color-scheme: dark)");
   const state = location.hash.startsWith("#v=") ? location.hash.slice(1) : location.search;
   const chosen = new URLSearchParams(state).get("colours");
   root.classList.toggle("rj-dark", chosen === "dark" || (chosen !== "light" && system.matches));
-  // the server cannot see what the system asks for; it is told for the next page
-  const tell = () => { document.cookie = `railjoule_dark=${+system.matches}; path=/; max-age=31536000; samesite=lax`; };
-  system.addEventListener("change", tell);
-  tell();
+  // the server cannot see what the system asks for: it finds it in the request for the page
+  const cookie = `railjoule_dark=${+system.matches}`, is_known = () => document.cookie.includes(cookie);
+  const was_known = is_known() || !system.matches;
+  const note = () => { document.cookie = `railjoule_dark=${+system.matches}; path=/; max-age=31536000; samesite=lax`; };
+  system.addEventListener("change", note);
+  note();
+  if (!was_known && is_known()) { location.reload(); }
 
-  const listeners = new Set();
-  let called = false;
-  const call = () => {
-    called = false;
-    for (const listener of listeners) { listener(); }
+  // the library shows nowhere that the connection has failed
+  const look = async () => {
+    const sketch = document.getElementById("rj-first");
+    if (!sketch && document.readyState === "complete") { return; }
+    const is_lost = typeof Bokeh === "undefined" ? performance.now() > PATIENCE_MS : typeof _wsError !== "undefined" && _wsError;
+    if (!sketch || !is_lost) { setTimeout(look, LOOK_MS); return; }
+    const status = await fetch(location.href, {cache: "no-store"}).then((answer) => answer.status, () => 0);
+    if (status === FULL) { location.reload(); }
+    sketch.querySelector("p").textContent = status === 200
+      ? "This page could not be opened; the server\u2019s log may contain the reason. Reload it to try again."
+      : "The server does not answer. Reload this page to try again.";
   };
-  const changed = () => {
-    if (called) return;
-    called = true;
-    setTimeout(call, 120);
-  };
-  const watch = (shadow) => new MutationObserver(changed).observe(shadow, {childList: true, subtree: true});
-  const attach = Element.prototype.attachShadow;
-  const shadows = new Set();
-  Element.prototype.attachShadow = function (...rest) {
-    const shadow = attach.apply(this, rest);
-    shadows.add(new WeakRef(shadow));
-    watch(shadow);
-    changed();
-    return shadow;
-  };
-  watch(document);
-  const open = () => {
-    const found = [document];
-    for (const reference of shadows) {
-      const shadow = reference.deref();
-      if (!shadow) { shadows.delete(reference); } else if (shadow.host.isConnected) { found.push(shadow); }
-    }
-    return found;
-  };
-  window.railjoule = {
-    // all elements on the page that match, those within shadow roots included
-    deep: (selector) => open().flatMap((one) => [...one.querySelectorAll(selector)]),
-    // calls back shortly after anything was added to the page or taken off it
-    listen: (listener) => { listeners.add(listener); return () => listeners.delete(listener); },
-    // what draws the components of which a page has many, by the names of their modules
-    components: {},
-    // the name of the chart whose place an element is, as charts.py writes it into a class of the place
-    chart_of: (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9),
-  };
+  look();
+  const deep = (selector, within = document) => [...within.querySelectorAll("*")].reduce(
+    (found, {shadowRoot}) => shadowRoot ? found.concat(deep(selector, shadowRoot)) : found,
+    [...within.querySelectorAll(selector)]);
+  // `components` draw what a page has many of, by the names of their modules
+  window.railjoule = {components: {}, deep};
 })();

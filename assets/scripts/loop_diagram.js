@@ -1,7 +1,6 @@
 // The diagram of the control loop: a block lights up with its charts, and a press scrolls to them.
 
-import {filled, life_of} from "./dom.js";
-import {chart_of, deep} from "./page.js";
+import {chart_of, deep, filled, life_of} from "./dom.js";
 
 const ABOVE_PX = 24;
 

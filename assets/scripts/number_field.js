@@ -24,8 +24,7 @@ export const shown = (number, digits) => {
 // How far the rail of a slider goes: where its end is no whole number of steps from its start, to the step beyond it.
 export const rail_end = ({start, end, step}) => start + Math.ceil((end - start) / step - 1e-9) * step;
 
-// Gives on the first of some values at once, and then the last one every so often. `flush` gives on what waits, and
-// `waiting` tells it.
+// Gives on the first of some values immediately, and then the last one every so often; `flush` gives on the waiting one.
 export const throttled = (give, every_ms) => {
   let waiting = [], timer = null;
   const flush = () => {
@@ -37,83 +36,38 @@ export const throttled = (give, every_ms) => {
     timer = setTimeout(flush, every_ms);
     give(value);
   };
-  const put = (value) => {
-    waiting = [value];
-    if (timer === null) { flush(); }
-  };
-  return {put, flush, waiting: () => waiting[0]};
-};
-
-// The rail: `move` is told each number that it is moved to, `rest` when it is let go.
-const make_slider = (model, signal, {move, rest}) => {
-  const range = make("input", {id: "slider", class: "rail", type: "range"});
-  const tick = make("span", {class: "tick", title: "planned", hidden: true});
-  const slider = {parts: [range, tick], held: false};
-  let rail = "";
-  const share_of = (number) => Math.min(Math.max((number - model.start) / (range.max - model.start || 1), 0), 1);
-  slider.show = (number, text) => {
-    const now = [model.start, model.end, model.step, model.tick].join();
-    if (now !== rail) {
-      rail = now;
-      range.min = model.start;
-      range.max = Number(rail_end(model).toPrecision(12));
-      range.step = model.step;
-      tick.hidden = model.tick === null || model.tick < model.start || model.tick > model.end;
-      tick.style.setProperty("--share", share_of(model.tick ?? model.start));
-    }
-    if (!slider.held) { range.value = number; }
-    range.style.setProperty("--share", share_of(number));
-    range.setAttribute("aria-valuetext", text);
-  };
-  const moved = () => move(Math.min(Number(range.value), model.end));
-  const let_go = () => { slider.held = false; rest(); };
-  range.addEventListener("input", moved);
-  range.addEventListener("pointerdown", () => {
-    slider.held = true;
-    for (const name of ["pointerup", "pointercancel"]) {
-      window.addEventListener(name, let_go, {once: true, capture: true, signal});
-    }
-  });
-  range.addEventListener("blur", let_go);
-  range.addEventListener("keydown", (event) => {
-    // what else a key does, such as a step back, comes after what the slider was moved to before
-    if (event.ctrlKey || event.metaKey) { rest(); return; }
-    const up = {ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1}[event.key];
-    if (!up || !event.shiftKey) { return; }
-    event.preventDefault();
-    range.stepUp(LEAP * up);
-    moved();
-  });
-  return slider;
+  return {put: (value) => { waiting = [value]; if (timer === null) { flush(); } }, flush, waiting: () => waiting[0]};
 };
 
 export function render({model}) {
   const signal = life_of(model), has_slider = model.step !== null;
-  const label = make("label", {class: "label", for: has_slider ? "slider" : "text"}, model.label);
+  const range = make("input", {id: "slider", class: "rail", type: "range"});
+  const tick = make("span", {class: "tick", title: "planned", hidden: true});
   const text = make("input", {id: "text", class: "text", type: "text", autocomplete: "off", spellcheck: "false",
     "aria-label": `${model.of}${model.label}, as a number`, "aria-describedby": "refusal"});
-  const mark = make("span", {class: "dot", role: "img", hidden: true});
-  const note = make("div", {class: "note", hidden: true});
-  const refusal = make("div", {id: "refusal", class: "refusal", role: "alert", hidden: true});
+  const mark = make("span", {class: "dot", role: "img", hidden: true}), hint = make("div", {class: "hint"});
+  const note = make("div", {class: "note"}), refusal = make("div", {id: "refusal", class: "refusal", role: "alert"});
   const sender = throttled((number) => { model.value = number; }, SEND_EVERY_MS);
-  // what the server says meanwhile, of the number or of something else, must not take a step back from who slides
+  // a message from the server must not take a step back from who slides
   const now = () => sender.waiting() ?? model.value ?? model.suggested;
-  const with_unit = (number) => `${shown(number, model.digits)} ${model.unit}`.trimEnd();
+  const in_words = (number) => number === null ? "" : shown(number, model.digits);
+  const with_unit = (number) => `${in_words(number)} ${model.unit}`.trimEnd();
+  const fill = (element, words) => { element.textContent = words; element.hidden = !words; };
   // what the script has written, or sent: where the field holds something else, somebody is typing
-  let known = "";
-  const write = (number) => { text.value = known = number === null ? "" : shown(number, model.digits); };
-  const is_typing = () => text.value !== known && text.matches(":focus");
-  const slider = has_slider ? make_slider(model, signal, {
-    move: (number) => {
-      write(number);
-      draw(number);
-      sender.put(number);
-    },
-    rest: () => { sender.flush(); show(); },
-  }) : null;
+  let known = "", is_held = false;
+  const write = (number) => { text.value = known = in_words(number); };
 
+  const draw_rail = (number) => {
+    const share_of = (one) => Math.min(Math.max((one - model.start) / (range.max - model.start || 1), 0), 1);
+    Object.assign(range, {min: model.start, max: Number(rail_end(model).toPrecision(12)), step: model.step});
+    tick.hidden = model.tick === null || model.tick < model.start || model.tick > model.end;
+    tick.style.setProperty("--share", share_of(model.tick ?? model.start));
+    if (!is_held) { range.value = number ?? model.start; }
+    range.style.setProperty("--share", share_of(number ?? model.start));
+    range.setAttribute("aria-valuetext", with_unit(number));
+  };
   const draw = (number) => {
-    slider?.show(number ?? model.start, number === null ? "" : with_unit(number));
+    if (has_slider) { draw_rail(number); }
     const [own] = model.original;
     mark.hidden = own === undefined || number === own || (own === null && model.value === null);
     mark.title = `changed: was ${own === null || own === undefined ? "not set" : with_unit(own)}`;
@@ -121,35 +75,52 @@ export function render({model}) {
   };
   const show = () => {
     const number = now();
-    refusal.textContent = model.refusal && number !== null ? `${model.refusal} Kept: ${with_unit(number)}.` : model.refusal;
-    refusal.hidden = !model.refusal;
+    fill(refusal, model.refusal && number !== null ? `${model.refusal} Kept: ${with_unit(number)}.` : model.refusal);
+    fill(note, model.note);
+    fill(hint, model.hint);
     text.setAttribute("aria-invalid", Boolean(model.refusal));
-    note.textContent = model.note;
-    note.hidden = !model.note;
-    if (slider?.held) { return; }
-    // what was refused stays to be mended
-    if (!model.refusal && !is_typing()) { write(number); }
+    if (is_held) { return; }
+    // a refused text stays in the field
+    if (!model.refusal && (text.value === known || !text.matches(":focus"))) { write(number); }
     draw(number);
   };
-  text.addEventListener("change", () => {
-    known = text.value;
-    model.send_msg({text: text.value});
+  const move = () => {
+    const number = Math.min(Number(range.value), model.end);
+    write(number);
+    draw(number);
+    sender.put(number);
+  };
+  const rest = () => { is_held = false; sender.flush(); show(); };
+
+  range.addEventListener("input", move);
+  range.addEventListener("blur", rest);
+  range.addEventListener("pointerdown", () => {
+    is_held = true;
+    for (const name of ["pointerup", "pointercancel"]) { window.addEventListener(name, rest, {once: true, capture: true, signal}); }
   });
+  range.addEventListener("keydown", (event) => {
+    // what else a key does, such as a step back, comes after what the slider was moved to before
+    if (event.ctrlKey || event.metaKey) { rest(); return; }
+    const up = {ArrowUp: 1, ArrowRight: 1, ArrowDown: -1, ArrowLeft: -1}[event.key];
+    if (!up || !event.shiftKey) { return; }
+    event.preventDefault();
+    range.stepUp(LEAP * up);
+    move();
+  });
+  text.addEventListener("change", () => { known = text.value; model.send_msg({text: text.value}); });
   text.addEventListener("keydown", (event) => {
-    const number = now();
-    if (event.key !== "Escape" || text.value === (number === null ? "" : shown(number, model.digits))) { return; }
+    if (event.key !== "Escape" || text.value === in_words(now())) { return; }
     // what was typed goes first, what the key closes otherwise with the next press
     event.stopPropagation();
-    write(number);
+    write(now());
     model.refusal = "";
   });
   signal.addEventListener("abort", sender.flush);
-  for (const name of ["value", "suggested", "original", "start", "end", "tick", "note", "refusal", "answers"]) {
-    model.on(name, show);
-  }
+  const followed = ["value", "suggested", "original", "start", "end", "tick", "note", "hint", "refusal", "answers"];
+  for (const name of followed) { model.on(name, show); }
   write(now());
   show();
-  const explained = filled("span", "explained", model.info);
-  const kind = `number${has_slider ? "" : " plain"}${model.narrow ? " narrow" : ""}`;
-  return make("div", {class: kind}, label, ...slider?.parts ?? [], text, mark, explained, note, refusal);
+  return make("div", {class: `number${has_slider ? "" : " plain"}${model.narrow ? " narrow" : ""}`},
+    make("label", {class: "label", for: has_slider ? "slider" : "text"}, model.label), ...has_slider ? [range, tick] : [],
+    text, mark, filled("span", "explained", model.info), note, hint, refusal);
 }

@@ -1,7 +1,6 @@
 // What the lessons that are played share: numbers in words, bars of energy, buttons, and the verdict of the server.
 
-import {make, redraw_on, until} from "./dom.js";
-import {deep} from "./page.js";
+import {deep, make, redraw_on, until} from "./dom.js";
 
 const J_PER_KWH = 3.6e6;
 export const KMH_PER_MS = 3.6;

@@ -8,7 +8,7 @@ export function render({model}) {
     '<span class="one">this run</span><span class="draw">draw</span><span></span><span></span><span></span>' +
     '<span class="heads"><span>kWh</span><span class="above"></span></span>');
   head.setAttribute("aria-hidden", "true");
-  root.append(head);
+  root.append(make("div", {class: "section"}, "Strategies"), head);
   const rows = new Map();
   // What was pressed and the server has not confirmed: numbers of the run before may come first, and would undo it.
   const asked = {chosen: null, ticks: new Map()};
@@ -34,6 +34,12 @@ export function render({model}) {
     rows.set(name, {row, radio, box, result});
     root.append(row);
   }
+  const refusals = make("div", {class: "refusals", role: "status"});
+  refusals.addEventListener("click", (event) => {
+    const pressed = event.target.closest("button");
+    if (pressed) { model.send_msg({kind: pressed.dataset.kind}); }
+  });
+  root.append(refusals);
   const mark = ({row, radio, box}, chosen, ticked) => {
     row.classList.toggle("chosen", chosen);
     radio.checked = chosen;
@@ -48,7 +54,9 @@ export function render({model}) {
       const html = model.results[name] ?? model.unknown;
       if (one.html !== html) { one.html = html; one.result.innerHTML = html; }
       one.row.classList.toggle("refused", html.includes("reason"));
+      one.row.hidden = model.hidden.includes(name);
     }
+    if (refusals.html !== model.refusals) { refusals.html = model.refusals; refusals.innerHTML = model.refusals; }
     head.querySelector(".above").textContent = model.above;
     root.classList.toggle("undrawn", !model.draws);
   };
@@ -56,7 +64,7 @@ export function render({model}) {
   model.on("ticked", () => {
     for (const [name, on] of asked.ticks) { if (model.ticked.includes(name) === on) { asked.ticks.delete(name); } }
   });
-  for (const name of ["chosen", "ticked", "results", "unknown", "above", "draws"]) { model.on(name, show); }
+  for (const name of ["chosen", "ticked", "results", "unknown", "above", "draws", "hidden", "refusals"]) { model.on(name, show); }
   show();
   return root;
 }

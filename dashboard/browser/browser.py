@@ -1,57 +1,79 @@
-"""What only the browser knows, and what it can do without waiting for the server.
+"""The browser's half of the frame: the bar of pages, and all that only the browser can do.
 
-It tells the width of the window, whether the system asks for dark colours and which charts are in sight; it turns to
-pages that are open already and opens the drawer at once; it names what screen readers would otherwise find without a
-name.
+It draws the bar with its buttons and listens to the keys. It reports the width of the window, the colours that the
+system asks for and the charts in sight. It shows the state in the address, reads dropped files, writes to the
+clipboard, and loads the page again when the server was lost. What a user asks for with a button, an element with
+`data-ask`, a key or a file comes as a message, which `listen` hands on by its kind.
 """
 
+import base64
 from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import param
 from panel.custom import JSComponent
 
+from railjoule.core.scenario.text_file import MAX_FILE_BYTES
 from railjoule.dashboard.faults import handle
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.page_list import KEYED, PAGES
+
+ASSETS = files("railjoule.assets")
+BRAND = (
+    '<svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">'
+    '<path d="M2 18 C5 18 5 5 9 5 C13 5 13 11 16 14 C18 16.5 19 18 20 18" fill="none" stroke="var(--rj-accent)" '
+    'stroke-width="2.4" stroke-linecap="round"/>'
+    '<path d="M1 20.5H21" stroke="var(--rj-line2)" stroke-width="1.4"/></svg>'
+    '<span class="name">railjoule</span>'
+)
 
 
 class Browser(JSComponent):
-    """The reader of the page's browser.
+    """The browser's half of the frame.
 
-    It speaks before the page has loaded, and what is changed on the page until then never reaches the browser; so
-    those who `follow` it hear nothing before `start`.
+    Messages come before the page has loaded, and changes until then never reach the browser; `follow` calls back after
+    `start` only.
     """
 
     window_width = param.Integer(default=1280, doc="Width of the window [px].")
     wants_dark = param.Boolean(default=False, doc="Whether the system asks for dark colours.")
-    follows_system = param.Boolean(default=True, doc="Whether the page takes the colours that the system asks for.")
     dark = param.Boolean(default=False, doc="Whether the page is dark.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
     hidden = param.Boolean(default=False, doc="Whether the browser shows another tab, or is minimised.")
     charts_in_sight = param.List(default=[], doc="Names of the charts in sight.")
-    pages = param.List(default=list(PAGES), doc="Names of all pages.")
-    questions = param.Dict(
-        default={name: entry.question for name, entry in PAGES.items()}, doc="What each page answers."
-    )
-    bare = param.List(
-        default=[name for name, entry in PAGES.items() if not entry.has_sidebar], doc="Pages without the sidebar."
-    )
+    address = param.String(default="", doc="Query or fragment that contains the state of the page.")
     page = param.String(default="", doc="The page in sight, as the server has it.")
     drawer = param.Boolean(default=False, doc="Whether the scenario's editor is open.")
     working = param.Boolean(default=False, doc="Whether the page in sight waits for a result.")
+    progress = param.Number(default=None, allow_None=True, doc="Share of a long piece of work that is done.")
+    labels = param.Dict(
+        default={"undo": "Undo", "redo": "Redo", "share": "Share", "pin": "Pin run", "report": "Report"},
+        doc="The buttons of the bar: their labels by the kind of their message.",
+    )
+    disabled = param.List(default=["undo", "redo"], doc="Kinds of the buttons that have nothing to do.")
+    entries = param.List(
+        default=[
+            {"name": name, "place": entry.place, "group": entry.group, "bare": not entry.has_sidebar}
+            for name, entry in PAGES.items()
+        ],
+        doc="Name, place and group of each page, and whether it has the whole width.",
+    )
+    keyed = param.List(default=list(KEYED), doc="The pages that the keys 1 to 9 open.")
+    brand = param.String(default=BRAND, doc="The brand, as HTML.")
+    # the browser checks first: a message that is too large ends the connection (panel 6923)
+    largest_bytes = param.Integer(default=MAX_FILE_BYTES, doc="Largest file that is read.")
 
     _esm = module("browser")
+    _stylesheets = [(ASSETS / "css" / "navigation.css").read_text(encoding="utf-8")]  # noqa: RUF012
     _priority_changes = ("window_width", "wants_dark", "hidden", "charts_in_sight")
     """They are sent rarely: they need not wait for others to come."""
 
     def __init__(self, **params: object) -> None:
-        super().__init__(**params)
+        super().__init__(**{"sizing_mode": "stretch_width", "height": 48, "margin": 0, **params})
         self._followers: list[tuple[list[str], list[Any], Callable[[], None]]] = []
         self._idle: list[Callable[[], None]] = []
-        self._toggle: Callable[[bool], None] = lambda _: None
-        self._open: Callable[[str], None] = lambda _: None
-        self._open_file: Callable[[str], None] = lambda _: None
+        self._listeners: dict[str, Callable[[dict[str, Any]], None]] = {"idle": self._call_idle}
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:
         """Call back when any of the named values changes, and when the page has loaded if any has changed by then."""
@@ -65,6 +87,10 @@ class Browser(JSComponent):
             if self._values(names) != known:
                 callback()
 
+    def listen(self, kind: str, callback: Callable[[dict[str, Any]], None]) -> None:
+        """Call back with each message of a kind."""
+        self._listeners[kind] = callback
+
     def when_idle(self, callback: Callable[[], None]) -> None:
         """Call back once, when the browser has nothing else to do."""
         self._idle.append(callback)
@@ -72,35 +98,42 @@ class Browser(JSComponent):
         if len(self._idle) == 1:
             self._send_msg({"kind": "when_idle"})
 
-    def on_toggle(self, callback: Callable[[bool], None]) -> None:
-        """Call back when the user asks for dark colours, or for light ones."""
-        self._toggle = callback
+    def copy(self, text: str | None = None) -> None:
+        """Put a text on the clipboard, or the address of the page; the answer is a message `copied`."""
+        self._send_msg({"kind": "copy", "text": text})
 
-    def on_open(self, callback: Callable[[str], None]) -> None:
-        """Call back with the name of a shipped scenario when the user opens one of Start's cards."""
-        self._open = callback
+    def save(self, name: str, content: str | bytes, kind: str = "application/toml") -> None:
+        """Let the browser save a file of a kind."""
+        if isinstance(content, str):
+            self._send_msg({"kind": "save", "name": name, "text": content, "type": kind})
+        else:
+            data = base64.b64encode(content).decode()
+            self._send_msg({"kind": "save", "name": name, "data": data, "type": kind})
 
-    def on_file(self, callback: Callable[[str], None]) -> None:
-        """Call back with the name of a file when the user opens one of Start's list."""
-        self._open_file = callback
+    def focus(self, kind: str) -> None:
+        """Give a button of the bar the focus."""
+        self._send_msg({"kind": "focus", "name": kind})
+
+    def name_button(self, kind: str, words: str) -> None:
+        """Name a button of the bar."""
+        if self.labels[kind] != words:
+            self.labels = {**self.labels, kind: words}
 
     def _values(self, names: list[str]) -> list[Any]:
         return [getattr(self, name) for name in names]
 
+    def _call_idle(self, _: dict[str, Any]) -> None:
+        # a new list first: a callback may ask for the next idle moment, which the browser must be asked for again
+        callbacks, self._idle = self._idle, []
+        for callback in callbacks:
+            # those that wait after one that fails would never be called
+            try:
+                callback()
+            except Exception as error:
+                handle(error)
+
     def _handle_msg(self, data: Any) -> None:
-        kind = data.get("kind") if isinstance(data, dict) else None
-        if kind == "idle":
-            # a new list first: a callback may ask for the next idle moment, which the browser must be asked for again
-            callbacks, self._idle = self._idle, []
-            for callback in callbacks:
-                # those that wait after one that fails would never be called
-                try:
-                    callback()
-                except Exception as error:
-                    handle(error)
-        elif kind == "dark":
-            self._toggle(bool(data.get("dark")))
-        elif kind == "scenario":
-            self._open(str(data.get("name")))
-        elif kind == "file":
-            self._open_file(str(data.get("name")))
+        # any client can send anything here
+        listener = self._listeners.get(str(data.get("kind"))) if isinstance(data, dict) else None
+        if listener is not None:
+            listener(data)

@@ -33,7 +33,7 @@ from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.charts.label_places import Box
 from railjoule.dashboard.charts.line_names import COLUMNS, Frame, Name, placed_names
 from railjoule.dashboard.charts.run_columns import SHORT_COLUMN, RunColumns
-from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch
+from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch_css
 from railjoule.dashboard.charts.tools import add_tools, name_picture
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
@@ -44,10 +44,10 @@ from railjoule.dashboard.parts import html as parts
 TICKS = function("ticks", "tick_words(tick, digits)")
 CAPTION_PX = 21
 # assets/scripts/browser.js does not watch places of this class, which have nothing yet
-UNDRAWN = "rj-undrawn"
+UNDRAWN, COMPUTED = "rj-undrawn", "rj-computing"
 PLACE_CSS = """
 :host { overflow: clip; overflow-clip-margin: 16px; filter: var(--rj-chart-filter, none); }
-@media (max-width: 899px) { :host { height: auto !important; } }
+@media (max-width: 899px) { :host(:not(.rj-undrawn)) { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""
 HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
@@ -173,17 +173,14 @@ class Chart:
         self.name, self.caption, self.height = name, caption, height
         self.sources: dict[str, ColumnDataSource] = {}
         """What is drawn, each under the name that a saved table gives it."""
-        self.sketch = parts.html_pane()
         self.host = pn.Column(
-            self.sketch,
-            # from the second one assets/scripts/first.js reads which chart this is
-            css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN],
+            # from the second one assets/scripts/dom.js reads which chart this is
+            css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN, COMPUTED],
             sizing_mode="stretch_width",
             height=self._tall,
             margin=0,
-            stylesheets=[PLACE_CSS],
+            stylesheets=[PLACE_CSS + sketch_css(self.kind, caption, caption or self.title or name)],
         )
-        self.wait()
         self.visible = False
         self.width_px = USUAL_WIDTH_PX
         """How wide its place is at least [px]: where more room turns up, names stay as free as they are."""
@@ -199,6 +196,10 @@ class Chart:
         return self.height + (CAPTION_PX if self.caption else 0)
 
     @property
+    def _classes(self) -> list[str]:
+        return [name for name in self.host.css_classes if name not in {UNDRAWN, COMPUTED}]
+
+    @property
     def is_drawn(self) -> bool:
         """Whether it stands on the page, and not its sketch."""
         return self.content is not None and list(self.host) == [self.content]
@@ -211,12 +212,10 @@ class Chart:
         self.host.height = self._tall
         if self.figure is not None:
             self.figure.height = height
-        if not self.is_drawn:
-            self.wait()
 
     def wait(self, told: str = COMPUTING) -> None:
-        """Say on the sketch what is going on."""
-        self.sketch.object = sketch(self.kind, self.caption, self.caption or self.title or self.name, self.height, told)
+        """Show on the sketch whether the chart is being computed."""
+        self.host.css_classes = [*self._classes, UNDRAWN, *([COMPUTED] if told else [])]
 
     def show(self, draw: Callable[[], None]) -> None:
         """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
@@ -242,7 +241,7 @@ class Chart:
             name_picture(self.figure, self.scenario_title, self.caption or self.title or self.name)
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
-            self.host.css_classes = [name for name in self.host.css_classes if name != UNDRAWN]
+            self.host.css_classes = self._classes
             self.host[:] = [self.content]
 
     def frame_over(self, x: tuple[float, float], y: tuple[float, float]) -> Frame:
@@ -258,8 +257,8 @@ class Chart:
     def fail(self) -> None:
         """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
         self.content = self.figure = None
-        self.sketch.object = not_drawn(self.caption, self.height)
-        self.host[:] = [self.sketch]
+        self.host.css_classes = self._classes
+        self.host[:] = [parts.html_pane(not_drawn(self.caption, self.height))]
 
     def build(self) -> None:
         """Make `figure` and `content`; subclasses add what they draw."""

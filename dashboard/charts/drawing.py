@@ -14,7 +14,7 @@ from bokeh.document import Document
 from panel.io.state import set_curdoc
 
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import added_to, unfrozen
+from railjoule.dashboard.browser.messages import one_message, unfrozen
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.work import events
@@ -126,7 +126,7 @@ class DrawingQueue:
     def _draw(self, chart: Chart, alone: bool = False) -> None:
         # charts that are drawn together settle together, once: each column of their runs goes to the browser once
         # a chart that is new brings models with it: where they go is known, so that the document need not be searched
-        with pn.io.hold() if chart.is_drawn else added_to(chart.host):
+        with pn.io.hold() if chart.is_drawn else one_message():
             try:
                 with unfrozen():
                     chart.settle()

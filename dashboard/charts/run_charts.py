@@ -1,6 +1,7 @@
 """The charts beneath the speed: phases, line, energy, difference, effort, current, power."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -39,6 +40,8 @@ WORD_PX = 7.2
 GROUND, SIGNS, CURVES, TOP = 0.08, 1.22, (1.58, 1.68), 1.7
 """Heights in the strip of the line, in units of its relief above its lowest point (of the ground: below it). The relief
 ends at 1, so that gradients stand above it, and curves above these at the upper edge."""
+LEAST_KWH = 0.05
+"""The axis of a difference of energies reaches at least so far."""
 END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
 """What stands at the end of a line, beside its number, where the whole name has no room."""
 
@@ -75,23 +78,26 @@ class PhaseStrip(SceneChart):
 
     def draw(self, scene: RunScene) -> None:
         """Draw the bands, each with as many words as fit."""
-        phases, tokens = scene.run.phases, self.palette.tokens
-        left = np.array([phase.start_s if scene.over_time else phase.start_m for phase in phases])
-        right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in phases])
+        phases, advice, tokens = scene.run.phases, scene.run.advice, self.palette.tokens
+        groups = words.instruction_groups(advice)
+        firsts, lasts = ([phases[group[end]] for group in groups] for end in (0, -1))
+        left = np.array([phase.start_s if scene.over_time else phase.start_m for phase in firsts])
+        right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in lasts])
         room = (right - left) / scene.end * scene.width_px
         texts = []
-        for number, (told, pixels) in enumerate(zip(scene.run.advice, room, strict=True), 1):
-            full = f"{number}  {words.PHASE_WORDS[told.action]}"
-            if told.action == "hold" and told.to_kmh is not None:
-                full = f"{full} {words.tenths(told.to_kmh)}"
+        for number, (group, pixels) in enumerate(zip(groups, room, strict=True), 1):
+            instruction = advice[group[0]]
+            full = f"{number}  {words.PHASE_WORDS[instruction.action]}"
+            if instruction.action == "hold" and instruction.to_kmh is not None:
+                full = f"{full} {words.tenths(instruction.to_kmh)}"
             fitting = full if len(full) * WORD_PX < pixels else str(number)
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.put(
             "phases",
             **columns(left=left, right=right, middle=0.5 * (left + right)),
             text=texts,
-            fill=[tokens[phase.phase] for phase in phases],
-            ink=[tokens[f"on_{phase.phase}"] for phase in phases],
+            fill=[tokens[phase.phase] for phase in firsts],
+            ink=[tokens[f"on_{phase.phase}"] for phase in firsts],
         )
 
 
@@ -230,7 +236,7 @@ class DifferenceChart(SceneChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=3, digits=1)
+        f = self.frame(ticks=3, digits=2)
         add_zero(f, self.palette)
         self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
         self.glyphs("varea", "run", "x", 0, "y", paint={"fill_color": "accent"}, fill_alpha=0.13)
@@ -244,7 +250,8 @@ class DifferenceChart(SceneChart):
             return
         x, pinned = scene.x(scene.run), scene.pinned
         difference = ENERGY.values(scene.run) - np.interp(x, scene.x(pinned), ENERGY.values(pinned))
-        self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), 0), 0.15))
+        # where nothing differs, the axis must have numbers that differ
+        self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), LEAST_KWH), 0.15))
         self.put("run", **xy(x, difference))
         self.follow_line("run")
         draw_borders(self, scene)
@@ -310,6 +317,29 @@ class CurrentChart(CellChart):
             self.quantity, at = SUPPLY_CURRENT, f", at {words.number(volts, 0)} V"
         self.rename(f"{self.quantity.words}{at}")
         super().draw(scene)
+
+
+class SupplyChart(CurrentChart):
+    """Current or power at the supply, with the x axis of all charts above it."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        # the columns of the current, whichever is drawn
+        CellChart.__init__(self, MOTOR_CURRENT, height, axis, palette, last=True)
+
+    def draw(self, scene: RunScene) -> None:
+        """Draw the power where it is chosen or no current is known, else the current."""
+        power = scene.with_power or not self.knows(scene.run)
+        assert self.figure is not None
+        self.figure.yaxis[0].formatter.args = {"digits": 1 if power else 0}
+        shown = replace(POWER, name=MOTOR_CURRENT.name)
+        self.unit, self.digits = (shown.unit, shown.digits) if power else (MOTOR_CURRENT.unit, MOTOR_CURRENT.digits)
+        self.told.update(unit=self.unit, digits=self.digits)
+        if not power:
+            super().draw(scene)
+            return
+        self.quantity = shown
+        self.rename(shown.words)
+        CellChart.draw(self, scene)
 
 
 def power_chart(height: int, axis: Axis, palette: Palette) -> CellChart:

@@ -15,7 +15,7 @@ from railjoule.dashboard.charts.run_lines import PLAIN, Curve, Form, Line, RunLi
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 
-PINNED, ACTUAL = "pinned", "actual"
+PINNED, ACTUAL, VARIANT = "pinned", "actual", "variant"
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,10 @@ class RunScene:
         The actual run, if it is drawn beside the plan.
     fastest : Trajectory or None
         The fastest run, drawn or not: the cursor tells its speed.
+    variant : (str, Trajectory) or None
+        A run beside the chosen one, and its name at its line: simpler advice, or a moved instruction.
+    with_power : bool
+        Power from the supply instead of current.
     """
 
     chosen: str
@@ -50,6 +54,8 @@ class RunScene:
     width_px: float
     actual: ActualRun | None = None
     fastest: Trajectory | None = None
+    variant: tuple[str, Trajectory] | None = None
+    with_power: bool = False
 
     @property
     def run(self) -> Trajectory:
@@ -69,6 +75,7 @@ class RunScene:
         """Where the longest run ends on the axis."""
         drawn = [*self.runs.values(), *([self.pinned] if self.pinned else [])]
         drawn += [self.actual.actual] if self.actual else []
+        drawn += [self.variant[1]] if self.variant else []
         return max(float(self.x(run)[-1]) for run in drawn)
 
     def named(self) -> dict[str, Trajectory]:
@@ -153,7 +160,7 @@ class RunChart(RunLines, SceneChart):
 
     def name_colour(self, name: str) -> str:
         """Return the colour in which a line's name is written."""
-        return self.palette.tokens["ink3" if name == PINNED else name]
+        return self.palette.tokens[{PINNED: "ink3", VARIANT: "accent"}.get(name, name)]
 
 
 class CellChart(RunChart):
@@ -175,6 +182,8 @@ def line_words(name: str, scene: RunScene) -> str:
     if name == PINNED:
         assert scene.pinned is not None
         return f"pinned: {words.strategy(scene.pinned.strategy).lower()}"
+    if name == VARIANT and scene.variant is not None:
+        return scene.variant[0]
     if name == ACTUAL:
         return "actual"
     if name == scene.chosen and scene.actual is not None:

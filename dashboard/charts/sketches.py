@@ -1,6 +1,7 @@
 """Grey sketches: what stands where a chart will be until it is drawn, and the words for one that cannot be."""
 
 from typing import Literal
+from urllib.parse import quote
 
 from railjoule.dashboard.look.markup import Markup, joined, markup
 
@@ -11,39 +12,45 @@ BAR_HEIGHTS = (52, 78, 64, 90, 40, 70, 58, 84, 46, 66)
 MAP_ROWS, MAP_COLUMNS = 4, 7
 STRIPS = ((0, 9), (10, 46), (57, 17), (75, 25))
 """Start and width of each part of a strip [%]."""
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100" preserveAspectRatio="none"{}>{}</svg>'
+SKETCH_CSS = """
+:host(.rj-undrawn) { position: relative; }
+:host(.rj-undrawn)::before { content: %(caption)s; padding-left: 50px; white-space: pre;
+  font: 500 12px/1.6 var(--rj-font); color: var(--rj-ink2); }
+:host(.rj-computing)::before { content: %(told)s / %(name)s; }
+:host(.rj-undrawn)::after { content: ""; position: absolute; inset: %(top)spx 14px 10px 50px;
+  background: var(--rj-%(colour)s); mask: url("data:image/svg+xml,%(drawn)s") 0 0 / 100%% 100%%; }
+"""
 
 
-def sketch(kind: SketchKind, words: str, name: str, height: int, told: str = COMPUTING) -> Markup:
-    """Return the sketch of a chart under its caption, as HTML.
+def sketch_css(kind: SketchKind, caption: str, name: str) -> str:
+    """Return the style sheet that draws the sketch of a chart in its place, below its caption.
 
     Parameters
     ----------
     kind : str
         What it will look like.
-    words : str
-        The caption; empty where the chart has none.
+    caption : str
+        Empty where the chart has none.
     name : str
-        What those hear who listen.
-    height : int
-        Of the figure [px].
-    told : str
-        What is going on; empty where nothing is.
+        The chart for screen readers.
     """
-    return markup(
-        '{caption}<div class="sketch {kind}" role="img" aria-label="{heard}: {name}" style="height:{height}px">'
-        '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{shapes}</svg>{text}</div>',
-        caption=_caption(words),
-        kind=kind,
-        heard="Being computed" if told else "Not drawn",
-        name=name,
-        height=height,
-        shapes=shapes(kind),
-        text=markup("<p>{}</p>", told) if told and kind != "strip" else "",
-    )
+    style = ' fill="none" stroke="#000" stroke-width="2"' if kind == "lines" else ""
+    drawn = quote(SVG.format(style, shapes(kind).replace("<path", '<path vector-effect="non-scaling-stroke"')))
+    told = f"{caption}\\A {COMPUTING}" if kind != "strip" else caption
+    return SKETCH_CSS % {
+        "caption": _quoted(caption),
+        "told": _quoted(told).replace("\\\\A", "\\A"),
+        "name": _quoted(f"Being computed: {name}"),
+        "drawn": drawn,
+        "colour": "line2" if kind == "lines" else "ground",
+        "top": 24 if caption else 4,
+    }
 
 
-def _caption(words: str) -> Markup:
-    return markup('<div class="caption">{}</div>', words) if words else Markup()
+def _quoted(text: str) -> str:
+    """Return a string of CSS."""
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", " ") + '"'
 
 
 def shapes(kind: SketchKind) -> Markup:
@@ -79,5 +86,5 @@ def numbers_sketch(count: int = 5) -> Markup:
 
 def not_drawn(words: str, height: int) -> Markup:
     """Return what stands in the place of a chart that could not be drawn."""
-    failed = '{}<div class="sketch failed" role="alert" style="min-height:{}px"><p>{}</p></div>'
-    return markup(failed, _caption(words), height, NOT_DRAWN)
+    failed = '{}<div class="failed" role="alert" style="min-height:{}px"><p>{}</p></div>'
+    return markup(failed, markup('<div class="caption">{}</div>', words) if words else "", height, NOT_DRAWN)

@@ -138,7 +138,12 @@ class SpeedChart(RunChart):
         self.top = HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values()))
         self.set_range(0, self.top)
         self._limits = draw_limits(self, x, limits)
-        texts = [f"limit {words.number(limit, 0)}" for limit in limits]
+        of_run = ""
+        if scene.over_time and len(scene.named()) > 1:
+            # other runs pass the places of the limits at other times, and keep them
+            self.clear("forbidden")
+            of_run = f" for {line_words(scene.chosen, scene)}"
+        texts = [f"limit {words.number(limit, 0)}{of_run}" for limit in limits]
         room = np.diff(self.frame_now.x_px(x))
         fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])
         self.put(

@@ -10,14 +10,14 @@ import panel_material_ui as pmui
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
 from railjoule.dashboard.editor.forms import EditorHead, TableForm
 from railjoule.dashboard.editor.model import GROUPS, WHOLE_TABLES, Look, Refusal
 from railjoule.dashboard.editor.profile_charts import LimitStepsChart, ProfileChart
-from railjoule.dashboard.insides import SmallFile
+from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import without_keys, words_of
 from railjoule.dashboard.look.markup import Markup
@@ -127,7 +127,7 @@ class EditorView:
             self.head.alert = " ".join(one.sentence for one in self.editor.refused.values() if one.row < 0)
 
     def _turn(self, *_: Any) -> None:
-        with added_to(self.view):
+        with one_message():
             if self.head is None:
                 self._make()
             assert self.head is not None
@@ -149,7 +149,7 @@ class EditorView:
         self.track.settle()
 
     def _unfold(self, *_: Any) -> None:
-        with added_to(self.folds):
+        with one_message():
             self.redraw()
 
     def _report_run(self, *_: Any) -> None:

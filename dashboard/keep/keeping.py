@@ -13,12 +13,12 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.scenario._base import without_misleading
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.keep.history import History
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
 from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
+from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
@@ -53,8 +53,7 @@ class Keeping(param.Parameterized):
     Parameters
     ----------
     state : Workbench
-    lifeline : Lifeline
-        Its browser's half.
+    browser : Browser
     """
 
     can_undo = param.Boolean(default=False, doc="Whether there is a step back.")
@@ -62,9 +61,9 @@ class Keeping(param.Parameterized):
     copied = param.Boolean(default=None, allow_None=True, doc="Whether the last copy reached the clipboard.")
     noted = param.Event(doc="A change has been taken note of.")
 
-    def __init__(self, state: Workbench, lifeline: Lifeline) -> None:
+    def __init__(self, state: Workbench, browser: Browser) -> None:
         super().__init__()
-        self.state, self.lifeline = state, lifeline
+        self.state, self.browser = state, browser
         self._scheduled = self._laying = False
         self._noted_s = 0.0
         self._items = Items(self._schedule)
@@ -77,14 +76,12 @@ class Keeping(param.Parameterized):
         self.history = History(snapshot_of(state))
         listeners: dict[str, Callable[[dict[str, Any]], None]] = {
             "open": lambda message: self.open_link(str(message.get("text"))),
-            "undo": lambda _: self.undo(),
-            "redo": lambda _: self.redo(),
             "drop": self._take_dropped,
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
-            lifeline.listen(kind, callback)
+            browser.listen(kind, callback)
 
     def begin(self, query: str) -> None:
         """Open the state in the address of a new page; there is no step back from it.
@@ -106,7 +103,7 @@ class Keeping(param.Parameterized):
         self._publish(snapshot)
         if not begun:
             # until then a reload finds the same address
-            self.lifeline.address = query
+            self.browser.address = query
             pn.state.onload(lambda: self.open_link(query))
 
     def open_link(self, query: str) -> None:
@@ -185,7 +182,7 @@ class Keeping(param.Parameterized):
             then()
         else:
             reading = SLOW_THREADS.submit(read_ahead, found.get("toml"))
-            turn = turns_of(document)
+            turn = make_turns(document)
             # `then` reads it once more, from the cache of `outcome_of`
             reading.add_done_callback(lambda _: turn(then))
 
@@ -295,7 +292,7 @@ class Keeping(param.Parameterized):
             self._base, self._originals = base, originals_of(snapshot)
             self._mark()
         with pn.io.hold():
-            self.lifeline.address = self._address(snapshot)
+            self.browser.address = self._address(snapshot)
             if (self.can_undo, self.can_redo) != (self.history.can_undo, self.history.can_redo):
                 self.param.update(can_undo=self.history.can_undo, can_redo=self.history.can_redo)
             self.param.trigger("noted")

@@ -3,7 +3,10 @@
 Fields of the page and of the scenario stand under their own names, those of other models as `model.field`.
 """
 
+import json
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
+from functools import lru_cache
 from typing import Any
 
 from railjoule.core import RailjouleError
@@ -16,6 +19,10 @@ BASE = ("preset", "toml")
 """What names the scenario under all edits."""
 VIEW = ("page", "tab", "colours", "class_token", "class_student", "class_name", "class_key")
 """The fields of the view, of whichever model: their changes are no steps of undo and redo."""
+
+
+MOST_ORIGINALS = 64
+"""So many scenarios and their edits are remembered, for all pages: a whole page is made for each."""
 
 
 def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
@@ -41,17 +48,24 @@ def originals_of(snapshot: Mapping[str, Any]) -> Snapshot:
     RailjouleError
         If there is no such scenario.
     """
+    edits = json.dumps(snapshot.get("edits", {}))
+    # a copy, as models keep the lists that are laid on them
+    return deepcopy(_originals(snapshot["preset"], snapshot.get("toml") or "", edits))
+
+
+@lru_cache(maxsize=MOST_ORIGINALS)
+def _originals(preset: str, toml: str, edits: str) -> Snapshot:
     fresh = Workbench()
     scenario = fresh.scenario
-    if snapshot.get("toml"):
-        scenario.open(snapshot["toml"], "the scenario")
-    elif snapshot["preset"] != scenario.preset:
-        scenario.choose(snapshot["preset"])
+    if toml:
+        scenario.open(toml, "the scenario")
+    elif preset != scenario.preset:
+        scenario.choose(preset)
     for model in fresh.models.values():
         # on a page its works tell the models of another scenario; this one has no works
         if hasattr(model, "take"):
             model.take(scenario.base)
-    scenario.lay({"edits": snapshot.get("edits", {})})
+    scenario.lay({"edits": json.loads(edits)})
     return snapshot_of(fresh)
 
 

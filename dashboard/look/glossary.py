@@ -105,9 +105,8 @@ ENERGY = (
     ),
     Term(
         "Simpler advice",
-        "The best run whose driver changes the regime (full power, hold, coast or brake) at most so many times between "
-        "two stops, and what that costs against the optimum.",
-        ("Changes of regime",),
+        "The run with the fewest instructions to the driver (full power, hold, coast or brake) that needs at most 1 % "
+        "more energy than the optimum.",
     ),
     Term(
         "Best known",

@@ -7,6 +7,7 @@ terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from functools import wraps
 from typing import TYPE_CHECKING, ParamSpec
 
@@ -85,6 +86,8 @@ PART_WORDS = {
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
+GRADUAL_FROM = 3
+"""So many pieces of one action make a gradual one."""
 # places are told in whole metres
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
@@ -260,17 +263,47 @@ def advice_words(told: Instruction, number: Callable[[float, int], str] = number
     return f"{action}{start} to {aim}{place('at', told.at_m)}"
 
 
+def instruction_groups(advice: Sequence[Instruction]) -> list[tuple[int, ...]]:
+    """Return the indices of instructions that a driver carries out as one.
+
+    Where an optimum eases power or brake continuously, its instructions are the pieces of one curve: from three of one
+    action in succession on, they are one group.
+    """
+    chains: list[tuple[int, ...]] = []
+    for k, instruction in enumerate(advice):
+        if k and _continues(advice[k - 1], instruction):
+            chains[-1] += (k,)
+        else:
+            chains.append((k,))
+    return [group for one in chains for group in ([one] if len(one) >= GRADUAL_FROM else [(k,) for k in one])]
+
+
+def _continues(before: Instruction, instruction: Instruction) -> bool:
+    return before.action == instruction.action and before.at_m == instruction.from_m
+
+
 def advice_in_words(
     advice: Sequence[Instruction], number: Callable[[float, int], str] = number, named: Collection[float] = ()
 ) -> Iterator[str]:
-    """Yield all that a driver is told; more of the same begins where it ended, and need not say so.
+    """Yield one text per group of `instruction_groups`; a place where the same action has ended is not repeated.
 
     Arguments as `advice_words`.
     """
-    # not strict, as nothing stands before the first one
-    for before, told in zip((None, *advice), advice, strict=False):
-        goes_on = before is not None and before.action == told.action and before.at_m == told.from_m
-        yield advice_words(told, number, (*named, told.from_m) if goes_on else named)
+    for group in instruction_groups(advice):
+        first, last = advice[group[0]], advice[group[-1]]
+        before = advice[group[0] - 1] if group[0] else None
+        eased_from_kmh = before.to_kmh if before is not None and last.action == "part_power" else None
+        if eased_from_kmh is not None and last.to_kmh is not None and last.to_kmh < eased_from_kmh:
+            speeds = f"{tenths(eased_from_kmh, number)} to {tenths(last.to_kmh, number)} km/h"
+            yield f"ease off from {speeds} between {number(first.from_m, 0)} m and {number(last.at_m or 0.0, 0)} m"
+            continue
+        places = (*named, first.from_m) if before is not None and _continues(before, first) else named
+        if len(group) == 1:
+            yield advice_words(first, number, places)
+            continue
+        whole = advice_words(replace(last, from_m=first.from_m, fully=False), number, places)
+        action = PHASE_WORDS[last.action]
+        yield whole.replace(action, f"{action} gradually", 1)
 
 
 def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:

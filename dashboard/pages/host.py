@@ -31,6 +31,7 @@ class PageHost(PageView):
 
     def __init__(self, page: Page, browser: Browser, palette: Palette) -> None:
         self.of, self.page, self.halves_from_px = page, page.page, page.halves_from_px
+        self.rail_px = page.rail_px
         self.heights: Mapping[str, tuple[int, int, int]] = {plot.name: plot.heights for plot in page.figures}
         super().__init__(page.desk, browser, palette)
 
@@ -139,7 +140,9 @@ def hosted(kind: type[Page]) -> type[PageView]:
         def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
             super().__init__(state.pages[kind.page], browser, palette)
 
-    Hosted.works = (make_works(kind.page), *kind.works)
+    # a page that computes nothing has no work
+    own = [make_works(kind.page)] if any(kind.methods("work")) else []
+    Hosted.works = (*own, *kind.works)
     Hosted.__name__ = Hosted.__qualname__ = f"{kind.__name__}View"
     return Hosted
 

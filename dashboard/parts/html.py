@@ -3,7 +3,6 @@
 Whatever stands in one is escaped, unless it is itself HTML: see `railjoule.dashboard.look.markup`.
 """
 
-import json
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
@@ -14,7 +13,7 @@ import panel as pn
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.insides import Words
+from railjoule.dashboard.library_workarounds import HtmlPane
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, escaped, joined, markup, safe
@@ -36,9 +35,9 @@ WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
 
 
-def html_pane(text: str = "", **params: Any) -> Words:
+def html_pane(text: str = "", **params: Any) -> HtmlPane:
     """Return a pane for one of this module's pieces."""
-    return Words(text, **{"stylesheets": [parts_css()], "sizing_mode": "stretch_width", "margin": 0, **params})
+    return HtmlPane(text, **{"stylesheets": [parts_css()], "sizing_mode": "stretch_width", "margin": 0, **params})
 
 
 def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
@@ -216,21 +215,20 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     )
 
 
-def advice(run: Trajectory, stale: bool, what: str = "advice", more: str = "", sheet: str = "") -> Markup:
-    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it.
+def advice(run: Trajectory, stale: bool, note: str = "") -> Markup:
+    """Return the driving advice, by legs where the train stops on the way, with buttons that copy and print it.
 
     Parameters
     ----------
     run : Trajectory
     stale : bool
         Whether it is from before the last change.
-    what, more : str
-        What the buttons call it, and what its title tells beside scenario and time.
-    sheet : str
-        What is printed with it, as `driver_sheet` gives it.
+    note : str
+        A sentence below it.
     """
-    departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
-    stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
+    groups = words.instruction_groups(run.advice)
+    departures = [k for k, group in enumerate(groups) if k == 0 or _departs(run.phases[group[0]])]
+    stops = [*(run.phases[groups[k][0]].start_m for k in departures), run.phases[-1].end_m]
     # a leg's name tells where it starts and stops
     texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
     texts[0] = texts[0][0].upper() + texts[0][1:]
@@ -243,26 +241,21 @@ def advice(run: Trajectory, stale: bool, what: str = "advice", more: str = "", s
         kind = "many legs" if len(departures) > 1 else "many"
         many = "<li><ol class='{}' tabindex=0 aria-label='All instructions'>{}</ol></li>"
         items = [markup(many, kind, joined(items))]
-    button = "<button type=button class=save data-act={} aria-label='{} the {}'>{}</button>"
+    button = "<button type=button class=save data-act={} aria-label='{} the advice'>{}</button>"
     return markup(
-        "<div class=card data-title='{title}'{sheet}><ol class='{kind}' aria-label='{name}'>"
-        "{items}<li class=buttons>{tools}</li></ol></div>",
-        title=f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s{more}",
-        sheet=markup(" data-sheet='{}'", sheet) if sheet else "",
-        name="Driver\u2019s advice" if what == "advice" else what[0].upper() + what[1:],
+        "<div class=card data-title='{title}'><ol class='{kind}' aria-label='{name}'>"
+        "{items}<li class=buttons>{tools}</li></ol>{note}</div>",
+        title=f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s",
+        name="Driver\u2019s advice",
         kind="advice stale" if stale else "advice",
         items=joined(items),
-        tools=joined(markup(button, act.lower(), act, what, act) for act in ("Copy", "Print")),
+        tools=joined(markup(button, act.lower(), act, act) for act in ("Copy", "Print")),
+        note=markup("<p class='note advised' role=status aria-live=polite>{}</p>", note) if note else "",
     )
 
 
-def driver_sheet(run: Trajectory) -> str:
-    """Return the timetable and the limits of a run, as JSON: what is printed before and after its orders."""
-    return json.dumps({"before": ["Timetable", _stops(run)], "after": ["Speed limits", _limits(run)]})
-
-
-def _stops(run: Trajectory) -> list[list[str]]:
-    """Return the stops of a run in order: where, and when the train arrives and departs."""
+def stop_times(run: Trajectory) -> list[list[str]]:
+    """Return the stops of a run in order: place, arrival and departure."""
     rows = [[_place_name(run, run.phases[0].start_m), "", f"departs {words.time(run.phases[0].start_s)} s"]]
     for phase in run.phases:
         if phase.phase == "stand":
@@ -271,8 +264,8 @@ def _stops(run: Trajectory) -> list[list[str]]:
     return [*rows, [_place_name(run, run.phases[-1].end_m), f"arrives {words.time(run.phases[-1].end_s)} s", ""]]
 
 
-def _limits(run: Trajectory) -> list[list[str]]:
-    """Return what a run may do, of line and vehicle, from place to place."""
+def limit_table(run: Trajectory) -> list[list[str]]:
+    """Return the speed limits of line and vehicle along a run, from place to place."""
     data = run.run_data
     cells = np.flatnonzero(np.diff(data.position_m) > 0)
     limit = data.limit_ms[cells]
@@ -424,9 +417,11 @@ def other_times(runs: Iterable[Trajectory]) -> Markup:
 def phase_table(run: Trajectory) -> Markup:
     """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
     rows: list[tuple[tuple[str, ...], bool]] = []
-    for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
+    # further pieces of a gradual action have no number, as the advice has one line for all of them
+    numbers = {group[0]: f"{number} " for number, group in enumerate(words.instruction_groups(run.advice), 1)}
+    for k, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True)):
         cells = (
-            markup("{}{} {}", patch(phase.phase), number, words.PHASE_WORDS[phase.phase]),
+            markup("{}{}{}", patch(phase.phase), numbers.get(k, ""), words.PHASE_WORDS[phase.phase]),
             words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
             words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),

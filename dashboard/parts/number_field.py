@@ -5,8 +5,8 @@ from typing import Any
 
 import panel as pn
 import param
+from panel.custom import JSComponent
 
-from railjoule.dashboard.insides import LightComponent
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.scripts import borrowed
@@ -17,7 +17,7 @@ Ends = tuple[float, float]
 
 
 # not panel-material-ui's EditableFloatSlider: its number has no name for screen readers, and was often empty at first
-class NumberField(LightComponent):
+class NumberField(JSComponent):
     """One number of a model, as the model declares it; it has a slider where the model names a step for one.
 
     The browser writes the numbers down: of a move of the slider it hears nothing more, as it knows what it has sent.
@@ -51,12 +51,15 @@ class NumberField(LightComponent):
     end = param.Number(default=None, allow_None=True, doc="Where it ends.")
     step = param.Number(default=None, allow_None=True, doc="Its step; None where there is no slider.")
     tick = param.Number(default=None, allow_None=True, doc="What is marked on its rail: the planned value.")
-    note = param.String(default="", doc="What is to be told of the number.")
+    note = param.String(default="", doc="A warning about the number.")
+    hint = param.String(default="", doc="A remark about the number.")
     refusal = param.String(default="", doc="Why the last text was not taken.")
     answers = param.Integer(default=0, doc="Counts the texts that were answered.")
 
     _esm = borrowed("number_field")
     _stylesheets = [number_css()]  # noqa: RUF012
+    _priority_changes = ("value",)
+    """The browser sends it no more often than pages are drawn: it need not wait for more to come."""
 
     def __init__(
         self,
@@ -82,8 +85,6 @@ class NumberField(LightComponent):
                 "value": number,
                 "margin": 0,
                 "sizing_mode": "stretch_width",
-                # assets/scripts/glossary.js puts what explains the label into a place of this class
-                "css_classes": ["rj-term"],
                 **slider,
                 **params,
             }

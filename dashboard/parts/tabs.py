@@ -6,7 +6,7 @@ from typing import Any
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.parts.html import stack
 
 TABS_PX = 42
@@ -54,7 +54,7 @@ class PageTabs:
         body = self.bodies[self.page.tab]
         self.bar.active = list(self.bodies).index(self.page.tab)
         if not list(body):
-            with added_to(body):
+            with one_message():
                 body[:] = [self.makers[self.page.tab]()]
         for tab, one in self.bodies.items():
             one.visible = tab == self.page.tab

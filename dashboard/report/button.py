@@ -8,21 +8,14 @@ import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.limits import LONGEST_NOTE
-from railjoule.dashboard.parts.html import failure, html_pane, refusal, stack
+from railjoule.dashboard.parts.html import html_pane, refusal
 from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.work import ReportingModel
+from railjoule.dashboard.state.workbench import Workbench
 
-NARROW_PX = 700
-MESSAGE_CSS = """
-:host { position: fixed; top: 52px; right: 8px; max-width: min(420px, 90vw); z-index: 1300;
-  background: var(--rj-surface); border-radius: 6px; }
-"""
-BELOW_THE_BAR = {"position": "fixed", "top": "45px", "left": "0", "right": "0", "width": "100%", "z-index": "1300"}
-"""Place of the progress, with room on every screen."""
-SMALL: dict[str, Any] = {"size": "small", "margin": 0, "align": "center"}
 FIELD: dict[str, Any] = {"size": "small", "margin": (6, 0), "sizing_mode": "stretch_width"}
 NOTE_HELP = f"Plain text of at most {LONGEST_NOTE} characters; an empty line begins a paragraph."
 
@@ -76,58 +69,47 @@ class ReportForm:
 
 
 class ReportButton:
-    """The report's part of the app bar.
+    """The report's part of the app bar: its button opens the form, and stops a report that is being made.
 
     Parameters
     ----------
     model : ReportingModel
     browser : Browser
-    save : callable
-        Saves a file in the browser: takes its name, its text and its kind.
+    state : Workbench
+        Shows why there is no report.
+    place : Column
+        Stands above the page; the form is put into it when it is first opened.
     """
 
-    def __init__(self, model: ReportingModel, browser: Browser, save: Callable[[str, str, str], None]) -> None:
-        self.model, self.browser, self._save_file = model, browser, save
-        self.button = pmui.Button(label="Report", variant="outlined", height=30, **{**SMALL, "margin": (0, 6)})
-        self.small = pmui.IconButton(icon="description", color="default", description="Report", visible=False, **SMALL)
-        self.progress = pmui.LinearProgress(
-            value=0, variant="determinate", margin=0, sizing_mode="stretch_width", styles=BELOW_THE_BAR, visible=False
-        )
-        self.stop = pmui.Button(label="Stop", variant="text", height=30, visible=False, **SMALL)
-        self.message = html_pane(visible=False, sizing_mode=None)
-        self.message.stylesheets = [*self.message.stylesheets, MESSAGE_CSS]
+    def __init__(self, model: ReportingModel, browser: Browser, state: Workbench, place: pn.Column) -> None:
+        self.model, self.browser, self.state, self.place = model, browser, state, place
         self.form: ReportForm | None = None
-        self.place = stack(sizing_mode=None, width=0)
-        self.parts = [self.progress, self.stop, self.button, self.small, self.message, self.place]
-        for button in (self.button, self.small):
-            button.on_click(self._open)
-        self.stop.on_click(lambda _: model.param.trigger("unwanted"))
+        browser.listen("report", lambda _: self.press())
         model.param.watch(self._show, ["busy", "share"])
         model.param.watch(self._save, "text")
         model.param.watch(self._show_failure, "failure")
-        browser.follow(["window_width"], self._show)
 
-    def _show(self, *_: Any) -> None:
-        busy, narrow = self.model.busy, self.browser.window_width < NARROW_PX
-        with pn.io.hold():
-            self.progress.value = round(100 * self.model.share)
-            self.progress.visible = self.stop.visible = busy
-            self.button.visible = not busy and not narrow
-            self.small.visible = not busy and narrow
-
-    def _open(self, *_: Any) -> None:
-        # every page that opens would pay for the form
+    def press(self) -> None:
+        """Open the form, or stop the report that is being made."""
+        if self.model.busy:
+            self.model.param.trigger("unwanted")
+            return
         if self.form is None:
             self.form = ReportForm(self._make)
             self.form.dialog.param.watch(self._return_focus, "open")
-            with added_to(self.place):
-                self.place[:] = [self.form.dialog]
+            with one_message():
+                self.place.append(self.form.dialog)
         self.form.open()
 
     def _return_focus(self, event: Any) -> None:
         # the library's dialog finds no element within another one's shadow root
         if not event.new:
-            (self.button if self.button.visible else self.small).focus()
+            self.browser.focus("report")
+
+    def _show(self, *_: Any) -> None:
+        with pn.io.hold():
+            self.browser.progress = self.model.share if self.model.busy else None
+            self.browser.name_button("report", "Stop report" if self.model.busy else "Report")
 
     def _make(self, contents: Contents) -> None:
         self.model.contents = contents
@@ -135,11 +117,11 @@ class ReportButton:
 
     def _save(self, *_: Any) -> None:
         if self.model.text:
-            self._save_file(self.model.name_of_file, self.model.text, "text/html")
+            self.browser.save(self.model.name_of_file, self.model.text, "text/html")
             # the browser has it by then, and a page need not keep megabytes
             self.model.text = ""
 
     def _show_failure(self, *_: Any) -> None:
         error: RailjouleError | None = self.model.failure
-        self.message.visible = error is not None
-        self.message.object = "" if error is None else failure("There is no report.", str(error), "")
+        if error is not None:
+            self.state.notice = f"There is no report: {error}"

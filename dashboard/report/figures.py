@@ -23,7 +23,7 @@ from railjoule.dashboard.charts.run_charts import (
 )
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
-from railjoule.dashboard.insides import written_down
+from railjoule.dashboard.library_workarounds import document_json
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
@@ -112,7 +112,7 @@ class Figures:
                 chart.figure.html_attributes = {"role": "figure", "aria-label": self._alternative(chart)}
                 document.add_root(chart.content.object)
         # before the charts are drawn with other optima, which the file has as data
-        docs, item = written_down(document)
+        docs, item = document_json(document)
         self.embedding = {"docs": docs, "items": [item.to_json()]}
         self._elements = list(item.to_json().get("roots", {}).values())
         self._sources = [model for model in document.models if isinstance(model, ColumnDataSource)]

@@ -16,16 +16,16 @@ from typing import Any
 from bokeh.protocol.exceptions import ProtocolError
 from tornado.web import HTTPError
 
-from railjoule.dashboard.insides import (
+from railjoule.dashboard.library_workarounds import (
     PageAnswer,
     PageConnection,
     begin_as,
     forget_begun,
     has_page,
     is_gone,
+    make_token,
     note_pulled,
     page_of_token,
-    token_of,
 )
 
 LOG = logging.getLogger(__name__)
@@ -125,7 +125,7 @@ class PageHandler(PageAnswer):
         # a token is for one page
         self.set_header("Cache-Control", "no-store")
         self.set_header("Content-Type", "text/html")
-        self.write(self._opening.html(token_of(self)))
+        self.write(self._opening.html(make_token(self)))
 
 
 class PageSocket(PageConnection):

@@ -1,127 +1,201 @@
-"""Undo and redo, and what leaves the page: its link, its program, its command line, its file."""
+"""Undo, redo and messages, and what leaves the page: its link, its program, its command line, its file."""
 
 from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
-from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
+from railjoule.dashboard.scenario_folder import FileExistsInFolderError
 from railjoule.dashboard.state.programs import page_recipe
-from railjoule.dashboard.state.recipes import Recipe, as_command, as_python, as_toml
+from railjoule.dashboard.state.recipes import as_command, as_python, as_toml
 from railjoule.dashboard.state.workbench import Workbench
 
 COPIED = {
     True: "Copied.",
-    False: "The browser does not allow copying here: mark the text, or the address above, and copy it by hand.",
+    False: "The browser does not allow copying here: select the text, or the address above, and copy it by hand.",
 }
-STATUS = '<p class="note" role="status" style="margin: 2px 20px 6px">{}</p>'
-LAYOUT_CSS = """
-:host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 8px 28px; padding: 0 20px 14px; }
-@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 0 14px 10px; } }
-"""
-LINE_CSS = ":host { border-bottom: 1px solid var(--rj-line); }"
+SHARE = Markup(
+    '<div class="head"><h2>Share what this page shows</h2></div><div class="asks">'
+    '<button type="button" class="text-button" data-ask="copy" data-name="link">Copy link</button>'
+    '<button type="button" class="text-button" data-ask="copy" data-name="python">Copy as Python</button>'
+    '<button type="button" class="text-button" data-ask="copy" data-name="command">Copy as command line</button>'
+    '<button type="button" class="text-button" data-ask="download">Save as TOML</button></div>'
+)
+TEXTS = (
+    '<p class="note" role="status">{status}</p><div class="shared"><div><h2>Python</h2>'
+    '<pre class="code" tabindex="0" aria-label="Python">{python}</pre></div><div><h2>Command line</h2>'
+    '<pre class="code" tabindex="0" aria-label="Command line">{command}</pre></div></div>'
+)
+MESSAGE = (
+    '<div class="dismissible">{}<button type="button" class="text-button" data-ask="dismiss" '
+    'aria-label="Close the message">\u00d7</button></div>'
+)
+REFUSED = '<div class="row"><p class="error" role="alert">{}</p></div>'
+SAVED = '<div class="row"><p class="small muted" role="status">{}</p></div>'
+BUTTON_CSS = ".bk-btn { font-size: 13px !important; padding: 4px 10px; }"
+MAKERS = {"python": as_python, "command": as_command}
 
 
 class Share:
-    """The buttons of the app bar, and the part above the page that one of them opens."""
+    """The buttons of the app bar that undo, redo and share; the place above the page for messages and texts to copy."""
 
-    def __init__(self, state: Workbench, keeping: Keeping) -> None:
-        self.state, self.keeping = state, keeping
-        self.undo = _icon("undo", "Undo", lambda _: keeping.undo(), disabled=True)
-        self.redo = _icon("redo", "Redo", lambda _: keeping.redo(), disabled=True)
-        self.open = _icon("share", "Share", self._turn)
-        self.buttons = [self.undo, self.redo, self.open]
-        self.python, self.command = html_pane(), html_pane()
-        self.status = html_pane(STATUS.format(""))
-        # filled when it is first opened: it would cost every page that opens
-        self.part = stack(css=LINE_CSS, visible=False)
-        self.notice = html_pane()
-        self.dismiss = _icon("close", "Close the message", lambda _: setattr(state, "notice", ""))
-        self.message = pn.Row(self.notice, self.dismiss, margin=0, sizing_mode="stretch_width", visible=False)
-        # the lifeline shows nothing, but its browser's half begins only where it stands on the page
-        self.view = stack(self.part, self.message, keeping.lifeline)
+    def __init__(self, state: Workbench, browser: Browser, keeping: Keeping) -> None:
+        self.state, self.browser, self.keeping = state, browser, keeping
+        self.notice = html_pane(visible=False)
+        self.view = stack(self.notice)
+        self.part: pn.Column | None = None
+        self.texts: pn.pane.HTML | None = None
+        browser.listen("undo", lambda _: keeping.undo())
+        browser.listen("redo", lambda _: keeping.redo())
+        browser.listen("share", lambda _: self._turn())
+        browser.listen("copy", lambda message: self._copy(str(message.get("name"))))
+        browser.listen("download", lambda _: download(state, browser))
+        browser.listen("dismiss", lambda _: setattr(state, "notice", ""))
         keeping.param.watch(self._follow, ["can_undo", "can_redo"])
-        keeping.param.watch(self._write, "noted")
-        keeping.param.watch(self._tell_copied, "copied")
+        keeping.param.watch(lambda *_: self._write(), "noted")
+        keeping.param.watch(self._show_copied, "copied")
         # runs too: they decide whether the chosen strategy or the optimum is written down
-        state.param.watch(self._write, "runs")
-        state.param.watch(self._tell, "notice")
+        state.param.watch(lambda *_: self._write(), "runs")
+        state.param.watch(self._show_notice, "notice")
         self._follow()
-        self._tell()
+        self._show_notice()
 
-    def _contents(self) -> list[Viewable]:
-        buttons = [
-            _button("Copy link", "link", lambda _: self.keeping.lifeline.copy_link()),
-            _button("Copy as Python", "code", lambda _: self._copy(as_python)),
-            _button("Copy as command line", "terminal", lambda _: self._copy(as_command)),
-            _button("Save as TOML", "save", self._save),
-        ]
-        return [
-            html_pane('<div class="head"><h2>Share what this page shows</h2></div>'),
-            pn.FlexBox(*buttons, margin=(0, 14)),
-            self.status,
-            stack(self.python, self.command, css=LAYOUT_CSS),
-        ]
-
-    def _turn(self, *_: Any) -> None:
-        self.part.visible = not self.part.visible
-        self.open.description = "Close sharing" if self.part.visible else "Share"
-        self.status.object = STATUS.format("")
-        self._write()
-        # last: what changes in one message before it is told where it stands, the browser does not know
-        if not self.part.objects:
-            with added_to(self.part):
-                self.part[:] = self._contents()
+    def _turn(self) -> None:
+        with one_message():
+            if self.part is None:
+                self.texts = html_pane()
+                self.part = stack(html_pane(SHARE), self.texts)
+                self.view.insert(0, self.part)
+            else:
+                self.view.remove(self.part)
+                self.part = self.texts = None
+            self.browser.name_button("share", "Share" if self.part is None else "Close sharing")
+            self._write()
 
     def _follow(self, *_: Any) -> None:
-        self.undo.disabled, self.redo.disabled = not self.keeping.can_undo, not self.keeping.can_redo
+        can = {"undo": self.keeping.can_undo, "redo": self.keeping.can_redo}
+        disabled = [kind for kind, is_possible in can.items() if not is_possible]
+        if self.browser.disabled != disabled:
+            self.browser.disabled = disabled
 
-    def _write(self, *_: Any) -> None:
+    def _write(self, status: str = "") -> None:
         """Write down what the page computes, while this is in sight."""
-        if not self.part.visible:
-            return
-        for pane, title, make in ((self.python, "Python", as_python), (self.command, "Command line", as_command)):
-            text = self._made(make)
-            pane.object = markup('<h2>{0}</h2><pre class="code" tabindex="0" aria-label="{0}">{1}</pre>', title, text)
+        if self.texts is not None:
+            made = {name: self._made(name) for name in MAKERS}
+            self.texts.object = markup(TEXTS, status=status, **made)
 
-    def _made(self, make: Any) -> str:
+    def _made(self, name: str) -> str:
         """Return a text about the scenario as it stands, or why there is none."""
         try:
-            return str(make(self._recipe()))
+            return str(MAKERS[name](page_recipe(self.state)))
         except RailjouleError as refusal:
             # a comment to the shell and to Python, if it is copied
             return f"# {refusal}"
 
-    def _recipe(self) -> Recipe:
-        return page_recipe(self.state)
+    def _copy(self, name: str) -> None:
+        self.browser.copy(self._made(name) if name in MAKERS else None)
 
-    def _copy(self, make: Any) -> None:
-        self.keeping.lifeline.copy(self._made(make))
-
-    def _save(self, *_: Any) -> None:
-        download(self.state, self.keeping)
-
-    def _tell_copied(self, event: Any) -> None:
+    def _show_copied(self, event: Any) -> None:
         if event.new is not None:
-            self.status.object = STATUS.format(COPIED[event.new])
+            self._write(COPIED[event.new])
 
-    def _tell(self, *_: Any) -> None:
+    def _show_notice(self, *_: Any) -> None:
         text = self.state.notice
-        self.message.visible = bool(text)
-        self.notice.object = refusal(text) if text else ""
+        self.notice.object = markup(MESSAGE, refusal(text)) if text else ""
+        self.notice.visible = bool(text)
 
 
-def download(state: Workbench, keeping: Keeping) -> None:
+class SaveScenario:
+    """The form in the sidebar that saves the scenario to the server's folder; a download where the server has none."""
+
+    def __init__(self, state: Workbench, browser: Browser, keeping: Keeping, view: pn.Column) -> None:
+        self.state, self.browser, self.keeping, self.files = state, browser, keeping, state.files
+        self._sidebar = view
+        self.form: pn.Column | None = None
+        self.refusal = self.status = ""
+        browser.listen("save_scenario", lambda _: self.press())
+        self.files.param.watch(self._suggest, "current")
+        state.scenario.param.watch(self._clear, ["preset", "opened", "edits"])
+
+    def press(self) -> None:
+        """Open or close the form, or save where the server has no folder."""
+        if self.files.folder is None:
+            download(self.state, self.browser)
+        elif self.form is None:
+            self._make()
+        else:
+            self._sidebar.remove(self.form)
+            self.form = None
+
+    def _make(self) -> None:
+        self.name = pn.widgets.TextInput(label="Name", max_length=200, sizing_mode="stretch_width", margin=(4, 16))
+        self.message = html_pane()
+        save, self.replace, close = (
+            pn.widgets.Button(label=label, margin=4, stylesheets=[BUTTON_CSS])
+            for label in ("Save", "Replace it", "Close")
+        )
+        self.replace.visible = False
+        self.name.param.watch(lambda _: self.save(), "enter_pressed")
+        save.on_click(lambda _: self.save())
+        self.replace.on_click(lambda _: self.save(replace=True))
+        close.on_click(lambda _: self.press())
+        buttons = pn.Row(save, self.replace, close, margin=(0, 12))
+        with one_message():
+            self.form = stack(self.name, self.message, buttons)
+            self._show()
+            self._sidebar.insert(2, self.form)
+
+    def _suggest(self, *_: Any) -> None:
+        # a refused name stays beside its reason
+        if self.form is not None and not self.refusal:
+            self.name.value = self._suggested_name()
+
+    def _clear(self, *_: Any) -> None:
+        """Remove the message: the scenario is no longer the saved one."""
+        if self.form is not None:
+            self._show()
+
+    def _show(self, status: str = "", refusal: str = "", can_replace: bool = False) -> None:
+        self.status, self.refusal = status, refusal
+        self.replace.visible = can_replace
+        self.message.object = markup(REFUSED, refusal) if refusal else markup(SAVED, status) if status else ""
+        if not refusal:
+            self.name.value = self._suggested_name()
+
+    def _suggested_name(self) -> str:
+        return self.files.current or file_name(self.state.scenario.edited.title).removesuffix(".toml")
+
+    def save(self, replace: bool = False) -> None:
+        """Save the scenario under the name in the form."""
+
+        def take(saved: str, toml: str) -> None:
+            self.keeping.rebase(toml)
+            self._show(status=f"Saved as {saved}.toml.")
+
+        def refuse(error: RailjouleError) -> None:
+            self._show(refusal=str(error), can_replace=isinstance(error, FileExistsInFolderError))
+
+        try:
+            recipe = page_recipe(self.state)
+            # a page without a scenario of its own, such as Papers, changes nothing in it
+            scenario = recipe.scenario if recipe.program.of_scenario else self.state.scenario.scenario()
+        except RailjouleError as error:
+            refuse(error)
+            return
+        self.files.save(self.name.value, scenario, replace, take, refuse)
+
+
+def download(state: Workbench, browser: Browser) -> None:
     """Let the browser save the scenario as a file."""
     try:
         recipe = page_recipe(state)
-        keeping.lifeline.save(file_name(recipe.base.title), as_toml(recipe))
+        browser.save(file_name(recipe.base.title), as_toml(recipe))
         if recipe.program.of_scenario and recipe.untold:
             state.notice = recipe.untold
     except RailjouleError as refusal:
@@ -129,22 +203,5 @@ def download(state: Workbench, keeping: Keeping) -> None:
 
 
 def file_name(title: str) -> str:
-    """Return what the file of a scenario is called: letters and digits of its title."""
+    """Return the name of the file of a scenario: letters and digits of its title."""
     return (slug(title) or "scenario") + ".toml"
-
-
-def _icon(icon: str, description: str, on_click: Any, **params: Any) -> pmui.IconButton:
-    return pmui.IconButton(
-        icon=icon,
-        description=description,
-        on_click=on_click,
-        size="small",
-        margin=0,
-        align="center",
-        color="default",
-        **params,
-    )
-
-
-def _button(label: str, icon: str, on_click: Any) -> pmui.Button:
-    return pmui.Button(label=label, icon=icon, variant="text", size="small", margin=(2, 2), on_click=on_click)

@@ -1,180 +1,244 @@
-"""The sidebar: the scenario's editor, and the strategies."""
+"""The sidebar: which scenario, the plan, the fields of the page in sight, the strategies, the changed fields."""
 
 from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Protocol
 
 import panel as pn
-import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core import RailjouleError
 from railjoule.core.motion.line_profile import neutral_stretches
-from railjoule.core.scenario import load_scenario, preset_names
-from railjoule.dashboard.browser.messages import added_to, unfrozen
-from railjoule.dashboard.insides import SmallFile
-from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
+from railjoule.core.scenario import load_scenario
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.browser.messages import one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.page_list import PAGES
-from railjoule.dashboard.pages.drive.day_fields import ActualFields
 from railjoule.dashboard.pages.host import PageFields as OwnFields
+from railjoule.dashboard.pages.start.compute import card_names
+from railjoule.dashboard.pages.start.groups import scenario_groups
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
-from railjoule.dashboard.shell.changes import Changes
-from railjoule.dashboard.shell.save import SaveScenario
+from railjoule.dashboard.shell.share import SaveScenario
 from railjoule.dashboard.shell.strategies import StrategyList
-from railjoule.dashboard.shell.text_button import STYLE, text_button
+from railjoule.dashboard.state.kept import short
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 
 FIELDS_AFTER_MS = 200
 FROM_FILE = "file"
-"""What the value of a scenario from a file begins with; its number tells it from the one opened before it."""
-NOT_SHOWN = "These fields could not be shown: a program error, which the server\u2019s log describes."
+"""The value of a scenario from a file begins with this; its number tells it from the one opened before it."""
+NOT_SHOWN = "These fields could not be shown because of a program error; the server\u2019s log describes it."
+BUTTONS = Markup(
+    '<div class="asks">'
+    '<button type="button" class="text-button" data-ask="file">Open file</button>'
+    '<button type="button" class="text-button" data-ask="import">Import line or train</button>'
+    '<button type="button" class="text-button" data-ask="edit">Edit scenario</button>'
+    '<button type="button" class="text-button" data-ask="save_scenario">Save scenario</button></div>'
+)
+SELECT_CSS = """
+select.bk-input { height: 40px; color: var(--rj-ink); background-color: transparent; }
+select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
+"""
+PLAN = '<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'
+UNCHANGED = Markup('<hr class="rule"><div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
+CHANGED = (
+    '<hr class="rule"><div class="asks"><button type="button" class="text-button" data-ask="changes" '
+    'aria-expanded="{opened}">{count} field{plural} changed {sign}</button>'
+    '<button type="button" class="text-button" data-ask="undo_all">Undo all</button></div>{rows}'
+)
+CHANGE = (
+    '<div class="row small changed"><span>{key}<br>{before} \u2192 {now}</span>'
+    '<button type="button" class="text-button" data-ask="take_back" data-name="{key}" aria-label="Undo {key}">Undo'
+    "</button></div>"
+)
 
 
 class Sidebar:
-    """The scenario beside every page."""
+    """The scenario beside the pages."""
 
-    def __init__(self, state: Workbench, keeping: Keeping) -> None:
-        self.state, self.keeping = state, keeping
+    def __init__(self, state: Workbench, browser: Browser, keeping: Keeping) -> None:
+        self.state = state
         scenario = state.scenario
-        self.preset = pmui.Select(
+        self.preset = pn.widgets.Select(
             label="Scenario",
-            options=scenario_options(state),
+            groups=scenario_options(state),
             value=scenario.preset,
-            size="small",
-            margin=(16, 16, 0, 16),
+            margin=(12, 16, 0, 16),
             sizing_mode="stretch_width",
+            stylesheets=[SELECT_CSS],
         )
-        self.file = SmallFile(
-            refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
-            label="Open a scenario file",
-            # the library would write the file's name here, which the list of scenarios shows
-            uploaded_label="Open a scenario file",
-            # the larger of both kinds: which one a file is, only its text tells
-            max_file_size=LARGEST_REPORT_BYTES,
-            icon="folder_open",
-            **STYLE,
-        )
-        self.bring = text_button("Import a line or train", "upload_file", lambda _: setattr(state, "page", "Files"))
-        self.edit = text_button(
-            "Edit scenario",
-            "tune",
-            lambda _: setattr(state.editor, "open", not state.editor.open),
-            # by this class the browser's half opens the drawer at a press, before the server answers
-            css_classes=["rj-edit"],
-        )
-        self.saving = SaveScenario(state, keeping)
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
-        self.shortest = html_pane()
-        self.vehicle = html_pane()
-        of_pages = {name: lambda _, page=page: OwnFields(page) for name, page in state.pages.items() if page.fields}
-        own = [PageFields(state, name, make).view for name, make in {**OWN_FIELDS, **of_pages}.items()]
+        self.own = stack()
+        """The fields of pages that were in sight; those of the others are not made yet."""
         self.line = html_pane()
         self.strategies = StrategyList(state)
-        self.strategy_part = stack(
-            html_pane('<hr class="rule">'), html_pane('<div class="section">Strategies</div>'), self.strategies
-        )
-        self.changes = Changes(state)
+        self.changes = Changes(state, browser)
         self.plan = stack(
-            html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
+            html_pane(PLAN),
             self.travel_time,
-            self.shortest,
             LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
             NumberField(scenario, "recuperation_percent"),
         )
-        self.view = pn.Column(
+        self.view = stack(
             self.preset,
-            self.file,
-            self.bring,
-            self.edit,
-            self.saving.view,
+            html_pane(BUTTONS),
             self.plan,
-            *own,
-            self.vehicle,
+            self.own,
             self.line,
-            self.strategy_part,
-            html_pane('<hr class="rule">'),
+            self.strategies,
             self.changes.view,
-            margin=0,
-            sizing_mode="stretch_width",
         )
+        self.saving = SaveScenario(state, browser, keeping, self.view)
+        self._own: dict[str, Viewable] = {}
         self._quiet, self._opened = False, 0
+        browser.listen("import", lambda _: setattr(state, "page", "Files"))
+        browser.listen("edit", lambda _: setattr(state.editor, "open", not state.editor.open))
         self.preset.param.watch(self._choose, "value")
-        self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
         scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         state.param.watch(self._show_runs, "runs")
         state.param.watch(self._fit_page, "page")
+        self._name_scenario()
         self._fit_page()
         self._describe()
+        self._show_runs()
 
     def _fit_page(self, *_: Any) -> None:
-        """Leave out the strategies where they change nothing, and the plan where the page has ranges in its place."""
-        self.plan.visible = PAGES[self.state.page].has_plan
-        self.strategy_part.visible = bool(PAGES[self.state.page].strategies)
+        """Show the fields of the page in sight, and leave out what changes nothing on it."""
+        page = self.state.page
+        self.plan.visible = PAGES[page].has_plan
+        self.strategies.visible = bool(PAGES[page].strategies)
+        for name, view in self._own.items():
+            view.visible = name == page
+        if page in self._own or page not in self._makers:
+            return
+        document = pn.state.curdoc
+        if document is None:
+            self._add_fields(page)
+        else:
+            # the page itself comes first
+            document.add_timeout_callback(lambda: self._add_fields(page), FIELDS_AFTER_MS)
+
+    @property
+    def _makers(self) -> Mapping[str, Callable[[Workbench], "HasView"]]:
+        of_pages = {
+            name: lambda _, page=page: OwnFields(page) for name, page in self.state.pages.items() if page.fields
+        }
+        return {**OWN_FIELDS, **of_pages}
+
+    def _add_fields(self, page: str) -> None:
+        if page in self._own:
+            return
+        with one_message():
+            try:
+                with unfrozen():
+                    view = self._makers[page](self.state).view
+            except Exception as error:
+                self.state.faults.note(error, f"the fields of {page} could not be shown")
+                view = html_pane(markup('<p class="error" role="alert">{}</p>', NOT_SHOWN))
+            self._own[page] = view
+            view.visible = page == self.state.page
+            self.own.append(view)
 
     def _choose(self, event: Any) -> None:
         if not self._quiet and not event.new.startswith(FROM_FILE):
             self.state.scenario.choose(event.new)
 
-    def _open(self, event: Any) -> None:
-        if event.new is None:
-            return
-        name = str(self.file.filename)
-        try:
-            self.keeping.open_file(name, event.new.decode("utf-8"))
-        except UnicodeDecodeError:
-            self.keeping.refuse_file(name, NO_TEXT)
-
-    def _name_scenario(self, *_: Any) -> None:
+    def _name_scenario(self, *events: Any) -> None:
         """Show in the list which scenario this is."""
         opened = self.state.scenario.opened
         self._opened += opened is not None
         file = f"{FROM_FILE} {self._opened}"
+        value = self.state.scenario.preset if opened is None else file
+        if not events and value == self.preset.value:
+            return
         # or `_choose` would take the shipped scenario anew, without what was edited in it
         self._quiet = True
         with pn.io.hold():
-            # both at once, as a value must be among the options
-            self.preset.param.update(
-                options=scenario_options(self.state, file),
-                value=self.state.scenario.preset if opened is None else file,
-            )
+            # both together, as a value must be among the options
+            self.preset.param.update(groups=scenario_options(self.state, file), value=value)
         self._quiet = False
 
     def _move_ends(self, *_: Any) -> None:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
 
     def _describe(self, *_: Any) -> None:
-        """Say which vehicle and line these are."""
-        base = self.state.scenario.edited
-        self.vehicle.object = markup('<div class="section">Vehicle <span>\u00b7 {}</span></div>', base.vehicle.name)
-        self.line.object = markup('<div class="section">Track</div>{}', line_rows(self.state))
+        """Name the vehicle and describe the line."""
+        self.line.object = markup(
+            '<div class="section">Vehicle <span>\u00b7 {}</span></div><div class="section">Track</div>{}'
+            '<hr class="rule">',
+            self.state.scenario.edited.vehicle.name,
+            line_rows(self.state),
+        )
 
     def _show_runs(self, *_: Any) -> None:
         runs = self.state.runs
         if runs is not None:
-            shortest = words.number(runs.shortest_time_s)
-            template = '<div class="row small"><span class="muted">shortest possible</span><span>{} s</span></div>'
-            self.shortest.object = markup(template, shortest)
+            self.travel_time.hint = f"shortest possible {words.number(runs.shortest_time_s)} s"
+
+
+class Changes:
+    """How many fields differ from the preset, which, and a way back for each; the list opens at a press."""
+
+    def __init__(self, state: Workbench, browser: Browser) -> None:
+        self.state, self.opened = state, False
+        self.view = html_pane()
+        browser.listen("changes", lambda _: self._turn())
+        browser.listen("undo_all", lambda _: state.scenario.restore())
+        browser.listen("take_back", lambda message: self._take_back(str(message.get("name"))))
+        state.scenario.param.watch(self._show, ["preset", "opened", *RUN_FIELDS])
+        self._show()
+
+    def _turn(self) -> None:
+        self.opened = not self.opened
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        changes, original = self.state.scenario.changes, self.state.scenario.original
+        if not changes:
+            self.opened = False
+            self.view.object = UNCHANGED
+            return
+        rows = (
+            markup(CHANGE, key=key, before=short(original(key)), now=short(value)) for key, value in changes.items()
+        )
+        self.view.object = markup(
+            CHANGED,
+            opened=str(self.opened).lower(),
+            count=len(changes),
+            plural="" if len(changes) == 1 else "s",
+            sign="\u25b4" if self.opened else "\u25be",
+            rows=joined(rows) if self.opened else "",
+        )
+
+    def _take_back(self, key: str) -> None:
+        if key not in self.state.scenario.changes:
+            return
+        try:
+            self.state.scenario.take_back(key)
+        except RailjouleError as refusal:
+            self.state.failure = refusal
 
 
 @cache
-def shipped_scenarios() -> tuple[tuple[str, str], ...]:
-    """Return title and name of each shipped scenario; they never change."""
-    return tuple((load_scenario(name).title, name) for name in preset_names("scenarios"))
+def shipped_scenarios() -> dict[str, dict[str, str]]:
+    """Return the names of the shipped scenarios by their titles, in the groups of the page Start."""
+    return {
+        title: {load_scenario(name).title: name for name in names} for title, _, names in scenario_groups(card_names())
+    }
 
 
-def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, str]:
-    """Return the scenarios to choose from by their titles, that of a file included under a name of its own."""
-    options = dict(shipped_scenarios())
+def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, dict[str, str]]:
+    """Return the scenarios to choose from, that of a file included under a value of its own."""
     opened = state.scenario.opened
-    if opened is not None:
-        options[f"{opened.title or 'Untitled'} (file)"] = file
-    return options
+    if opened is None:
+        return shipped_scenarios()
+    return {"From a file": {f"{opened.title or 'Untitled'} (file)": file}, **shipped_scenarios()}
 
 
 class HasView(Protocol):
@@ -183,54 +247,24 @@ class HasView(Protocol):
     view: Viewable
 
 
-class PageFields:
-    """Fields that one page alone has; they are made when it is first in sight, as they cost every page that opens."""
-
-    def __init__(self, state: Workbench, page: str, make: Callable[[Workbench], HasView]) -> None:
-        self.state, self.page, self.make = state, page, make
-        self._called = False
-        self.view = pn.Column(margin=0, sizing_mode="stretch_width")
-        state.param.watch(self._show, "page")
-        self._show()
-
-    def _show(self, *_: Any) -> None:
-        self.view.visible = self.state.page == self.page
-        if not self.view.visible or self.view.objects or self._called:
-            return
-        document = pn.state.curdoc
-        if document is None:
-            self._fill()
-        else:
-            # the page itself comes first
-            self._called = True
-            document.add_timeout_callback(self._fill, FIELDS_AFTER_MS)
-
-    def _fill(self) -> None:
-        self._called = False
-        with added_to(self.view):
-            try:
-                with unfrozen():
-                    self.view[:] = [self.make(self.state).view]
-            except Exception as error:
-                self.state.faults.note(error, f"the fields of {self.page} could not be shown")
-                self.view[:] = [html_pane(markup('<p class="error" role="alert">{}</p>', NOT_SHOWN))]
-
-
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
-    "Drive": ActualFields,
     "What if": WhatIfFields,
 }
 """Fields that one page alone has, by its name."""
 
 
+def _permille(gradient: float) -> str:
+    return words.signed(gradient, 0 if gradient == round(gradient) else 1)
+
+
 def line_rows(state: Workbench) -> Markup:
-    """Return what the line is like, in rows."""
+    """Describe the line, in rows."""
     line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
     if min(gradients) == max(gradients):
-        level = "level" if gradients[0] == 0 else f"{words.signed(gradients[0], 0)} {words.PER_MILLE}"
+        level = "level" if gradients[0] == 0 else f"{_permille(gradients[0])} {words.PER_MILLE}"
     else:
-        level = f"{words.signed(min(gradients), 0)} to {words.signed(max(gradients), 0)} {words.PER_MILLE}"
+        level = f"{_permille(min(gradients))} to {_permille(max(gradients))} {words.PER_MILLE}"
     rows = [markup('<div class="row"><span>{} km, {}</span></div>', words.distance(line.length_m), level)]
     rows += [
         markup(

@@ -1,5 +1,6 @@
 """The strategies beside a page: which one all numbers speak of, which are drawn, and what each of them needs."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import param
@@ -8,15 +9,19 @@ from panel.custom import JSComponent
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.markup import joined, markup
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.parts.html import swatch
+from railjoule.dashboard.state.draft import shipped
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs
 
 UNKNOWN = markup("<span></span><span>{}</span>", words.UNKNOWN)
+UNDER_WAY = markup('<span class="reason">computing ...</span>')
+PLAIN_SCENARIO = "ftorek-300s"
+"""A shipped scenario that every strategy accepts."""
 
 
 class StrategyList(JSComponent):
@@ -33,6 +38,8 @@ class StrategyList(JSComponent):
     results = param.Dict(default={}, doc="What the strategies need for which there is a run, or why not, as HTML.")
     unknown = param.String(default="", doc="The same for one without a run.")
     above = param.String(default="", doc="What the second number of each row is.")
+    hidden = param.List(default=[], doc="Strategies without a row.")
+    refusals = param.String(default="", doc="The strategies that refuse the scenario, and why, as HTML.")
     draws = param.Boolean(default=True, doc="Whether the page in sight draws strategies.")
 
     _esm = module("strategies")
@@ -45,7 +52,7 @@ class StrategyList(JSComponent):
         ]
         super().__init__(strategies=rows, sizing_mode="stretch_width", margin=0)
         self.state = state
-        state.param.watch(self._show, ["runs", "chosen", "ticked", "page"])
+        state.param.watch(self._show, ["runs", "chosen", "ticked", "page", "failure"])
         self._show()
 
     def _show(self, *_: Any) -> None:
@@ -53,15 +60,27 @@ class StrategyList(JSComponent):
         numbers: dict[str, Any] = {}
         if runs is not None:
             results = {name: strategy_numbers(runs, name) for name in (*runs.runs, *runs.refused)}
+            asked = {} if self.state.failure is not None else dict.fromkeys(self.state.drawn, UNDER_WAY)
+            chosen = self.state.chosen
+            # a proven optimum needs no second opinion by dynamic programming, and what refuses has no numbers
+            refused = {name: why for name, why in runs.refused.items() if name in self.state.drawn and name != chosen}
+            surplus = {"bellman"} - set(self.state.drawn) if runs.is_proven else set()
             numbers = {
-                "results": results,
+                "results": {**asked, **results},
                 "unknown": UNKNOWN,
                 "above": f"above {comparisons.reference_name(runs.is_proven)}",
+                "hidden": [*surplus, *refused],
+                "refusals": refusal_lines(refused),
             }
         self.param.update(chosen=self.state.chosen, ticked=list(self.state.ticked), draws=use == "draw", **numbers)
 
     def _handle_msg(self, data: Any) -> None:
         kind, name = (data.get("kind"), data.get("name")) if isinstance(data, dict) else (None, None)
+        if kind == "open":
+            self.state.scenario.choose(PLAIN_SCENARIO)
+        elif kind == "leave" and self.state.runs is not None:
+            refused = self.state.runs.refused
+            self.state.ticked = [name for name in self.state.ticked if name not in refused]
         if name not in STRATEGIES:
             return
         if kind == "choose":
@@ -70,6 +89,19 @@ class StrategyList(JSComponent):
             drawn = {*self.state.ticked, name} if data.get("on") else {*self.state.ticked} - {name}
             # in the order of all, so that the address is the same whatever was ticked first
             self.state.ticked = [other for other in STRATEGIES if other in drawn]
+
+
+def refusal_lines(refused: Mapping[str, str]) -> str:
+    """Return one line per reason with the strategies that refuse a scenario for it, and a way to one that they take."""
+    if not refused:
+        return ""
+    by_reason: dict[str, list[str]] = {}
+    for name, reason in refused.items():
+        by_reason.setdefault(reason.rstrip("."), []).append(words.strategy(name))
+    lines = joined(markup("<p>{}: {}.</p>", ", ".join(names), reason) for reason, names in by_reason.items())
+    button = '<button type="button" data-kind="{}">{}</button>'
+    ways = {"open": f"Open {shipped(PLAIN_SCENARIO).title}", "leave": "Leave out"}
+    return lines + joined(markup(button, *way) for way in ways.items())
 
 
 def strategy_numbers(runs: Runs, name: str) -> str:

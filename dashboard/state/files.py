@@ -12,7 +12,7 @@ import param
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.scenario_folder import Listing, ScenarioFolder
 from railjoule.dashboard.state.opened import open_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel
@@ -118,7 +118,7 @@ class FilesModel(param.Parameterized):
                 fail(error)
 
         if document is not None:
-            turn = turns_of(document)
+            turn = make_turns(document)
             FILE_THREADS.submit(act).add_done_callback(lambda outcome: turn(lambda: take(outcome)))
             return
         done: Future[Result] = Future()

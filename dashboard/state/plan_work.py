@@ -18,14 +18,21 @@ class Plans(PageWork[Workbench]):
 
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state)
+        self._mark_pages = state.marks("Start", "Drive", "Compare", "Trade-off")
         self.runs = Worker(
             FIRST.compute,
             self._take,
             self.take_failure,
-            state.marks("Start", "Drive", "Compare", "Trade-off"),
+            self._mark,
             is_slow=lambda request: request.is_slow,
             about=state.scenario.identity,
         )
+
+    def _mark(self, late: bool) -> None:
+        """Mark the pages as late, unless only more strategies are under way: those that are shown stay valid."""
+        state, runs = self.state, self.state.runs
+        is_shown = runs is not None and runs.scenario == state.scenario.scenario() and state.chosen in runs.runs
+        self._mark_pages(late and not is_shown)
 
     def begin(self) -> None:
         """Listen to what runs depend on: what the address has changed before is asked for once."""

@@ -1,9 +1,9 @@
-"""What each page computes, in one table: what it lays over the scenario, and the program that gives its number.
+"""What the page in sight computes: what it lays over the scenario, and the program that gives its number.
 
 Share, the report and the copied command line read it here, so that none of them tells another run than the page shows.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from railjoule.core import RailjouleError
@@ -22,8 +22,8 @@ FOLLOWING = simulation("simulate_following", "following")
 
 def page_run(state: Workbench) -> PageRun:
     """Return what the page in sight computes."""
-    page = state.pages.get(state.page)
-    return PAGE_RUNS.get(state.page, _plan)(state) if page is None else page.page_run()
+    computed: PageRun = state.pages[state.page].page_run()
+    return computed
 
 
 def page_recipe(state: Workbench) -> Recipe:
@@ -62,16 +62,6 @@ def _has(document: Mapping[str, Any], path: str) -> bool:
     return True
 
 
-def _plan(state: Workbench) -> PageRun:
-    return PageRun(SOLVE, {"strategy": state.chosen_now})
-
-
-def _drive(state: Workbench) -> PageRun:
-    if not state.day.on:
-        return _plan(state)
-    return actual_run(state, {"strategy": state.chosen_now, **state.day.actual_changes})
-
-
 def actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
     """Return the run of a day; where nothing is otherwise than planned, that is the plan.
 
@@ -102,11 +92,3 @@ def followed(state: Workbench) -> Mapping[str, Any]:
     """Return what keeps a command from simulating the control loop that a file may ask for."""
     in_loop = state.scenario.edited.simulation.kind == "field_oriented"
     return {"simulation.kind": "following"} if in_loop else {}
-
-
-PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
-    "Start": _plan,
-    "Drive": _drive,
-    "Help": _plan,
-}
-"""By the name of the page; one without an entry shows the plan."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import param
 
@@ -15,10 +15,7 @@ from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.page_list import PAGES, page_classes, room_of
-from railjoule.dashboard.pages.drive.proof_compute import same_plan
-from railjoule.dashboard.pages.drive.proof_model import ProofModel
-from railjoule.dashboard.pages.drive.simple_model import SimpleModel
-from railjoule.dashboard.pages.start.model import StartModel
+from railjoule.dashboard.pages.drive.compute import Proofs, same_plan
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -38,6 +35,9 @@ from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.work.run_table import RunTable
 from railjoule.dashboard.work.runs import Runs
+
+if TYPE_CHECKING:
+    from railjoule.core.studies.simple_advice import SimpleRun
 
 COLOURS = ("system", "light", "dark")
 
@@ -81,10 +81,8 @@ class Workbench(Kept, PageModel):
         self.scenario = ScenarioModel()
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
-        self.start = StartModel()
         self.day = Day(self.scenario)
-        self.proof = ProofModel()
-        self.simple = SimpleModel()
+        self.proof = Proofs()
         super().__init__(**params)
         self.pages: dict[str, Any] = {name: page(self) for name, page in page_classes().items()}
         """Pages that are one class, by name; the others have a model above and a view of their own."""
@@ -167,14 +165,11 @@ class Workbench(Kept, PageModel):
         if run is not None and recipe is not None and self.pin_of_run is None:
             self._pin(run, recipe)
 
-    def pin_simple(self) -> None:
-        """Pin the chosen run of the simple advice."""
-        found, chosen = self.simple.found, self.simple.chosen
-        if found is None or chosen is None or self.pin_of(chosen.run) is not None:
-            return
-        recipe = recipe_of(self.scenario, found.scenario, "optimal")
-        name = f"{pin_name(chosen.run)}, {chosen.changes} changes"
-        self._pin(chosen.run, replace(recipe, simple=chosen.changes_allowed), name)
+    def pin_simple(self, scenario: Scenario, simple: "SimpleRun") -> None:
+        """Pin a run of simple advice for a scenario."""
+        if self.pin_of(simple.run) is None:
+            recipe = replace(recipe_of(self.scenario, scenario, "optimal"), simple=simple.changes_allowed)
+            self._pin(simple.run, recipe, f"{pin_name(simple.run)}, {simple.changes} changes")
 
     def show_file(self, name: str, content: bytes) -> None:
         """Turn to Files with a file of a line, a train or a run."""

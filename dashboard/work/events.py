@@ -15,7 +15,7 @@ from bokeh.document import Document
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
 
-from railjoule.dashboard.insides import session_document
+from railjoule.dashboard.library_workarounds import session_document
 
 LOG = logging.getLogger(__name__)
 ID_DIGITS = 8

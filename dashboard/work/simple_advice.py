@@ -1,4 +1,4 @@
-"""Simple advice: which of its runs is told first, and what more orders would gain.
+"""Simple advice: the choice among its runs.
 
 The page and the command line share these rules; nothing here loads the search itself.
 """
@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.strategies import prepare_task
+from railjoule.dashboard.look import comparisons, words
 
 if TYPE_CHECKING:
     from railjoule.core.studies.simple_advice import SimpleAdvice, SimpleRun
 
-# what simple orders may cost where nobody says how many there are to be
-LITTLE_ENERGY_SHARE = 0.01
+LITTLE_ENERGY_SHARE, MAX_ENERGY_SHARE = 0.01, 0.1
+"""Extra energy of simple advice over the optimum's: up to the first it costs little, above the second too much."""
 
 
 def compute_simple_advice(scenario: Scenario, max_changes: int | None = None) -> "SimpleAdvice":
@@ -61,26 +62,31 @@ def first_told(advice: "SimpleAdvice") -> "SimpleRun":
     return next((run for run in runs if _is_cheap(advice, run)), runs[-1])
 
 
-def more_changes(advice: "SimpleAdvice") -> str:
-    """Return in a sentence what more changes than those of the last run would gain."""
-    from railjoule.core.studies.simple_advice import FREE_SHARE, MAX_CHANGES  # noqa: PLC0415
+def choose_simple(advice: "SimpleAdvice") -> "tuple[SimpleRun | None, str]":
+    """Return the run with the fewest instructions that costs little, and a sentence on it.
 
-    last, optimum = advice.runs[-1], advice.optimum
-    if optimum is not None and last.run.energy.net_j <= optimum.energy.net_j * (1 + FREE_SHARE):
-        return f"More than {last.changes} changes would gain less than {100 * FREE_SHARE:g} %."
-    if last.changes_allowed == MAX_CHANGES == last.changes:
-        return f"More than {MAX_CHANGES} changes are not tried."
-    return f"More than {last.changes} changes gain nothing."
+    Without one, it is the cheapest run with fewer instructions than the optimum, if that costs at most MAX_SHARE; None
+    where the optimum is to be followed itself.
+    """
+    runs, optimum = [*by_changes(advice).values()], advice.optimum
+    if optimum is None:
+        return runs[-1], "No optimum is known to compare with."
+    most = _instruction_count(optimum)
+    fewer = [run for run in runs if _instruction_count(run.run) < most]
+    if not fewer:
+        return None, f"The optimum is already as simple as it gets: {most} instructions."
+    cheap = [run for run in fewer if _is_cheap(advice, run)]
+    best = min(cheap or fewer, key=lambda one: (bool(cheap) and _instruction_count(one.run), one.run.energy.net_j))
+    count, more = _instruction_count(best.run), comparisons.above(best.run.energy_kwh, optimum.energy_kwh)
+    if cheap:
+        return best, f"{count} instructions instead of {most}: {more} energy."
+    sentence = f"No advice with fewer than {most} instructions is within 1 % of the optimum: with {count} it is {more}."
+    return (best if _is_cheap(advice, best, MAX_ENERGY_SHARE) else None), sentence
 
 
-def not_in_time(advice: "SimpleAdvice") -> str:
-    """Return in a sentence with how many changes no run is in time; nothing where there is one with each number."""
-    if not advice.refused:
-        return ""
-    numbers = [str(changes) for changes, _ in advice.refused]
-    listed = " or ".join(filter(None, [", ".join(numbers[:-1]), numbers[-1]]))
-    return f"With at most {listed} changes no run is in time."
+def _instruction_count(run: Trajectory) -> int:
+    return len(words.instruction_groups(run.advice))
 
 
-def _is_cheap(advice: "SimpleAdvice", run: "SimpleRun") -> bool:
-    return advice.optimum is not None and advice.price_kwh(run) <= LITTLE_ENERGY_SHARE * abs(advice.optimum.energy_kwh)
+def _is_cheap(advice: "SimpleAdvice", run: "SimpleRun", share: float = LITTLE_ENERGY_SHARE) -> bool:
+    return advice.optimum is not None and advice.price_kwh(run) <= share * abs(advice.optimum.energy_kwh)

@@ -16,7 +16,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE, within
-from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.library_workarounds import make_turns
 from railjoule.dashboard.work import events
 
 LOG = logging.getLogger(__name__)
@@ -164,7 +164,7 @@ class Worker(Generic[Request, Result]):
         if self._document is None:
             self.do(request)
             return
-        self._turn = turns_of(self._document)
+        self._turn = make_turns(self._document)
         self._late.asked(self._document)
         self._requested_s = time.monotonic()
         if self._running:
@@ -324,7 +324,7 @@ class _Job(Generic[Result]):
 
     def __init__(self, document: Document | None) -> None:
         self.document, self.ended, self.asked_s = document, threading.Event(), time.monotonic()
-        self._turn = without_page if document is None else turns_of(document)
+        self._turn = without_page if document is None else make_turns(document)
         # the pool's thread offers, the event loop takes
         self._lock = threading.Lock()
         self._result: Result | RailjouleError | None = None

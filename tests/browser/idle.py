@@ -5,7 +5,7 @@ from playwright.sync_api import Page
 from railjoule.dashboard.work.worker import LATE_MS
 
 QUIET_MS = LATE_MS + 100
-"""A result that takes longer is marked as late, and the bar `.rj-working` is shown."""
+"""A result that takes longer is marked as late, and the bar `.working` is shown."""
 WATCH = """
 (() => {
   // Bokeh sends the head of each message as a frame of its own; the server's answer names that message
@@ -34,7 +34,7 @@ WATCH = """
     return width > 0 && bottom > 0 && top < window.innerHeight && element.checkVisibility();
   };
   window.is_idle = (quiet_ms) => unanswered.size === 0 && performance.now() - last_ms > quiet_ms
-    && document.querySelector(".rj-working, .rj-turning, .rj-drawer, #rj-first") === null
+    && document.getElementById("rj-first") === null && railjoule.deep(".working:not([hidden])").length === 0
     && !railjoule.deep(".rj-undrawn").some(in_sight);
 })();
 """

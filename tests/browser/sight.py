@@ -11,7 +11,7 @@ FEWEST_COLOURS = 12
 LOOK = """
 (name) => {
   const holder = Bokeh.index.find_one(Bokeh.documents[0].get_model_by_name(`page ${name}`) ?? {id: ""})?.el;
-  const covered = document.querySelector(".rj-turning, #rj-first") !== null;
+  const covered = document.getElementById("rj-first") !== null;
   if (covered || !holder?.checkVisibility()) { return {covered: true, words: "", waits: true, charts: []}; }
   const within = (root, selector) => [
     ...root.querySelectorAll(selector),
@@ -31,11 +31,11 @@ LOOK = """
     const canvases = within(place.shadowRoot, "canvas").filter((canvas) => canvas.width && canvas.height);
     // what WebGL has painted cannot be read afterwards
     const solid = within(place.shadowRoot, ".gl-container").length > 0;
-    const vector = within(place.shadowRoot, "svg").some((svg) => !svg.closest(".sketch"));
+    const vector = within(place.shadowRoot, "svg").length > 0;
     return {
-      name: railjoule.chart_of(place),
+      name: [...place.classList].find((one) => one.startsWith("rj-chart-")).slice(9),
       in_sight: box.height > 0 && box.bottom > main.top + 1 && box.top < main.bottom - 1,
-      sketched: within(place.shadowRoot, ".sketch").length > 0,
+      sketched: place.classList.contains("rj-undrawn"),
       drawn: !place.classList.contains("rj-undrawn") && (solid || vector || canvases.some((canvas) => !blank(canvas))),
       solid, box: [box.left, Math.max(box.top, main.top), box.right, Math.min(box.bottom, main.bottom)],
     };

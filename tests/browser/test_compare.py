@@ -42,7 +42,7 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
         expect(table.get_by_role("row").filter(has_text=name).first).to_be_visible()
     # more time saves energy: the optimum of 180 s lies below the pinned runs, and is the reference until one is chosen
     assert row(user, "Fastest")[2].startswith("+")
-    user.page.get_by_role("combobox").locator("visible=true").nth(1).click()
+    user.page.get_by_role("combobox", name="Reference run").locator("visible=true").click()
     user.page.get_by_role("menuitem", name="2 Optimal").click()
     expect(user.page.get_by_text("of another scenario").locator("visible=true")).to_be_visible()
     one, two = row(user, "1 Optimal"), row(user, "2 Optimal")

@@ -57,8 +57,8 @@ def test_pinning_a_run(user: User) -> None:
 
 def test_a_strategy_that_refuses_says_why(user: User) -> None:
     user.page.get_by_label("Draw ENOC").check()
-    reasons = user.page.locator(".result .reason").get_by_text("needs a line without limits", exact=True)
-    expect(reasons.first).to_be_visible()
+    expect(user.page.locator(".refusals").get_by_text("ENOC: needs a line without limits.")).to_be_visible()
+    expect(user.page.get_by_label("Draw ENOC")).to_be_hidden()
 
 
 def test_over_time(user: User) -> None:
@@ -139,9 +139,9 @@ def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser
             return dict(user.page.evaluate(find, "Speed, km/h"))
 
         def power() -> dict[str, int]:
-            return dict(user.page.evaluate(find, "Power from the supply, MW"))
+            return dict(user.page.evaluate(find, "Current from the supply, A, at 750 V"))
 
-        user.page.locator(".rj-chart-power:visible:not(.rj-undrawn)").wait_for(state="attached")
+        user.page.locator(".rj-chart-current:visible:not(.rj-undrawn)").wait_for(state="attached")
         user.wait_until(lambda: bool(power()["rests"]))
         assert power()["rests"]
         before = speed()["painted"], power()["painted"]
@@ -149,7 +149,7 @@ def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser
         user.wait_until(lambda: speed()["painted"] > before[0])
         assert speed()["painted"] > before[0]
         assert power()["painted"] == before[1]
-        user.page.locator(".rj-chart-power:visible").scroll_into_view_if_needed()
+        user.page.locator(".rj-chart-current:visible").scroll_into_view_if_needed()
         user.wait_until(lambda: not power()["rests"] and power()["painted"] > before[1])
         # it is in sight again, and follows
         after = power()["painted"]
@@ -163,49 +163,86 @@ def test_simpler_advice_by_mouse_from_start(user: User) -> None:
     user.turn_to("Start")
     user.page.get_by_role("button", name="Metro, profile II + I").first.click()
     user.see_drive()
-    head = user.page.get_by_role("button", name="Simpler advice", exact=True)
-    orders = user.page.get_by_role("list", name="Simpler advice", exact=True)
-    expect(orders).to_have_count(0)
-    head.click()
-    expect(head).to_have_attribute("aria-expanded", "true")
-    # the optimum has the limit of 50 km/h to brake for: with two changes the train may only hold one speed
-    expect(orders.locator("li").first).to_be_visible()
-    row = user.page.locator("tr.chosen:visible", has_text="+0.86")
-    expect(row.locator("td").first).to_have_text("3")
-    expect(user.page.get_by_text("More than 4 changes would gain less than 0.1 %.")).to_be_visible()
-    expect(user.page.locator(".rj-chart-orders:visible canvas").first).to_be_visible()
-    before, chart = orders.inner_text(), user.picture("orders")
-
-    user.page.get_by_role("button", name="2", exact=True).click()
-    expect(user.page.locator("tr.chosen:visible", has_text="+64.6")).to_be_visible()
-    user.wait_until(lambda: orders.inner_text() != before)
-    user.see_change("orders", chart)
-    # by the keyboard, and by a click at the right end of the chart
-    user.page.get_by_role("button", name="3", exact=True).press("Enter")
-    expect(row).to_be_visible()
-    box = user.page.locator(".rj-chart-orders:visible canvas").first.bounding_box()
-    assert box is not None
-    user.page.mouse.click(box["x"] + box["width"] - 40, box["y"] + box["height"] / 2)
-    expect(user.page.locator("tr.chosen:visible td", has_text="+0.09")).to_be_visible()
-
-    user.page.get_by_role("button", name="Print the simpler advice").click()
-    sheet = user.page.frame_locator("#rj-print")
-    expect(sheet.locator("h1")).to_have_text("Metro, profile II + I: 170.0 s, at most 4 changes of regime")
-    expect(sheet.locator("h2")).to_have_text(["Timetable", "Orders", "Speed limits"])
-    expect(sheet.locator("td", has_text="50 km/h")).to_have_count(1)
-
-    again = user.page.get_by_role("button", name="Compute again", exact=True)
-    user.type("Travel time, s", "180")
-    expect(user.page.get_by_text("the figures from before")).to_be_visible()
-    again.click()
-    # computing takes both the button and the sentence away, the result brings its own
-    expect(user.page.get_by_text(re.compile(r"More than \d changes"))).to_be_visible()
-    expect(again).to_be_hidden()
-    user.page.get_by_role("button", name="Print the simpler advice").click()
-    expect(sheet.locator("h1")).to_contain_text("180.0 s")
-    user.page.get_by_role("button", name="Pin these orders", exact=True).click()
-    expect(user.page.get_by_text("Pinned: Simpler advice, 180.0 s").first).to_be_visible()
-    expect(user.page.locator(".rj-chart-difference:visible canvas").first).to_be_visible()
+    advice = user.page.get_by_role("list", name="Driver\u2019s advice", exact=True)
+    simple, exact = (user.page.get_by_role("button", name=name, exact=True) for name in ("Simple", "Exact"))
+    before = advice.inner_text()
+    simple.click()
+    # the optimum has the limit of 50 km/h to brake for, and an advice for two brakes
+    expect(
+        user.page.get_by_text("No advice with fewer than 7 instructions is within 1 % of the optimum")
+    ).to_be_visible()
+    assert advice.inner_text() == before
+    user.choose("Metro, set speeds, 40 km/h")
+    expect(user.page.get_by_text("5 instructions instead of 8: +0.10 % energy.")).to_be_visible()
+    expect(advice.locator("li:has(> b)")).to_have_count(5)
+    user.page.get_by_role("button", name="Pin this advice", exact=True).click()
+    expect(user.page.get_by_text("Pinned: Simpler advice").first).to_be_visible()
     assert_nothing_grave(user)
-    head.click()
-    expect(orders).to_be_hidden()
+    exact.click()
+    # of the strategy that this scenario names
+    expect(advice.locator("li:has(> b)")).to_have_count(4)
+
+
+def test_the_train_plays_pauses_and_is_dragged(user: User) -> None:
+    page = user.page
+    play, pause = (page.get_by_role("button", name=name, exact=True) for name in ("Play", "Pause"))
+    slider, now = page.get_by_label("Time of the run, s"), page.locator("li.now")
+    time, energy = (page.locator(f".player b[data-quantity={name}]") for name in ("time", "energy"))
+    page.get_by_label("Pace", exact=True).select_option("10")
+    play.click()
+    user.wait_until(lambda: time.inner_text() not in {"\u2013", ""} and float(time.inner_text()) > 15)
+    expect(now).to_contain_text("coast from 43 m")
+    pause.click()
+    stood = float(time.inner_text())
+    assert 3 < float(energy.inner_text()) < 5
+    train = page.evaluate(
+        """() => [...Bokeh.documents[0].all_models]
+          .filter((one) => one.type === "ColumnDataSource" && one.name === "train" && one.data.x.length)
+          .map((one) => one.data.x[0])"""
+    )
+    # at one place in the figures of speed and track
+    assert len(train) == 2
+    assert train[0] == train[1] > 43
+    slider.focus()
+    page.keyboard.press("ArrowRight")
+    assert float(time.inner_text()) == pytest.approx(stood + 1, abs=1.0)
+    slider.fill("60")
+    expect(now).to_contain_text("hold 50 km/h")
+    assert_nothing_grave(user)
+
+
+SWITCH = """() => {
+  const models = [...Bokeh.documents[0].all_models];
+  const line = models.find((one) => one.type === "Span" && one.name === "switch");
+  const figure = models.find((one) => one.type === "Figure" && one.center.includes(line));
+  const view = Bokeh.index.find_one(figure), box = view.el.getBoundingClientRect();
+  return [box.left + view.frame.x_scale.compute(line.location), box.top + box.height / 2];
+}"""
+"""Returns the place of the dashed line on the screen."""
+
+
+def test_the_start_of_coasting_is_dragged_and_typed(user: User) -> None:
+    page, whole = user.page, x_range(user)
+    page.get_by_role("combobox", name="Move an instruction").click()
+    page.get_by_role("menuitem", name="6 coast", exact=True).click()
+    place = page.get_by_label("Begins at, m, as a number")
+    expect(place).to_have_value("970")
+    place.fill("1000")
+    place.press("Enter")
+    expect(
+        page.get_by_text(re.compile(r"Coasting from 1.000 m instead of 970 m: \+0\.\d\d %, same arrival\."))
+    ).to_be_visible()
+    user.settled()
+    x, y = page.evaluate(SWITCH)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x - 8, y, steps=4)
+    page.mouse.up()
+    expect(place).not_to_have_value("1000")
+    expect(page.get_by_text(re.compile(r"Coasting from 9\d\d m instead of 970 m"))).to_be_visible()
+    # the box that zooms did not take the drag
+    assert x_range(user) == whole
+    page.get_by_role("combobox", name="Move an instruction").click()
+    page.get_by_role("menuitem", name="None", exact=True).click()
+    expect(place).to_be_hidden()
+    assert_nothing_grave(user)

@@ -109,8 +109,8 @@ def test_markup_stays_text(user: User, server: Server) -> None:
 
 
 def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: Server) -> None:
-    user.page.evaluate("location.hash = '#v=1&load_percent=10&robustness.seed=7'")
+    user.page.evaluate("location.hash = '#v=1&page=Drive&load_percent=10&robustness.seed=7'")
     expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("10")
-    expect(user.page).to_have_url(server.url + "?v=1&load_percent=10&day.seed=7")
+    expect(user.page).to_have_url(server.url + "?v=1&page=Drive&load_percent=10&day.seed=7")
     user.page.evaluate("location.hash = '#v=2&load_percent=20'")
     expect(user.page.get_by_role("alert").filter(has_text="The link has version 2")).to_be_visible()

@@ -78,11 +78,10 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser)
         expect(energy).not_to_have_text(first)
         page.keyboard.press("Control+z")
         expect(energy).to_have_text(first)
-        reach(page, "Drive")
-        page.keyboard.press("ArrowRight")
         # the group, whose first page is Compare
-        page.keyboard.press("ArrowDown")
-        page.keyboard.press("Enter")
+        reach(page, "Compare")
+        for key in ("Enter", "Tab", "Enter"):
+            page.keyboard.press(key)
         expect(page.get_by_role("heading", level=1, name="Strategies and pinned runs")).to_be_visible()
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
         assert page.evaluate("window.stops_in_figures") == 0

@@ -57,12 +57,12 @@ def told(user: User, sentence: str) -> None:
 
 
 def test_a_scenario_is_saved_listed_and_opened_again(user: User, folder: Path) -> None:
+    user.turn_to("Drive")
     save(user, "my run")
     told(user, "Saved as my run.toml.")
-    expect(row(user, "my run")).to_contain_text("Metro, profile II + I")
-    user.turn_to("Drive")
     user.choose("Metro, profile II")
     user.turn_to("Start")
+    expect(row(user, "my run")).to_contain_text("Metro, profile II + I")
     button(user, "Open my run").click()
     expect(user.question("Drive")).to_be_visible()
     expect(user.scenario("Metro, profile II + I")).to_be_visible()
@@ -120,6 +120,7 @@ def test_without_a_folder_nothing_is_listed_and_saving_is_a_download(chromium: B
     with serving(*COMMAND, "--address", "0.0.0.0") as bare, User.at(chromium, bare.url, on_drive=False) as user:
         expect(user.page.get_by_role("heading", name="First steps")).to_be_visible()
         expect(user.page.get_by_text("My files").locator("visible=true")).to_have_count(0)
+        user.turn_to("Drive")
         with user.page.expect_download() as download:
             button(user, "Save scenario").click()
         assert download.value.suggested_filename == "metro-profile-ii-i.toml"

@@ -139,12 +139,23 @@ NUMBER: dict[str, Any] = {
     "step": 0.5,
     "tick": 200.0,
     "note": "",
+    "hint": "",
     "refusal": "",
     "answers": 0,
 }
 PLAYED = {"title": "", "text": "", "verdict": {}, "refusals": 0, "lead": ""}
 VALUES: dict[str, dict[str, Any]] = {
-    "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
+    "browser": {
+        "page": "Start",
+        "entries": ENTRIES,
+        "keyed": ["Start", "Drive"],
+        "brand": "",
+        "labels": {"undo": "Undo"},
+        "disabled": [],
+        "charts_in_sight": [],
+        "address": "",
+        "progress": None,
+    },
     "draw_speed": {
         **PLAYED,
         "given": {
@@ -178,10 +189,9 @@ VALUES: dict[str, dict[str, Any]] = {
         },
     },
     "editor_head": {"status": "", "alert": "", "open": False},
-    "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
-    "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
+    "player": {"wanted": False, "run": {}, "train": [], "over_time": False},
 }
 """Properties that each of the listening components needs to be drawn."""
 
@@ -189,7 +199,8 @@ VALUES: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("name", LISTENING_OUTSIDE)
 def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> None:
     """Whether it is removed or only drawn anew: the library does not tell of the second."""
-    view = "view: {model: {document: {on_event() {}}}}"
+    document = "on_event() {}, on_change() {}, remove_on_change() {}, get_model_by_name() {}"
+    view = f"view: {{model: {{document: {{{document}}}}}}}"
     code = f"""
       {MODEL} {LISTENING}
       const counts = [];
@@ -229,6 +240,7 @@ def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None
     """
     names = [{"name": name, "label": name, "swatch": "", "info": ""} for name in "ab"]
     start = {"strategies": names, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
+    start |= {"hidden": [], "refusals": ""}
     assert run(page, "strategies", code, start) == [
         ["draw", "choose"],
         [True, True, True, False],
@@ -598,3 +610,34 @@ def test_a_distribution_has_the_numbers_of_the_library(page: Page, name: str) ->
         assert one["kwh"] == pytest.approx(line.run.energy_kwh, rel=1e-6)
         wanted = [leg.price_of_time_w / J_PER_WH for leg in line.legs]
         assert one["prices"] == pytest.approx(wanted, rel=1e-5)
+
+
+def test_the_player_shows_the_run_at_a_time(page: Page) -> None:
+    """The columns come when they are wanted; the slider sets the time, and Play asks for the run before it has one."""
+    code = f"""
+      {MODEL}
+      window.Bokeh = {{documents: []}};
+      const root = shown(m.render({{model}}));
+      const button = root.querySelector("button"), range = root.querySelector("input");
+      const texts = () => [...root.querySelectorAll(".readouts b")].map((one) => one.textContent);
+      range.dispatchEvent(new Event("input"));
+      const wanted = model.wanted;
+      change({{run: {{
+        time: [0, 10, 20], position: [0, 50, 200], speed: [0, 36, 72], power: [0, 1, 2], energy: [0, 1, 3],
+        height: [0, 0, 0], starts: [0, 12],
+      }}}});
+      await drawn();
+      range.value = "15";
+      range.dispatchEvent(new Event("input"));
+      const there = texts();
+      button.click();
+      const playing = button.textContent;
+      button.click();
+      const numbers = [11, 12].map((time) => m.instruction_at([0, 12], time));
+      return [wanted, there, playing, button.textContent, ...numbers];
+    """
+    wanted, there, playing, stopped, before, after = run(page, "player", code, VALUES["player"])
+    assert wanted
+    # between the nodes, but for the power, which the cell has; without a current, there is no number of it
+    assert there == ["15.0", "125", "54.0", "2.00", "\u2013", "2.00"]
+    assert (playing, stopped, before, after) == ("Pause", "Play", 0, 1)

@@ -8,6 +8,7 @@ import pytest
 @pytest.fixture(autouse=True)
 def _two_cards(monkeypatch):
     """Let a session that begins on Start compute two cards, and not those of all shipped scenarios."""
-    work = sys.modules.get("railjoule.dashboard.pages.start.work")
-    if work is not None:
-        monkeypatch.setattr(work, "card_names", lambda: ("liashenko-0", "liashenko-ii"))
+    page = sys.modules.get("railjoule.dashboard.pages.start.page")
+    if page is not None:
+        compute = page.compute_cards
+        monkeypatch.setattr(page, "compute_cards", lambda _: compute(("liashenko-0", "liashenko-ii")))

@@ -10,8 +10,8 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.app import VIEWS, Session
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, snapshot_of
 from railjoule.dashboard.page_list import PAGES
@@ -41,7 +41,7 @@ def opened(address: str) -> Workbench:
     for view in VIEWS.values():
         for work in view.works:
             work(state)
-    Keeping(state, Lifeline()).begin(address)
+    Keeping(state, Browser()).begin(address)
     return state
 
 
@@ -148,7 +148,7 @@ class AnyOrder(RuleBasedStateMachine):
     @invariant()
     def a_new_page_at_the_address_is_the_same(self) -> None:
         self.keeping.note()
-        address = self.keeping.lifeline.address
+        address = self.keeping.browser.address
         other = opened(address)
         assert other.notice == ""
         assert snapshot_of(other) == snapshot_of(self.state), address

@@ -17,14 +17,11 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.command.cli import main
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
-from railjoule.dashboard.pages.drive.proof_work import Proving
-from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.host import find_view
+from railjoule.dashboard.pages.host import find_view, make_works
+from railjoule.dashboard.pages.start.cards import card_html
 from railjoule.dashboard.pages.start.compute import make_card
-from railjoule.dashboard.pages.start.view import card_html
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import Findings
 from railjoule.dashboard.shell.sidebar import Sidebar
@@ -75,6 +72,11 @@ def printed(*arguments: str) -> str:
     return output.getvalue()
 
 
+def make_sidebar(state: Workbench) -> Sidebar:
+    browser = Browser()
+    return Sidebar(state, browser, Keeping(state, browser))
+
+
 class Teller:
     """Collects what one scenario's runs are told to be."""
 
@@ -82,15 +84,15 @@ class Teller:
         self.name = name
         self.told: Told = defaultdict(dict)
         self.state = Workbench()
-        self.drive = DriveView(self.state, Browser(), PALETTE)
-        self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
+        self.drive = find_view("Drive")(self.state, Browser(), PALETTE)
+        self.sidebar = make_sidebar(self.state)
         find_view("Compare")(self.state, Browser(), PALETTE)
         self.compare = self.state.pages["Compare"]
         self.state.scenario.choose(name)
         self.first: str = self.state.chosen
         self.state.ticked = list(STRATEGIES)
         self.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), tuple(STRATEGIES)))
-        self.proving = Proving(self.state)
+        make_works("Drive")(self.state)
         self.state.page = "Drive"
         self.state.runs = self.runs
         # the first stage of the proof is done by now: there is no page whose turn it waits for
@@ -130,7 +132,7 @@ class Teller:
         side = re.search(rf"({NUMBER}) km", plain(self.sidebar.line.object))
         self.tell("heading", "", distance=heading and heading[1])
         self.tell("sidebar", "", distance=side and side[1])
-        self.runs_table("table", self.drive.runs.object)
+        self.runs_table("table", self.state.pages["Drive"].runs.object)
         for name, markup in self.sidebar.strategies.results.items():
             told = re.findall(r"<span>(.*?)</span>", markup)
             if name in self.runs.runs:

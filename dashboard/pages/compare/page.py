@@ -54,7 +54,6 @@ class PinRow:
             self.name,
             self.remove,
             margin=0,
-            visible=False,
             sizing_mode="stretch_width",
             max_width=620,
         )
@@ -67,10 +66,8 @@ class PinRow:
 
     def show(self) -> None:
         """Show the run that is pinned here."""
-        pin = self.pin
-        self.view.visible = pin is not None
-        if pin is not None:
-            self.name.value = pin.name
+        if self.pin is not None:
+            self.name.value = self.pin.name
 
     def _rename(self, event: Any) -> None:
         pin = self.pin
@@ -132,10 +129,22 @@ class Compare(Page):
             margin=0,
             sizing_mode="stretch_width",
         )
-        self.rows = [PinRow(self.desk, key) for key in PIN_KEYS]
+        self.rows: dict[str, PinRow] = {}
         figures = parts.stack(*(chart.host for chart in self.host.charts), css=BODY_CSS)
-        pins = parts.stack(self.pins, *(row.view for row in self.rows), self.differences)
+        self.pin_rows = parts.stack()
+        pins = parts.stack(self.pins, self.pin_rows, self.differences)
         return parts.stack(self.host.figures, tools, figures, parts.stack(self.table, pins, css=TEXT_CSS))
+
+    def _show_pins(self) -> None:
+        """Have a row for each pinned run; rows are made with their runs."""
+        pinned = [pin.colour for pin in self.desk.pins]
+        for key in pinned:
+            if key not in self.rows:
+                self.rows[key] = PinRow(self.desk, key)
+            self.rows[key].show()
+        views = [self.rows[key].view for key in PIN_KEYS if key in pinned]
+        if views != list(self.pin_rows):
+            self.pin_rows[:] = views
 
     def _refer(self, event: Any) -> None:
         if not self._quiet and event.new:
@@ -164,8 +173,7 @@ class Compare(Page):
         self.host.heading.object = parts.heading(self.page, desk.run.scenario.title, subtitle, "")
         self._show_table()
         self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if count else NO_PIN)
-        for row in self.rows:
-            row.show()
+        self._show_pins()
         self.differences.object = table.scenario_differences(desk.pins, reference)
         self.host.axis.fit(max(end_of_run(one.run, over_time) for one in among), roomy=not narrow)
         self.host.draw(PLOTS, among, reference, over_time, narrow)

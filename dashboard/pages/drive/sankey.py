@@ -22,7 +22,7 @@ SMALLEST_SHARE = 1e-4
 # TOP_PX has room for the two lines of text above the first knot, see `_knot`
 TALL_PX, KNOT_PX, GAP_PX, TOP_PX = 150.0, 9.0, 9.0, 34.0
 ROW_PX = 17.0
-NARROW_PX, WIDEST_PX = 560, 1100
+WIDEST_PX, LEFT_PX, NAMES_PX, FONT_PX = 1100, 50.0, 210.0, 12
 KNOT_PLACES = (0.0, 0.27, 0.52, 0.76)
 """Where the knots stand, as shares of the way to the names of the ends."""
 BEND_PX = 9.0
@@ -123,10 +123,6 @@ class Drawing:
 
     def __init__(self, links: Sequence[Link], tokens: Tokens, width_px: float) -> None:
         self.links, self.tokens, self.width = links, tokens, width_px
-        self.narrow = narrow = width_px < NARROW_PX
-        self.name_room = 152.0 if narrow else 210.0
-        self.left = 4.0 if narrow else 50.0
-        self.size = 11 if narrow else 12
         # where height or speed is lost, more passes the train than the supply gives
         most = max(sum(link.joules for link in links if link.source == LINE), self._through(TRAIN), 1.0)
         self.px_per_j = TALL_PX / most
@@ -142,12 +138,12 @@ class Drawing:
         return max(arriving, leaving)
 
     def _x(self, knot: str) -> float:
-        return self.left + KNOT_PLACES[KNOTS.index(knot)] * (self.end_x - self.left)
+        return LEFT_PX + KNOT_PLACES[KNOTS.index(knot)] * (self.end_x - LEFT_PX)
 
     @property
     def end_x(self) -> float:
         """Where the ribbons end and the names begin."""
-        return self.width - self.name_room
+        return self.width - NAMES_PX
 
     def _place_knots(self) -> None:
         """Put each knot as far down as the ribbons that leave before it need."""
@@ -193,7 +189,7 @@ class Drawing:
             title=title,
             spoken=spoken,
             font=FONT,
-            size=self.size,
+            size=FONT_PX,
             ink=self.tokens["ink2"],
             drawn=joined(drawn),
         )
@@ -243,12 +239,7 @@ class Drawing:
 
     def _source(self, link: Link) -> Markup:
         x, y = self._x(DRIVE), self.source_tops[link.source] + 0.5 * self.px_per_j * link.joules + 4
-        text = f"{link.source} {kwh(link.joules)}"
-        if not self.narrow:
-            return self._text(x + KNOT_PX - 4, y, text, anchor="end")
-        first, rest = text.split(" ", 1)
-        upper = self._text(x + KNOT_PX - 4, y - 7, first, anchor="end")
-        return upper + self._text(x + KNOT_PX - 4, y + 6, rest, anchor="end")
+        return self._text(x + KNOT_PX - 4, y, f"{link.source} {kwh(link.joules)}", anchor="end")
 
     def _text(self, x: float, y: float, text: str, strong: bool = False, anchor: str = "start") -> Markup:
         weight = Markup(' font-weight="600"') if strong else ""
@@ -262,7 +253,7 @@ class Drawing:
         given = sum(other.joules for other in self.links if other.source == BRAKE and other is not link)
         y0 = self.tops[BRAKE] + self.px_per_j * given + 0.5 * thick
         y1 = max(self.bottom + 14 + 0.5 * thick, y0 + 2 * radius)
-        x0, x1 = self._x(BRAKE) + KNOT_PX, self.left + 0.5 * KNOT_PX
+        x0, x1 = self._x(BRAKE) + KNOT_PX, LEFT_PX + 0.5 * KNOT_PX
         tip = self.tops[LINE] + self.px_per_j * self._through(LINE) + 4
         path = (
             f"M{x0:.1f} {y0:.1f}h2a{radius:.1f} {radius:.1f} 0 0 1 {radius:.1f} {radius:.1f}V{y1 - radius:.1f}"

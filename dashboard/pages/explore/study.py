@@ -17,8 +17,8 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.studies.sweep import METHODS, MemoryResults, Study, SweepFile, SweepTable
-from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keep.keeping import shown_name
+from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.limits import LARGEST_STUDY_BYTES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.page import Own, Page, Request, Section, study, work

@@ -10,7 +10,7 @@ from railjoule.core.imports import ImportedLine
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._sentences import counted
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css
@@ -102,7 +102,7 @@ class FileCard:
                 rows[-1] += [select, sample] if choice.sample else [select]
                 if choice.sample:
                     rows.append([])
-            with added_to(self.choices):
+            with one_message():
                 self.choices[:] = [pn.FlexBox(*row, align_items="center", margin=0) for row in rows if row]
         for choice, select, sample in zip(choices, self.selects, self.samples, strict=True):
             classes = ["missing"] if choice.is_missing else []
@@ -124,7 +124,7 @@ class FileCard:
             made.append(_text(markup("<p class=note>{}</p>", question.sentence)))
             answers = [self._answer(question.key, *answer, first=k == 0) for k, answer in enumerate(question.answers)]
             made.append(pn.FlexBox(*answers, margin=0))
-        with added_to(self.questions):
+        with one_message():
             self.questions[:] = made
 
     def _answer(self, key: str, word: str, value: str, first: bool) -> pmui.Button:

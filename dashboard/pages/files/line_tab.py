@@ -9,7 +9,7 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core.scenario._sentences import counted
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.editor.fields_of import Field, parts_of, plain
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import words_of
@@ -164,7 +164,7 @@ class LineTab(Page):
             self._views[number] = view, card
         views = [self._views[number][0].view for number in shown]
         if views != list(self.card_place):
-            with added_to(self.card_place):
+            with one_message():
                 self.card_place[:] = views
 
     def _new_card(self, number: int) -> FileCard:
@@ -188,7 +188,7 @@ class LineTab(Page):
         self.status.object = markup("<p class='muted small' role=status>{}</p>{}", waits, refused)
         if reading.offers is not self._offered:
             self._offered = reading.offers
-            with added_to(self.offer_place):
+            with one_message():
                 self.offer_place[:] = [self._offer(one, k == 0) for k, one in enumerate(reading.offers or ())]
         if imported is not None:
             self.host.axes[LINE].fit(imported.line.length_m, roomy=False)

@@ -13,8 +13,8 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.core.imports import SourceFile
-from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keep.dropped import NO_TEXT, REPORTS, SCENARIOS, refused_file, scenario_text, words_of
+from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded

@@ -11,7 +11,7 @@ import segno
 from panel.viewable import Viewable
 
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.browser.messages import one_message
 from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_lines import Curve, as_steps
@@ -105,7 +105,7 @@ class ClassView:
         self.close.visible = self.results.visible = taught is not None
         self.link.object = "" if taught is None else invitation(class_link(page, taught), taught)
         if taught is not None and not list(self.results):
-            with added_to(self.results):
+            with one_message():
                 self.results[:] = self._results()
         if taught is not None:
             self.table.object = students_table(taught)

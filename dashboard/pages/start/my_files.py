@@ -7,8 +7,8 @@ from railjoule.dashboard.scenario_folder import ListedFile
 from railjoule.dashboard.state.files import FilesModel
 
 EMPTY = (
-    "Nothing saved yet. \u201cSave scenario\u201d beside the page saves here, and scenario files that are put into the "
-    "folder appear here."
+    "Nothing saved yet. \u201cSave scenario\u201d beside the other pages saves here, and scenario files that are "
+    "put into the folder appear here."
 )
 FILES_CSS = """
 .my-files { padding: 4px 20px 4px; }
@@ -60,7 +60,9 @@ def files_html(files: FilesModel) -> Markup:
 def _row(file: ListedFile, is_open: bool) -> Markup:
     name = markup("<b>{}</b>", file.name)
     if not file.refusal:
-        name = markup('<button type="button" data-file="{0}" aria-label="Open {0}">{0}</button>', file.name)
+        name = markup(
+            '<button type="button" data-ask="open_saved" data-name="{0}" aria-label="Open {0}">{0}</button>', file.name
+        )
     mark = Markup(' <span class="muted small">open</span>') if is_open else ""
     about = markup('<span class="refused">Cannot be opened: {}</span>', file.refusal) if file.refusal else file.title
     changed = datetime.fromtimestamp(file.changed_s)

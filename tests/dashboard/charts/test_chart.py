@@ -37,7 +37,7 @@ class CountingChart(Chart):
 
 def test_a_chart_takes_the_place_of_its_sketch_once_it_is_drawn() -> None:
     chart, drawn = CountingChart(), []
-    assert "Being computed: counting" in chart.sketch.object
+    assert "Being computed: counting" in chart.host.stylesheets[0]
     assert not chart.is_drawn
     chart.settle()
     assert chart.built == 0
@@ -55,7 +55,7 @@ def test_a_chart_that_fails_leaves_its_sketch_and_is_built_anew() -> None:
         chart.settle()
     assert not chart.is_drawn
     chart.fail()
-    assert "could not be drawn" in chart.sketch.object
+    assert "could not be drawn" in chart.host[0].object
     chart.show(lambda: None)
     assert (chart.built, chart.is_drawn) == (2, True)
 

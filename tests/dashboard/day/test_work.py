@@ -7,9 +7,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.drive.actual_work import Actual
-from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.host import make_works
+from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -20,7 +18,7 @@ class Pages:
     def __init__(self, preset="metro-with-limit"):
         self.state = Workbench()
         make_works("What if")(self.state)
-        self.actual = Actual(self.state)
+        make_works("Drive")(self.state)
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)
         if not self.state.day.events:
@@ -29,12 +27,12 @@ class Pages:
 
     def run(self):
         self.state.page = "Drive"
-        return self.state.day.run
+        return self.state.pages["Drive"].actual
 
     def draw(self):
         state = self.state
         state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
-        return DriveView(state, Browser(), Palette(dark=False))
+        return find_view("Drive")(state, Browser(), Palette(dark=False))
 
 
 @pytest.fixture
@@ -143,7 +141,7 @@ def test_a_failure_keeps_the_plan_and_says_why(pages):
     state = pages.state
     state.day.on = True
     state.day.events[0].position_m = 5000.0
-    assert "must lie before the end of the line" in str(state.day.failure)
+    assert "must lie before the end of the line" in str(state.pages["Drive"].failure)
     view = pages.draw()
     assert "must lie before the end" in view.message.object
     assert "Energy from the supply" in view.figures.object

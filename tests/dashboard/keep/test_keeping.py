@@ -9,14 +9,14 @@ from turns import Page
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
 from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
+from railjoule.dashboard.shell.sidebar import Changes
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -31,18 +31,18 @@ def state() -> Workbench:
 
 @pytest.fixture
 def keeping(state: Workbench) -> Keeping:
-    keeping = Keeping(state, Lifeline())
+    keeping = Keeping(state, Browser())
     keeping.begin("")
     return keeping
 
 
 def test_a_new_page_has_a_bare_address_and_nothing_to_undo(keeping: Keeping) -> None:
-    assert keeping.lifeline.address == ""
+    assert keeping.browser.address == ""
     assert not keeping.can_undo
     for preset in ("liashenko-ii", "tram-950m-stop", "ftorek-300s"):
         keeping.state.scenario.choose(preset)
         keeping.note()
-        assert keeping.lifeline.address == f"?v=1&preset={preset}"
+        assert keeping.browser.address == f"?v=1&preset={preset}"
 
 
 def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None:
@@ -59,12 +59,12 @@ def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None
     keeping.undo()
     assert len(limits.sections) == limits.section_count == 2
     keeping.undo()
-    assert keeping.lifeline.address == ""
+    assert keeping.browser.address == ""
     assert not keeping.can_undo
     keeping.redo()
     keeping.redo()
     keeping.redo()
-    assert keeping.lifeline.address == "?v=1&preset=liashenko-ii"
+    assert keeping.browser.address == "?v=1&preset=liashenko-ii"
     assert not keeping.can_redo
 
 
@@ -78,21 +78,21 @@ def test_a_change_is_noted_with_its_runs_but_not_with_each_of_many(
         with set_curdoc(Page().document):
             state.scenario.travel_time_s = time_s
             state.param.trigger("runs")
-        assert keeping.lifeline.address == f"?v=1&travel_time_s={noted}"
+        assert keeping.browser.address == f"?v=1&travel_time_s={noted}"
 
 
 def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
-    keeping = Keeping(state, Lifeline())
+    keeping = Keeping(state, Browser())
     keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
     assert (state.scenario.preset, state.scenario.load_percent, state.day.seed) == ("liashenko-i", 30, 7)
     assert state.notice == "Parts of the link were ignored: load is not known."
-    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&day.seed=7"
+    assert keeping.browser.address == "?v=1&preset=liashenko-i&load_percent=30&day.seed=7"
     assert not keeping.can_undo
 
 
 def drop(keeping: Keeping, name: str, content: bytes) -> None:
     data = base64.b64encode(content).decode()
-    keeping.lifeline._handle_msg({"kind": "drop", "name": name, "data": data})
+    keeping.browser._handle_msg({"kind": "drop", "name": name, "data": data})
 
 
 def test_a_dropped_file_is_shown_on_the_page_of_its_kind(keeping: Keeping) -> None:
@@ -106,7 +106,7 @@ def test_a_dropped_file_is_shown_on_the_page_of_its_kind(keeping: Keeping) -> No
     assert state.page == "Explore"
     drop(keeping, "mine.toml", format_scenario(load_scenario("ftorek-300s").replace(title="Mine")).encode())
     assert state.scenario.base.title == "Mine"
-    keeping.lifeline._handle_msg({"kind": "drop", "name": "a.csv", "data": "no base64!"})
+    keeping.browser._handle_msg({"kind": "drop", "name": "a.csv", "data": "no base64!"})
     assert len(state.pages["Files"].files) == 1
 
 
@@ -125,13 +125,14 @@ def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
 
 
 def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:
-    changes = Changes(state)
+    browser = Browser()
+    changes = Changes(state, browser)
     state.scenario.edit({"vehicle.auxiliary_power_kw": 40.0, "vehicle.load_factor": 0.3})
-    changes.count.clicks += 1
-    assert changes.count.label == "2 fields changed"
+    browser._handle_msg({"kind": "changes"})
+    assert "2 fields changed" in changes.view.object
     before = state.scenario.base.vehicle.auxiliary_power_kw
-    assert f"{before:g} \u2192 40" in changes.list[0][0].object
-    changes.list[0][1].clicks += 1
+    assert f"{before:g} \u2192 40" in changes.view.object
+    browser._handle_msg({"kind": "take_back", "name": "vehicle.auxiliary_power_kw"})
     assert dict(state.scenario.changes) == {"vehicle.load_factor": 0.3}
 
 
@@ -166,7 +167,7 @@ HOSTILE = {
 @pytest.mark.parametrize("name", HOSTILE)
 def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
     state = Workbench()
-    keeping = Keeping(state, Lifeline())
+    keeping = Keeping(state, Browser())
     packed = {key: _packed(text) for key, text in HOSTILE[name].items()}
     tracemalloc.start()
     keeping.begin(f"?{urlencode({'v': 1, 'page': 'Drive', **packed})}")
@@ -175,7 +176,7 @@ def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
     assert state.notice.startswith("Parts of the link were ignored: ")
     assert len(state.notice) < 300
     assert (state.page, state.scenario.preset) == ("Drive", Workbench().scenario.preset)
-    assert keeping.lifeline.address == "?v=1&page=Drive"
+    assert keeping.browser.address == "?v=1&page=Drive"
     assert peak < (200e6 if name == "many sections" else 50e6)
 
 
@@ -183,7 +184,7 @@ def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
 def test_an_address_that_breaks_something_opens_the_plain_page(
     state: Workbench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, error: type[Exception]
 ) -> None:
-    keeping, before = Keeping(state, Lifeline()), snapshot_of(state)
+    keeping, before = Keeping(state, Browser()), snapshot_of(state)
 
     def break_down(*_: object) -> None:
         state.scenario.load_percent = 77.0
@@ -195,11 +196,11 @@ def test_an_address_that_breaks_something_opens_the_plain_page(
     assert snapshot_of(state) == before
     assert state.notice == "The link could not be opened; the server's log has the details."
     assert len(caplog.records) == 1
-    assert keeping.lifeline.address == ""
+    assert keeping.browser.address == ""
 
 
 def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
-    page, keeping = Page(), Keeping(state, Lifeline())
+    page, keeping = Page(), Keeping(state, Browser())
     sections = "{length_m = 1.0}, " * 4000
     long = TOML.replace("sections = [", f"sections = [{sections}")
     with set_curdoc(page.document):
@@ -219,9 +220,9 @@ def test_the_first_change_after_a_rest_is_noted_in_the_next_turn(
     now_s[0] += 1.0
     with set_curdoc(page.document):
         state.scenario.load_percent = 30.0
-    assert keeping.lifeline.address == ""
+    assert keeping.browser.address == ""
     page.take_turn()
-    assert keeping.lifeline.address == "?v=1&load_percent=30"
+    assert keeping.browser.address == "?v=1&load_percent=30"
     # what follows at once waits until NOTE_MS have passed
     with set_curdoc(page.document):
         state.scenario.load_percent = 40.0

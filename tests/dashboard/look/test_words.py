@@ -93,3 +93,21 @@ def test_more_of_the_same_begins_where_it_ended() -> None:
         "hold 31.3 km/h from 55 m",
         "part power from 80 m to 40 km/h at 120 m",
     ]
+
+
+def test_a_continuous_curve_is_one_instruction() -> None:
+    advice = [
+        Instruction("full_power", 0, 20),
+        *(Instruction("part_power", 10 * k, 20 + 5 * k, 10 * k + 10) for k in (1, 2, 3)),
+        Instruction("hold", 40, 35),
+        Instruction("part_power", 200, 33, 300),
+        *(Instruction("brake", 300 + 20 * k, 22 - 11 * k, 320 + 20 * k, fully=k == 2) for k in (0, 1, 2)),
+    ]
+    assert words.instruction_groups(advice) == [(0,), (1, 2, 3), (4,), (5,), (6, 7, 8)]
+    assert list(words.advice_in_words(advice)) == [
+        "full power to 20 km/h",
+        "part power gradually from 10 m to 35 km/h at 40 m",
+        "hold 35 km/h from 40 m",
+        "ease off from 35 to 33 km/h between 200 m and 300 m",
+        "brake gradually from 300 m to a stop at 360 m",
+    ]

@@ -7,7 +7,7 @@ import pytest
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.run_charts import EffortChart
 from railjoule.dashboard.charts.sketches import NOT_DRAWN
-from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.drive.page import Drive
 from railjoule.dashboard.pages.host import PageHost
 from railjoule.dashboard.pages.page import NOT_SHOWN
 from railjoule.dashboard.shell.shell import NOT_OPENED
@@ -37,9 +37,9 @@ def planted(traced: pytest.LogCaptureFixture) -> int:
     return sum(record.exc_info is not None and record.exc_info[0] is PlantedError for record in traced.records)
 
 
-def drive(session: Session) -> DriveView:
+def drive(session: Session) -> PageHost:
     view = session.views["DriveView"]
-    assert isinstance(view, DriveView)
+    assert isinstance(view, PageHost)
     return view
 
 
@@ -50,9 +50,7 @@ def shown(session: Session) -> str:
 def test_a_page_that_is_made_late_draws_what_is_there(session: Session) -> None:
     assert "DriveView" not in session.views
     session.state.page = "Drive"
-    # simpler advice is drawn once it is asked for
-    at_once = [chart for chart in drive(session).charts if chart is not drive(session).simple.chart]
-    assert all(chart.is_drawn for chart in at_once if chart.host.visible)
+    assert all(chart.is_drawn for chart in drive(session).charts if chart.host.visible)
     assert "7.8" in shown(session)
 
 
@@ -64,15 +62,15 @@ def test_a_chart_that_fails_costs_no_other(
         session.state.page = "Drive"
         for travel_time_s in (180.0, 190.0):
             session.state.scenario.travel_time_s = travel_time_s
-        scenes = drive(session).scenes
+        scenes = drive(session).plots
         assert not scenes["effort"].is_drawn
-        assert NOT_DRAWN.split("\u2019")[0] in scenes["effort"].sketch.object
+        assert NOT_DRAWN.split("\u2019")[0] in scenes["effort"].host[0].object
         assert scenes["speed"].is_drawn
         assert scenes["energy"].is_drawn
         assert f"{session.state.run.travel_time_s:.1f}" in shown(session)
         assert planted(traced) == 1
     session.state.scenario.travel_time_s = 200.0
-    assert drive(session).scenes["effort"].is_drawn
+    assert drive(session).plots["effort"].is_drawn
 
 
 def test_a_part_that_fails_is_told_in_one_sentence(
@@ -81,7 +79,7 @@ def test_a_part_that_fails_is_told_in_one_sentence(
     session.state.page = "Drive"
     view = drive(session)
     with monkeypatch.context() as broken:
-        broken.setattr(view, "_show_texts", fail)
+        broken.setattr(session.state.pages["Drive"], "_show_texts", fail)
         for travel_time_s in (180.0, 190.0):
             session.state.scenario.travel_time_s = travel_time_s
         assert view._error.visible
@@ -99,7 +97,7 @@ def test_a_page_that_cannot_be_opened_is_tried_again(
     session: Session, monkeypatch: pytest.MonkeyPatch, traced: pytest.LogCaptureFixture
 ) -> None:
     with monkeypatch.context() as broken:
-        broken.setattr(DriveView, "make", fail)
+        broken.setattr(Drive, "layout", fail)
         for page in ("Drive", "Start", "Drive"):
             session.state.page = page
         (text,) = session.shell._made["Drive"]

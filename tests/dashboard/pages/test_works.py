@@ -17,17 +17,18 @@ from railjoule.dashboard.pages.what_if.compute import compute_reality
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import worker
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.worker import Study, Worker, nobody
 
 WORKS = {work.__name__: work for view in VIEWS.values() for work in view.works}
 OWN_ABOUT = {"Explore", "Learn", "Papers", "Start"}
 """What they compute is of no scenario, or belongs to the study that was begun with it."""
-BY_HAND = {"SimpleAdvising", "Proving", "Live"}
+BY_HAND = {"Live"}
 """They ask for more than a page in sight: tests/dashboard/pages/drive and disturbances."""
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
-PRESETS = {"Line": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Explore.step", "Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
+PRESETS = {"Drive": "tram-950m-recuperating", "Line": "metro-10-stations", "Motor": "ftorek-300s"}
+GO_ON = {"Drive.further_proof", "Explore.step", "Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 
@@ -67,6 +68,9 @@ class Desk:
         found = {**vars(self.work), **vars(self.work).get("workers", {}), **vars(self.work).get("jobs", {})}
         self.jobs = {name: Job(job) for name, job in found.items() if isinstance(job, Worker | Study)}
         self.state.day.on = True
+        if made.__name__ == "Drive":
+            # a run whose bound can be tightened
+            self.state.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), ("optimal",)))
         if made.__name__ == "What if":
             # tables and curves follow from these
             self.state.day.add_stop()
@@ -190,4 +194,4 @@ def test_a_page_is_late_until_what_it_waits_for_has_come(made, monkeypatch):
 def test_every_page_that_computes_has_a_mark_or_none_by_intent():
     """A page without one waits for nothing that a slider changes, or shows by itself how far it is."""
     marked = {name for name, made in WORKS.items() if any(job.is_marked for job in Desk(made).jobs.values())}
-    assert WORKS.keys() - marked == {*("Compare", "Explore", "Learn", "Papers", "Proving", "SimpleAdvising", "Start")}
+    assert WORKS.keys() - marked == {"Compare", "Explore", "Learn", "Papers", "Start"}

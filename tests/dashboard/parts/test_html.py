@@ -131,11 +131,13 @@ def test_changes_against_the_pinned_run(now: float, before: float, text: str) ->
     assert plain(parts.change(now, before)) == text
 
 
-def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
-    long, short = runs.runs["optimal"], runs.runs["enoc"]
-    assert (len(long.advice), len(short.advice)) == (17, 3)
-    assert "<ol class='many' tabindex=0 aria-label='All instructions'>" in parts.advice(long, stale=False)
-    assert "many" not in parts.advice(short, stale=False)
+def test_advice_on_a_continuous_curve_has_few_lines_and_long_advice_is_scrolled(runs: Runs) -> None:
+    run = runs.runs["optimal"]
+    assert len(run.advice) == 17
+    assert parts.advice(run, stale=False).count("<li><b>") == 4
+    assert "many" not in parts.advice(run, stale=False)
+    legs = parts.advice(solve(load_scenario("metro-10-stations")), stale=False)
+    assert "<ol class='many legs' tabindex=0 aria-label='All instructions'>" in legs
 
 
 def test_advice_of_a_line_with_stations_is_by_legs() -> None:

@@ -2,9 +2,9 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.sidebar import Sidebar
@@ -103,7 +103,8 @@ def test_a_load_above_the_capacity_is_told_and_bounded_by_the_vehicle(model: Sce
 
 def test_another_scenario_brings_its_own_ends() -> None:
     state = Workbench()
-    sidebar = Sidebar(state, Keeping(state, Lifeline()))
+    browser = Browser()
+    sidebar = Sidebar(state, browser, Keeping(state, browser))
     fields = [field.field for field in sidebar.view.select(NumberField)]
     assert fields[:3] == ["travel_time_s", "load_percent", "recuperation_percent"]
     for name in ("metro-10-stations", "metro-with-limit"):

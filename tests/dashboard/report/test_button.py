@@ -1,8 +1,10 @@
 from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.report.button import ReportButton, ReportForm
-from railjoule.dashboard.report.contents import Contents
+from railjoule.dashboard.report.contents import Contents, ContentsError
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.work import ReportingModel
+from railjoule.dashboard.state.workbench import Workbench
 
 
 class Asked:
@@ -10,14 +12,18 @@ class Asked:
 
     def __init__(self) -> None:
         self.model, self.count = ReportingModel(), 0
-        self.button = ReportButton(self.model, Browser(), lambda *_: None)
+        self.browser, self.state, self.place = Browser(), Workbench(), stack()
+        self.button = ReportButton(self.model, self.browser, self.state, self.place)
         self.model.param.watch(self._note, "wanted")
 
     def _note(self, *_: object) -> None:
         self.count += 1
 
+    def press(self) -> None:
+        self.browser._handle_msg({"kind": "report"})
+
     def open(self) -> ReportForm:
-        self.button.button.clicks += 1
+        self.press()
         form = self.button.form
         assert form is not None
         assert form.dialog.open
@@ -25,9 +31,9 @@ class Asked:
 
 
 def test_a_page_has_no_form_before_it_is_opened() -> None:
-    button = Asked().button
-    assert button.form is None
-    assert not button.place.objects
+    asked = Asked()
+    assert asked.button.form is None
+    assert not asked.place.objects
 
 
 def test_a_report_is_made_as_it_was_requested() -> None:
@@ -36,7 +42,7 @@ def test_a_report_is_made_as_it_was_requested() -> None:
     form.make.clicks += 1
     assert asked.model.contents == Contents(tuple(SECTION_TITLES))
     assert not form.dialog.open
-    asked.button.small.clicks += 1
+    asked.press()
     assert asked.button.form is form
     form.sections.value, form.author.value, form.note.value = ["proof"], " A. ", "\nOne\n\nTwo\n"
     form.make.clicks += 1
@@ -62,3 +68,16 @@ def test_a_refusal_keeps_the_form_open() -> None:
     assert asked.count == 1
     asked.open()
     assert not form.refusal.visible
+
+
+def test_a_report_under_way_is_shown_and_stopped_by_its_button() -> None:
+    asked, stopped = Asked(), []
+    asked.model.param.watch(stopped.append, "unwanted")
+    asked.model.param.update(busy=True, share=0.25)
+    assert (asked.browser.progress, asked.browser.labels["report"]) == (0.25, "Stop report")
+    asked.press()
+    assert len(stopped) == 1
+    asked.model.busy = False
+    assert (asked.browser.progress, asked.browser.labels["report"]) == (None, "Report")
+    asked.model.failure = ContentsError("too long")
+    assert asked.state.notice == "There is no report: too long"

@@ -5,10 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
+from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.scenario_folder import ScenarioFolder
-from railjoule.dashboard.shell.save import SaveScenario
+from railjoule.dashboard.shell.share import SaveScenario
 from railjoule.dashboard.state.files import serve_folder
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -23,23 +24,25 @@ def folder(tmp_path: Path) -> Iterator[ScenarioFolder]:
 
 def make() -> SaveScenario:
     state = Workbench()
-    keeping = Keeping(state, Lifeline())
+    browser = Browser()
+    keeping = Keeping(state, browser)
     keeping.begin("")
-    made = SaveScenario(state, keeping)
-    made._press()
+    made = SaveScenario(state, browser, keeping, stack(stack(), stack()))
+    made.press()
     return made
 
 
 def save(saving: SaveScenario, name: str, what: str = "save") -> str:
     """Save the scenario; return the message."""
-    saving.form._hear({"what": what, "name": name})
-    return str(saving.form.refusal or saving.form.status)
+    saving.name.value = name
+    saving.save(replace=what == "replace")
+    return str(saving.refusal or saving.status)
 
 
 def test_a_scenario_is_saved_with_its_changes_and_the_page_keeps_its_own(folder: ScenarioFolder) -> None:
     saving = make()
     state, keeping = saving.state, saving.keeping
-    assert saving.form.name_now == "metro-profile-ii-i"
+    assert saving.name.value == "metro-profile-ii-i"
     state.scenario.load_percent = 30.0
     state.scenario.edit({"line.reverse": True})
     state.ticked = ["eoc"]
@@ -48,7 +51,7 @@ def test_a_scenario_is_saved_with_its_changes_and_the_page_keeps_its_own(folder:
     assert save(saving, "my run") == "Saved as my run.toml."
     assert folder.open("my run") == before == state.scenario.scenario()
     assert (dict(state.scenario.changes), state.ticked) == ({}, ["eoc"])
-    assert saving.form.name_now == state.files.current == "my run"
+    assert saving.name.value == state.files.current == "my run"
     keeping.undo()
     assert state.scenario.preset == "metro-with-limit"
     assert state.scenario.opened is None
@@ -61,10 +64,10 @@ def test_a_file_is_replaced_only_when_that_is_asked_for(folder: ScenarioFolder) 
     save(saving, "my run")
     saving.state.scenario.travel_time_s = 190.0
     assert save(saving, "my run") == "There is a file my run.toml already."
-    assert saving.form.can_replace
+    assert saving.replace.visible
     assert folder.open("my run").travel_time_s == 170
     assert save(saving, "my run", "replace") == "Saved as my run.toml."
-    assert not saving.form.can_replace
+    assert not saving.replace.visible
     assert folder.open("my run").travel_time_s == 190
 
 
@@ -72,7 +75,7 @@ def test_a_file_is_replaced_only_when_that_is_asked_for(folder: ScenarioFolder) 
 def test_a_name_that_cannot_be_changes_nothing(folder: ScenarioFolder, name: str) -> None:
     saving = make()
     assert save(saving, name).startswith("name ")
-    assert not saving.form.can_replace
+    assert not saving.replace.visible
     assert folder.listing().files == ()
     assert saving.state.scenario.opened is None
 
@@ -81,5 +84,5 @@ def test_another_scenario_removes_the_message(folder: ScenarioFolder) -> None:
     saving = make()
     save(saving, "my run")
     saving.state.scenario.choose("tram-950m")
-    assert saving.form.status == ""
-    assert saving.form.name_now == "tram-flat-950-m"
+    assert saving.status == ""
+    assert saving.name.value == "tram-flat-950-m"

@@ -59,3 +59,17 @@ def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
     state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
     assert "eoc" in state.runs.refused
     assert state.run is state.runs.runs["optimal"]
+
+
+def test_further_strategies_leave_what_is_shown_valid():
+    state = Workbench(page="Drive")
+    plans = Plans(state)
+    scenario = state.scenario.scenario()
+    state.runs = compute_runs(RunsRequest(scenario, ("optimal",)))
+    plans._mark(True)
+    assert state.late == frozenset()
+    state.scenario.travel_time_s += 5
+    plans._mark(True)
+    assert "Drive" in state.late
+    plans._mark(False)
+    assert state.late == frozenset()

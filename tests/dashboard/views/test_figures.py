@@ -16,7 +16,7 @@ from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
-COUNTED = ("Trip", "Printed number, in the order of the tables", "Changes of regime between two stops")
+COUNTED = ("Trip", "Printed number, in the order of the tables")
 """What is counted has no unit."""
 CUT = {("contour", "x")} | {
     (name, "y")
@@ -49,8 +49,9 @@ def with_guesses(state):
 
 
 def with_simple_advice(state):
-    state.simple.open = True
-    state.simple.param.trigger("ask")
+    state.pages["Drive"].param.update(advice="simple", supply="power", has_prices_open=True)
+    state.pin()
+    state.scenario.travel_time_s += 5
 
 
 def with_files(state):

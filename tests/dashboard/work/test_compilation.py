@@ -74,10 +74,10 @@ print(session.state.runs.best.energy_kwh)
 for page in PAGES:
     session.state.page = page
 session.state.page = "Start"
-session.browser._open("tram-950m")
+session.browser._handle_msg({"kind": "scenario", "name": "tram-950m"})
 session.state.scenario.load_percent = 50.0
 kernels = [one for one in gc.get_objects() if isinstance(one, Dispatcher) and one.__module__.startswith("railjoule")]
-print(sum(len(one.signatures) for one in kernels), session.shell.compiling.view.visible)
+print(sum(len(one.signatures) for one in kernels), session.shell.compiling is not None)
 """
 
 

@@ -1,18 +1,16 @@
-"""Which simple run is told first, and what is told of more and of fewer orders."""
+"""The choice among runs of simple advice."""
 
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import pytest
-
-from railjoule.core.studies.simple_advice import FREE_SHARE, MAX_CHANGES, SimpleAdvice
+from railjoule.core.advice import Instruction
+from railjoule.core.studies.simple_advice import SimpleAdvice
 from railjoule.dashboard.work.simple_advice import (
     LITTLE_ENERGY_SHARE,
     by_changes,
+    choose_simple,
     first_told,
-    more_changes,
-    not_in_time,
 )
 
 
@@ -49,19 +47,29 @@ def test_of_two_runs_with_as_many_changes_the_cheaper_one_is_told() -> None:
     assert runs[3].run.energy_kwh == 10.5
 
 
-@pytest.mark.parametrize(
-    ("found", "sentence"),
-    [
-        (advice(12.0, 10 * (1 + 0.5 * FREE_SHARE)), "More than 3 changes would gain less than 0.1 %."),
-        (advice(12.0, 11.0), "More than 3 changes gain nothing."),
-        (advice(*range(30, 30 - (MAX_CHANGES - 1), -1)), f"More than {MAX_CHANGES} changes are not tried."),
-    ],
-)
-def test_what_more_orders_gain(found: SimpleAdvice, sentence: str) -> None:
-    assert more_changes(found) == sentence
+def test_the_fewest_instructions_that_cost_little_are_chosen() -> None:
+    exact = tuple(Instruction("coast", 10.0 * k) for k in range(5))
 
+    def found(**energies: float) -> SimpleAdvice:
+        """Return simple advice whose runs have so many instructions, by words for the number, and energies [kWh]."""
+        counts = {"three": 3, "four": 4, "five": 5}
+        made = advice(*energies.values())
+        for simple, name in zip(made.runs, energies, strict=True):
+            simple.run.advice = exact[: counts[name]]
+        assert made.optimum is not None
+        made.optimum.advice = exact
+        return made
 
-def test_where_no_run_is_in_time() -> None:
-    assert not_in_time(advice(12.0)) == ""
-    assert not_in_time(advice(12.0, refused=(2,))) == "With at most 2 changes no run is in time."
-    assert not_in_time(advice(12.0, refused=(2, 3, 4))) == "With at most 2, 3 or 4 changes no run is in time."
+    simple, sentence = choose_simple(found(three=10.09, four=10.05, five=10.0))
+    assert simple is not None
+    assert len(simple.run.advice) == 3
+    assert sentence == "3 instructions instead of 5: +0.90 % energy."
+    simple, sentence = choose_simple(found(three=12.0, four=10.5, five=10.0))
+    assert simple is not None
+    assert len(simple.run.advice) == 4
+    assert sentence == "No advice with fewer than 5 instructions is within 1 % of the optimum: with 4 it is +5.0 %."
+    simple, sentence = choose_simple(found(three=16.0, five=10.0))
+    assert simple is None
+    assert sentence.endswith("with 3 it is +60.0 %.")
+    assert choose_simple(found(five=10.0)) == (None, "The optimum is already as simple as it gets: 5 instructions.")
+    assert choose_simple(advice(12.0, optimum=None))[1] == "No optimum is known to compare with."

@@ -11,9 +11,9 @@ from railjoule.core.simulation.actual_run import ActualRun, actual_run
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.bellman import bellman_with_law
 from railjoule.dashboard.look.tokens import LIGHT
-from railjoule.dashboard.pages.drive.actual_parts import actual_figures, causes_block
-from railjoule.dashboard.pages.drive.law_chart import COLUMNS, ROWS, sampled
+from railjoule.dashboard.pages.drive.charts import COLUMNS, ROWS, sampled
 from railjoule.dashboard.pages.drive.sankey import BACK, BRAKE, DRIVE, LINE, TRAIN, links_of, sankey
+from railjoule.dashboard.pages.drive.texts import actual_figures, causes_block
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
 
@@ -34,7 +34,7 @@ def test_as_much_arrives_at_a_knot_as_leaves_it(flow: EnergyFlow) -> None:
     assert taken - back == pytest.approx(flow.energy.net_j, rel=1e-3)
 
 
-@pytest.mark.parametrize("width", [340.0, 900.0])
+@pytest.mark.parametrize("width", [640.0, 900.0])
 def test_the_svg_stays_within_its_width_and_says_its_numbers(flow: EnergyFlow, width: float) -> None:
     markup = sankey(flow, LIGHT, width, "Energy")
     svg = ElementTree.fromstring(markup[markup.index("<svg") : markup.index("</svg>") + 6])

@@ -1,28 +1,24 @@
-"""Simpler advice on Drive: nothing before it is asked for, stale requests dropped, old figures told as such."""
+"""Simpler advice on Drive: nothing before it is asked for, and never that of another plan."""
 
-import json
 import re
 import threading
 from functools import cache
-from html import unescape
 from typing import Any
 
 import pytest
-from bokeh.document import Document
 from turns import PATIENCE_S
 
 from railjoule.core import Scenario, StrategyRefusedError, load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.drive import simple_work
-from railjoule.dashboard.pages.drive.simple_work import SimpleAdvising
-from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.drive import page
+from railjoule.dashboard.pages.host import find_view, make_works
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import KeptPin
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
-from railjoule.dashboard.work.simple_advice import compute_simple_advice, first_told
+from railjoule.dashboard.work.simple_advice import choose_simple, compute_simple_advice
 
 SCENARIO = "tram-950m-recuperating"
 
@@ -46,12 +42,15 @@ class Searcher:
         assert self.may_go_on.wait(PATIENCE_S)
         if self.refusal is not None:
             raise self.refusal
-        return advice_of(scenario.travel_time_s)
+        return (
+            advice_of(scenario.travel_time_s) if scenario.title.startswith("Tram") else compute_simple_advice(scenario)
+        )
 
 
 @cache
-def runs() -> Runs:
-    return compute_runs(RunsRequest(load_scenario(SCENARIO), ("optimal", "fastest")))
+def runs_in(travel_time_s: float) -> Runs:
+    scenario = load_scenario(SCENARIO, {"timetable.travel_time_s": travel_time_s})
+    return compute_runs(RunsRequest(scenario, ("optimal", "fastest")))
 
 
 class Desk:
@@ -59,27 +58,21 @@ class Desk:
 
     def __init__(self) -> None:
         self.state = Workbench()
-        self.work = SimpleAdvising(self.state)
-        self.view = DriveView(self.state, Browser(), Palette(dark=False))
+        make_works("Drive")(self.state)
+        self.host = find_view("Drive")(self.state, Browser(), Palette(dark=False))
+        self.page = self.state.pages["Drive"]
         self.state.scenario.choose(SCENARIO)
-        self.state.param.update(page="Drive", chosen="optimal", runs=runs())
+        self.state.param.update(page="Drive", chosen="optimal", runs=runs_in(self.state.scenario.travel_time_s))
 
     @property
-    def section(self) -> Any:
-        return self.view.simple
-
-    @property
-    def told(self) -> str:
-        return re.sub(r"<[^>]+>", "", self.section.told.object)
-
-    def open(self) -> None:
-        self.section.head._handle_msg({"what": "turn"})
+    def text(self) -> str:
+        return " ".join(re.sub(r"<[^>]+>", " ", self.page.advice_pane.object).split())
 
 
 @pytest.fixture
 def searcher(monkeypatch: pytest.MonkeyPatch) -> Searcher:
     searcher = Searcher()
-    monkeypatch.setattr(simple_work, "compute_simple_advice", searcher)
+    monkeypatch.setattr(page, "compute_simple_advice", searcher)
     return searcher
 
 
@@ -88,129 +81,74 @@ def desk(searcher: Searcher) -> Desk:
     return Desk()
 
 
-def test_nothing_is_computed_before_it_is_opened(desk: Desk, searcher: Searcher) -> None:
-    assert desk.section.view.visible
-    assert not desk.section.body.visible
+def test_nothing_is_computed_before_it_is_asked_for(desk: Desk, searcher: Searcher) -> None:
     desk.state.scenario.travel_time_s += 5
     assert searcher.asked == []
+    assert not desk.page.pin.visible
 
 
-def test_opening_shows_the_fewest_orders_that_cost_little(desk: Desk, searcher: Searcher) -> None:
-    desk.open()
-    model, section = desk.state.simple, desk.section
+def test_the_switch_shows_the_fewest_instructions_that_cost_little(desk: Desk, searcher: Searcher) -> None:
+    exact = desk.text
+    desk.page.advice = "simple"
     assert len(searcher.asked) == 1
-    assert section.results.visible
-    assert not section.again.visible
-    assert "changes" in desk.told
-    chosen = model.chosen
-    assert chosen is first_told(model.found.advice)
-    assert section.choice.value == chosen.changes
-    assert list(section.choice.options.values()) == list(model.found.runs)
-    assert section.orders.object == parts.advice(
-        chosen.run,
-        False,
-        "simpler advice",
-        f", at most {chosen.changes} changes of regime",
-        parts.driver_sheet(chosen.run),
-    )
-    # closed and opened again, it is still there
-    desk.open()
-    assert not section.body.visible
-    desk.open()
-    assert section.results.visible
-    assert len(searcher.asked) == 1
+    simple, sentence = choose_simple(desk.page.simple.found)
+    assert simple is not None
+    assert desk.page.advice_pane.object.startswith(parts.advice(simple.run, False).removesuffix("</div>"))
+    assert sentence in desk.text
+    # the run is drawn beside the optimum
+    assert list(desk.host.plots["speed"].sources["variant"].data["y"])[-1] == pytest.approx(0.0)
+    desk.page.advice = "exact"
+    assert desk.text == exact
+    assert not len(desk.host.plots["speed"].sources["variant"].data["y"])
 
 
-def test_the_chart_tells_what_the_table_does(desk: Desk) -> None:
-    desk.open()
-    found, chart = desk.state.simple.found, desk.section.chart
-    assert list(chart.sources["runs"].data["x"]) == list(found.runs)
-    prices = [simple.run.energy_kwh - found.advice.optimum.energy_kwh for simple in found.runs.values()]
-    assert list(chart.sources["runs"].data["y"]) == pytest.approx(prices)
-    assert list(chart.sources["chosen"].data["x"]) == [desk.state.simple.changes]
-
-
-def test_a_changed_scenario_makes_it_stale_until_it_is_asked_for_again(desk: Desk, searcher: Searcher) -> None:
-    desk.open()
-    section, time_s = desk.section, desk.state.scenario.travel_time_s
-    desk.state.scenario.travel_time_s = time_s + 10
-    assert desk.state.simple.stale
-    assert section.results.css_classes == ["rj-stale"]
-    assert "stale" in section.orders.object
-    assert "<div class=stale>" in section.table.object
-    assert section.again.visible
-    assert "from before" in desk.told
-    # who comes back has not changed it
+def test_another_travel_time_shows_the_optimum_until_its_advice_is_there(desk: Desk, searcher: Searcher) -> None:
+    desk.page.advice = "simple"
+    time_s = desk.state.scenario.travel_time_s + 10
+    desk.state.runs = runs_in(time_s)
+    assert "Computing simpler advice" in desk.text
+    assert "stale" in desk.page.advice_pane.object
     desk.state.scenario.travel_time_s = time_s
-    assert not desk.state.simple.stale
-    assert not section.again.visible
-    desk.state.scenario.travel_time_s = time_s + 10
-    section._press()
-    assert searcher.asked == [time_s, time_s + 10]
-    assert not desk.state.simple.stale
-    assert desk.state.simple.chosen.run.travel_time_s == pytest.approx(time_s + 10, abs=1e-2)
-    assert section.results.css_classes == []
+    assert searcher.asked == [time_s - 10, time_s]
+    assert "Computing" not in desk.text
 
 
-def test_another_scenario_has_none_of_it(desk: Desk) -> None:
-    # in a document, where the widget takes none but its own options
-    desk.section.view.get_root(Document())
-    desk.open()
+def test_another_scenario_has_advice_of_its_own(desk: Desk, searcher: Searcher) -> None:
+    desk.page.advice = "simple"
+    before = desk.page.simple
     desk.state.scenario.choose("liashenko-0")
-    assert desk.state.simple.found is None
-    assert desk.state.simple.changes is None
-    assert desk.section.choice.value is None
-    assert desk.section.choice.options == {}
-    assert not desk.section.results.visible
-    assert desk.section.again.label == "Compute"
+    assert desk.page.simple is not before
+    assert desk.page.simple.request.title == "Metro, profile 0"
 
 
-def test_a_refusal_is_told_and_can_be_tried_again(desk: Desk, searcher: Searcher) -> None:
+def test_a_refusal_is_a_sentence(desk: Desk, searcher: Searcher) -> None:
     searcher.refusal = StrategyRefusedError("finds no run with at most 9 changes of regime that is in time.")
-    desk.open()
-    assert desk.told == "This run is not possible. Finds no run with at most 9 changes of regime that is in time."
-    assert desk.section.again.visible
-    searcher.refusal = None
-    desk.section._press()
-    assert desk.section.results.visible
-    assert desk.state.simple.failure is None
+    desk.page.advice = "simple"
+    assert "Simpler advice finds no run with at most 9 changes of regime that is in time." in desk.text
+    assert not desk.page.pin.visible
+    assert desk.page.failure is None
 
 
 def test_the_chosen_run_is_pinned_and_run_again_from_an_address(desk: Desk) -> None:
-    desk.open()
-    section, chosen = desk.section, desk.state.simple.chosen
-    section.pin.clicks += 1
+    desk.page.advice = "simple"
+    chosen, _ = choose_simple(desk.page.simple.found)
+    assert chosen is not None
+    desk.page.pin.clicks += 1
     (pin,) = desk.state.pins
     assert pin.trajectory is chosen.run
     assert pin.name.startswith("Simpler advice, ")
     assert pin.name.endswith(f", {chosen.changes} changes")
-    assert section.pin.disabled
-    desk.state.pin_simple()
+    assert desk.page.pin.disabled
+    desk.page.pin.clicks += 1
     assert len(desk.state.pins) == 1
     kept = KeptPin(**KeptPin.of(pin).keep())
     assert kept.recipe() == pin.recipe
     (again,) = run_again((kept,))
     assert again.trajectory.energy.net_j == chosen.run.energy.net_j
     desk.state.unpin(pin)
-    assert not section.pin.disabled
+    assert not desk.page.pin.disabled
 
 
 def test_a_pin_of_more_changes_than_are_of_use_is_refused() -> None:
     with pytest.raises(StrategyRefusedError, match="finds no run that 9 changes of regime make better"):
         run_again((KeptPin(preset="liashenko-ii", simple=9),))
-
-
-def test_the_sheet_has_timetable_and_limits() -> None:
-    run = compute_runs(RunsRequest(load_scenario("metro-with-limit"), ("optimal",))).runs["optimal"]
-    markup = parts.advice(run, False, "simpler advice", "", parts.driver_sheet(run))
-    found = re.search("data-sheet='([^']*)'", markup)
-    sheet = json.loads(unescape(found[1]))
-    assert sheet["before"] == [
-        "Timetable",
-        [["0 m", "", "departs 0.0 s"], ["2\u202f300 m", "arrives 170.0 s", ""]],
-    ]
-    # the file's one limit, and the vehicle's largest speed
-    assert sheet["after"] == [
-        "Speed limits",
-        [["0 m to 600 m", "80 km/h"], ["600 m to 900 m", "50 km/h"], ["900 m to 2\u202f300 m", "80 km/h"]],
-    ]

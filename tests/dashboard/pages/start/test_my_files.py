@@ -32,8 +32,8 @@ def test_files_are_listed_by_name_title_and_date_and_never_with_a_path(files: Fi
     files.look()
     files.open("tram", lambda: None, lambda _: None)
     html = files_html(files)
-    assert html.count("data-file=") == 1
-    assert 'data-file="tram"' in html
+    assert html.count("data-ask=") == 1
+    assert 'data-ask="open_saved" data-name="tram"' in html
     assert "Tram, flat 950 m" in html
     assert html.count(">open<") == 1
     assert "&lt;b&gt;" in html

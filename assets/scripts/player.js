@@ -1,0 +1,118 @@
+// The train on Drive: it runs along the track in the time of reality or faster, and the numbers and the advice follow.
+
+import {value_at} from "./cursor.js";
+import {deep, life_of, make, redraw_on} from "./dom.js";
+import {written} from "./numbers.js";
+
+const PACES = [1, 4, 10];
+// under prefers-reduced-motion the train moves once in so many milliseconds
+const CALM_MS = 1000;
+// Column, unit and digits of each number; a stepped one is constant in each cell.
+const READOUTS = [
+  ["time", "s", 1], ["position", "m", 0], ["speed", "km/h", 1], ["power", "MW", 2, true], ["current", "A", 0, true],
+  ["energy", "kWh", 2],
+];
+
+// The number of the instruction that holds at a time; each begins at its start.
+export const instruction_at = (starts, time) => Math.max(starts.findLastIndex((start) => start <= time + 1e-9), 0);
+
+// The quantity of a run at a time; where the train stands, several nodes have one place.
+export const quantity_at = (run, name, time, stepped) =>
+  name === "time" ? time : value_at({x: run.time, y: run[name]}, Math.max(time, run.time[0]), stepped);
+
+export function render({model}) {
+  const signal = life_of(model), calm = window.matchMedia("(prefers-reduced-motion: reduce)");
+  const root = make("div", {class: "player", role: "group", "aria-label": "Play the run"});
+  const button = make("button", {type: "button"}, "Play");
+  const range = make("input", {type: "range", min: 0, max: 1, step: 1, value: 0, "aria-label": "Time of the run, s"});
+  const pace = make("select", {"aria-label": "Pace"}, ...PACES.map((times) => make("option", {value: times}, `${times}\u00d7`)));
+  const numbers = new Map(READOUTS.map(([name, unit]) => {
+    const value = make("b", {"data-quantity": name}, "\u2013");
+    return [name, {value, place: make("span", {}, value, ` ${unit}`)}];
+  }));
+  const readouts = make("span", {class: "readouts"}, ...[...numbers.values()].map(({place}) => place));
+  // it has its place before there is a run to play
+  readouts.classList.add("idle");
+  root.append(button, pace, range, readouts);
+  let time = 0, begun_ms = 0, playing = false, asked = false, lit = null, shown = false;
+
+  const is_there = () => (model.run.time?.length ?? 0) > 1;
+  const end = () => model.run.time.at(-1);
+  // the columns of the run come when somebody is about to play it
+  const want = () => { if (!model.wanted) { model.wanted = true; } };
+
+  const dots = () => model.train.map((id) => Bokeh.documents.map((one) => one.get_model_by_id(id)).find(Boolean));
+  // without a word to the server
+  const put = (dot, x, y) => dot?.setv({data: {x: [x], y: [y]}}, {sync: false});
+  const light = (number) => {
+    if (lit?.number === number && lit.item?.isConnected) { return; }
+    lit?.item?.classList.remove("now");
+    lit?.item?.removeAttribute("aria-current");
+    const item = deep(".advice li:has(> b)").filter((one) => one.offsetParent)[number] ?? null;
+    item?.classList.add("now");
+    item?.setAttribute("aria-current", "step");
+    // only within its list: the page stays where it is
+    const list = item?.closest(".many");
+    if (list) { list.scrollTop = item.offsetTop - list.offsetTop; }
+    lit = {number, item};
+  };
+  const show = () => {
+    if (!is_there()) { return; }
+    shown = true;
+    readouts.classList.remove("idle");
+    time = Math.min(time, end());
+    const {run} = model, at = (name, stepped) => quantity_at(run, name, time, stepped);
+    range.max = String(end());
+    range.value = String(time);
+    for (const [name, , digits, stepped] of READOUTS) {
+      const {value, place} = numbers.get(name);
+      place.hidden = !run[name];
+      if (run[name]) { value.textContent = written(at(name, stepped), digits); }
+    }
+    range.setAttribute("aria-valuetext", `${written(time, 1)} s, ${written(at("position"), 0)} m`);
+    const x = model.over_time ? time : at("position"), [on_speed, on_track] = dots();
+    put(on_speed, x, at("speed"));
+    put(on_track, x, at("height"));
+    light(instruction_at(run.starts, time));
+  };
+  const stop = () => {
+    playing = asked = false;
+    button.textContent = "Play";
+  };
+  const step = (now_ms) => {
+    if (!playing) { return; }
+    // another page is in sight, or none
+    if (signal.aborted || !root.checkVisibility()) { stop(); return; }
+    const since_ms = now_ms - begun_ms;
+    if (!calm.matches || since_ms >= CALM_MS) {
+      time += (since_ms / 1000) * Number(pace.value);
+      begun_ms = now_ms;
+      show();
+    }
+    if (time >= end()) { stop(); } else { requestAnimationFrame(step); }
+  };
+  const start = () => {
+    if (time >= end()) { time = 0; }
+    playing = true;
+    asked = false;
+    button.textContent = "Pause";
+    begun_ms = performance.now();
+    requestAnimationFrame(step);
+  };
+  button.addEventListener("click", () => {
+    want();
+    if (playing) { stop(); } else if (is_there()) { start(); } else { asked = true; }
+  });
+  range.addEventListener("input", () => {
+    want();
+    time = Number(range.value);
+    show();
+  });
+  root.addEventListener("pointerenter", want);
+  root.addEventListener("focusin", want);
+  redraw_on(model, ["run", "train", "over_time"], () => {
+    if (asked && is_there()) { start(); }
+    if (shown || playing) { show(); } else if (is_there()) { range.max = String(end()); }
+  });
+  return root;
+}

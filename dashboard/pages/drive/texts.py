@@ -1,0 +1,224 @@
+"""Texts of Drive: the numbers of the actual run, the causes of its extra energy, and the proof."""
+
+from itertools import accumulate
+
+from markupsafe import Markup
+
+from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
+from railjoule.core.scenario import Scenario
+from railjoule.core.simulation.actual_run import ActualRun, Cause
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.pages.drive.compute import Answer, same_plan
+from railjoule.dashboard.parts.html import (
+    escaped,
+    figure,
+    figures,
+    flow_bar,
+    joined,
+    markup,
+    note_paragraphs,
+    plain_table,
+    price_figure,
+)
+from railjoule.dashboard.parts.worth import yearly_saving
+from railjoule.dashboard.work.runs import Runs
+
+CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
+OPEN = '<span class="open">{}</span>'
+EQUAL = "The actual run equals the plan. Change load, position or add a stop."
+SAME_ENERGY = 1e-9
+"""Relatively: two ways to solve for the same plan."""
+
+
+def belongs_to(actual: ActualRun, run: Trajectory) -> bool:
+    """Return whether an actual run is that of the scenario and the strategy of a run."""
+    return actual.planned.strategy == run.strategy and same_plan(actual.scenario, run.scenario)
+
+
+def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:
+    """Return whether an actual run starts from this run of Drive."""
+    return abs(actual.planned.energy.net_j - run.energy.net_j) <= SAME_ENERGY * abs(run.energy.net_j)
+
+
+def cause_words(cause: Cause, scenario: Scenario) -> str:
+    """Return what a cause is called: which way the load differs, how many stops there are."""
+    disturbance = scenario.disturbance
+    if cause.name == "load" and disturbance.actual_load_factor is not None:
+        heavier = disturbance.actual_load_factor > scenario.vehicle.load_factor
+        return "Heavier than planned" if heavier else "Lighter than planned"
+    if cause.name == "stops" and len(disturbance.stops) == 1:
+        return "Unplanned stop"
+    return words.CAUSE_WORDS[cause.name]
+
+
+def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
+    """Return the numbers of Drive while an actual run stands beside the plan."""
+    largest = actual.max_cause
+    cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
+    if largest is not None:
+        told = cause_words(largest, actual.scenario)
+        added = words.energy_difference(largest.energy_kwh)
+        cause = figure("Largest cause", added, "kWh", told[0].lower() + told[1:], kind="cause")
+    return figures(
+        [
+            _main(actual),
+            _planned(actual, run),
+            figure("Travel time", words.time(actual.actual.travel_time_s), "s", late_words(actual)),
+            price_figure(run, runs.best),
+            cause,
+        ]
+    )
+
+
+def _main(actual: ActualRun) -> str:
+    planned, driven = actual.planned.energy_kwh, actual.actual.energy_kwh
+    detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
+    if is_false_saving(actual):
+        missed, detail = comparisons.headline(driven, planned, actual.delay_s, actual.stop_error_m, detail)
+        return figure("Actual run", *missed, detail, kind="main", term="Actual run costs")
+    label = "Actual run saves" if actual.extra_kwh < 0 and actual.causes else "Actual run costs"
+    amount = comparisons.above(driven, planned)
+    unit = markup('kWh <b class="over">{}</b>', amount) if amount.unit == "%" else "kWh "
+    return figure(label, words.energy_difference(actual.extra_kwh), unit, detail, kind="main", term="Actual run costs")
+
+
+def is_false_saving(actual: ActualRun) -> bool:
+    """Return whether an actual run needs less than its plan, but arrives late or misses the stop."""
+    energies = actual.actual.energy_kwh, actual.planned.energy_kwh
+    return bool(actual.causes and comparisons.is_false_saving(*energies, actual.delay_s, actual.stop_error_m))
+
+
+def _planned(actual: ActualRun, run: Trajectory) -> str:
+    energy = words.energy(actual.planned.energy_kwh)
+    if not is_same_plan(actual, run):
+        amount = comparisons.above(actual.planned.energy_kwh, run.energy_kwh)
+        detail = f"keeps to the target braking curve: {amount}"
+        whole = f"{amount.sentence} the run without it, {words.energy(run.energy_kwh)} kWh"
+        return figure("Planned run", energy, "kWh", detail, whole=whole)
+    if run.is_proven and comparisons.is_reference(run):
+        return figure("Planned run", energy, "kWh", Markup('<span class="proven">\u2713 proven optimum</span>'))
+    return figure("Planned run", energy, "kWh", words.strategy(run.strategy))
+
+
+def late_words(actual: ActualRun) -> str:
+    """Return how late a run arrives, and how far from its place it stands, as HTML."""
+    late = actual.delay_s
+    told = [markup(OPEN, missed) for missed in comparisons.misses(late, actual.stop_error_m)]
+    if late < comparisons.OTHER_TIME_S:
+        told.insert(0, escaped("on time" if late > -comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"))
+    return joined(told, ", ")
+
+
+def causes_block(actual: ActualRun) -> str:
+    """Return where the extra energy comes from, as bars that follow one another and sum to the whole."""
+    if not actual.causes:
+        return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
+    energies = [cause.energy_kwh for cause in actual.causes]
+    ends = list(accumulate(energies))
+    low, high = min(0.0, *ends), max(0.0, *ends)
+    # causes may add nothing at all: the bars must still have a scale
+    scale = max(high - low, 1e-9)
+
+    def bar(name: str, start: float, length: float, kind: str, strong: bool = False) -> Markup:
+        left, amount = (min(start, start + length) - low) / scale, f"{words.energy_difference(length)} kWh"
+        return flow_bar(name, amount, left, abs(length) / scale, kind, strong)
+
+    rows = [
+        bar(cause_words(cause, actual.scenario), start, cause.energy_kwh, "cost")
+        # not strict: each begins where the one before has ended, and nothing at the last end
+        for cause, start in zip(actual.causes, [0.0, *ends], strict=False)
+    ]
+    rows.append(bar("Together", 0.0, ends[-1], "all", strong=True))
+    title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
+    if actual.extra_kwh < 0:
+        energy = words.energy(abs(actual.extra_kwh))
+        title = f"Where the {f'{energy} kWh less' if is_false_saving(actual) else f'saved {energy} kWh'} comes from"
+    order = ["Each cause is added to those above it."] if len(energies) > 1 else []
+    flow = markup("<div class=flow>{}</div>", joined(rows))
+    return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
+
+
+# ---- the proof
+
+BOXES = 1e6
+EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
+PROOF = (
+    '<div class="block inset"><h2>What is proven {}</h2><div class="proof-row">'
+    '<span role="status" aria-live="polite">{}'
+    '</span> <span class="muted">{}</span></div>{}</div>'
+)
+
+
+def proof_block(run: Trajectory, end: str, notes: str) -> Markup:
+    """Return the statement of a run's bound, the progress of its proof, the solver's numbers and notes, as HTML."""
+    milliseconds, cells = words.number(1e3 * run.solve_time_s), len(run.nodes_m) - 1
+    iterations = f", {run.iterations} iterations" if run.iterations else ""
+    solved = f"Solved in {milliseconds} ms{iterations}, {words.number(cells, 0)} cells."
+    statement = "No bound is known." if run.bound is None else run.bound.statement
+    # the count of boxes is not read aloud at every step, the statement is
+    return markup(PROOF, info("Proof"), statement, end, notes + note_paragraphs([solved]))
+
+
+def progress(step: ProofStep | None) -> Markup:
+    """Return how many boxes of its budget a proof has used, as HTML; None while it waits for others."""
+    share, amount = 0.0, "begins"
+    if step is not None:
+        share = step.share
+        amount = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
+    bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
+    return markup(bar, f"{share:.3f}", amount)
+
+
+# ---- the worth
+
+
+def worth(
+    run: Trajectory,
+    baseline: Trajectory | None,
+    name: str,
+    refusal: str | None,
+    price_per_kwh: float,
+    trains_per_day: float,
+    co2_kg_per_kwh: float,
+) -> Markup:
+    """Return the saving of a year against a baseline, as HTML; for a run that is late, how late it is instead."""
+    if baseline is None:
+        missing = "Pin a run first." if name.startswith("Pinned") else "Computing ..."
+        return note_paragraphs([missing if refusal is None else f"{name}: {refusal}"])
+    late, later = comparisons.late_of(run), comparisons.late(baseline.travel_time_s, run.travel_time_s)
+    if late or later:
+        return note_paragraphs(
+            [f"This run is {late}: that saves nothing." if late else f"{name}: {later}, not comparable."]
+        )
+    saved_kwh = baseline.energy_kwh - run.energy_kwh
+    saving = yearly_saving(saved_kwh, trains_per_day, price_per_kwh, co2_kg_per_kwh)
+    verb = "Saved" if saved_kwh >= 0 else "Lost"
+    rows = [
+        (
+            (f"Energy, {words.number(abs(saved_kwh), 2)} kWh a run", f"{words.number(abs(saving.energy_mwh), 0)} MWh"),
+            False,
+        ),
+        (("Money, as the price", words.number(abs(saving.money), 0)), False),
+        (("CO\u2082", f"{words.number(abs(saving.co2_t), 0)} t"), False),
+    ]
+    earlier_s = run.travel_time_s - baseline.travel_time_s
+    note = f"{name}: {words.time(earlier_s)} s earlier." if earlier_s >= comparisons.OTHER_TIME_S else ""
+    return plain_table((f"{verb} a year", ""), rows, "What it is worth") + note_paragraphs(filter(None, [note]))
+
+
+# ---- a moved instruction
+
+DOING = {"coast": "Coasting", "brake": "Braking"}
+
+
+def moved_words(answer: Answer) -> str:
+    """Return the cost of a moved instruction in a sentence, or why it cannot be moved there."""
+    move, run = answer.request, answer.found
+    phase = move.run.phases[move.number]
+    doing = DOING[phase.phase]
+    if run is None:
+        return f"{doing} {answer.refusal}"
+    places = f"from {words.number(move.place_m, 0)} m instead of {words.number(phase.start_m, 0)} m"
+    return f"{doing} {places}: {comparisons.above(run.energy_kwh, move.run.energy_kwh)}, same arrival."

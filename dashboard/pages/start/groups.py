@@ -1,0 +1,58 @@
+"""The groups of the shipped scenarios, and what each scenario is good for."""
+
+GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    (
+        "First steps",
+        "one run between two stops: move the travel time and see what changes",
+        ("metro-with-limit", "tram-950m", "ftorek-300s", "liashenko-ii", "tram-950m-stop", "tram-950m-recuperating"),
+    ),
+    (
+        "Whole lines",
+        "several stations: how the optimum shares the time among them",
+        ("metro-10-stations",),
+    ),
+    (
+        "From the papers",
+        "the cases of published studies, to compare with what they print",
+        (
+            "liashenko-0",
+            "liashenko-i",
+            "liashenko-iii",
+            "liashenko-fig-3",
+            "liashenko-fig-4",
+            "liashenko-fig-5",
+            "liashenko-fig-6",
+            "kharkiv-like-40kmh",
+            "kharkiv-like-20kmh",
+        ),
+    ),
+)
+"""Title, what they show and names of the scenarios that belong together."""
+OTHERS = ("More", "further scenarios")
+GOOD_FOR = {
+    "metro-with-limit": "Start here: gradients, a speed limit and part of the braking energy recuperated.",
+    "tram-950m": "Level track without recuperation: why coasting saves.",
+    "ftorek-300s": "All strategies run on it: good for Compare and Trade-off.",
+    "liashenko-ii": "Down into a valley and out of it: where to coast and where to drive.",
+    "tram-950m-stop": "A red signal on the way: what an unplanned stop costs.",
+    "tram-950m-recuperating": "The same tram with recuperation: later coasting, later braking.",
+    "metro-10-stations": "Ten stations in one timetable: which leg gets how much running-time supplement.",
+    "liashenko-0": "A steady rise of 3 per mille: the plain case beside the three profiles.",
+    "liashenko-i": "Light gradients, up to 10 per mille.",
+    "liashenko-iii": "Heavy gradients, up to 40 per mille.",
+    "liashenko-fig-3": "Planned at half load, driven full and with the position 10\u00a0m wrong.",
+    "liashenko-fig-4": "Planned at half load, driven nearly empty and 5\u00a0m wrong, on profile I.",
+    "liashenko-fig-5": "Planned at half load, driven full at the right position, on profile II.",
+    "liashenko-fig-6": "Planned at half load, driven fuller and 15\u00a0m wrong, on profile III.",
+    "kharkiv-like-40kmh": "Limits of sections as set speeds, at 40\u00a0km/h on average.",
+    "kharkiv-like-20kmh": "The same line at half the speed: where limits as set speeds cost most.",
+}
+"""The use of each shipped scenario, in one line."""
+
+
+def scenario_groups(names: tuple[str, ...]) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return title, what it shows and scenarios of each group; what no group names stands last."""
+    named = [name for _, _, members in GROUPS for name in members]
+    rest = tuple(name for name in names if name not in named)
+    listed = [(title, shows, tuple(name for name in members if name in names)) for title, shows, members in GROUPS]
+    return [*listed, *([(*OTHERS, rest)] if rest else [])]

@@ -1,0 +1,131 @@
+"""Start: the product in one sentence and one picture, and the scenarios to begin with."""
+
+import panel as pn
+from panel.viewable import Viewable
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.page import Page, Request, shows, study
+from railjoule.dashboard.pages.start.cards import card_html, hero
+from railjoule.dashboard.pages.start.compute import Card, card_names, compute_cards, outlines
+from railjoule.dashboard.pages.start.groups import scenario_groups
+from railjoule.dashboard.pages.start.my_files import FILES_CSS, files_html
+from railjoule.dashboard.parts.html import html_pane, stack
+from railjoule.dashboard.state.page_model import result
+
+START_CSS = """
+.hero { padding: 22px 20px 6px; }
+.hero h1 { font-size: 25px; line-height: 1.25; max-width: 32em; text-wrap: balance; }
+.hero p { font-size: 14px; margin-top: 8px; max-width: 62em; color: var(--rj-ink2); }
+.hero svg { display: block; width: 100%; height: 230px; margin-top: 14px; }
+.hero .key { display: flex; flex-wrap: wrap; gap: 2px 22px; font-size: 12px; margin-top: 6px; color: var(--rj-ink2); }
+.hero .key b { color: var(--rj-accent); font-weight: 600; }
+.hero .key i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; border: 1px solid var(--rj-line2); }
+h2.begin { padding: 16px 20px 4px; font-size: 15px; }
+h2.begin span { margin-left: 8px; font-size: 13px; font-weight: 400; }
+.hero .plot { position: relative; margin: 14px 0 0 44px; padding-bottom: 36px; }
+.hero .plot svg { margin: 0; }
+.hero .plot span { position: absolute; font-size: 11px; line-height: 14px; color: var(--rj-ink3); }
+.hero .plot .y { right: calc(100% + 8px); transform: translateY(-50%); }
+.hero .plot .x { bottom: 18px; transform: translateX(-50%); }
+.hero .plot .title { bottom: 0; left: 50%; transform: translateX(-50%); font-size: 12px; color: var(--rj-ink2); }
+.hero .name { margin-top: 14px; font-size: 12px; color: var(--rj-ink2); }
+.hero .name + .plot { margin-top: 4px; }
+@media (min-width: 1600px) { .hero svg { height: 320px; } }
+@media (max-width: 899px) {
+  .hero { padding: 14px 14px 4px; } .hero h1 { font-size: 20px; } .hero svg { height: 150px; }
+  h2.begin { padding-left: 14px; }
+}
+.cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(236px, 1fr)); gap: 0 24px;
+  padding: 4px 20px 24px; align-items: stretch; }
+summary h2.begin { display: inline-block; }
+summary { padding-left: 20px; cursor: pointer; }
+summary h2.begin { padding-left: 4px; }
+.hero .asks { padding: 6px 0 0; margin-left: -8px; }
+.card { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }
+.card button { display: block; min-height: 24px; padding: 0; border: 0; background: none; text-align: left;
+  font: 600 13.5px/1.3 var(--rj-font); color: var(--rj-accent); cursor: pointer; }
+.card button:hover { text-decoration: underline; }
+.card button:active { color: var(--rj-ink); }
+.card button:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 2px; }
+.card p { font-size: 12px; color: var(--rj-ink3); }
+.card p.for { color: var(--rj-ink2); min-height: 34px; text-wrap: pretty; }
+.card svg { display: block; width: 100%; height: 54px; margin: 8px 0 2px; }
+@media (max-width: 899px) { .cards { padding: 4px 14px 24px; } summary { padding-left: 14px; } }
+"""
+FOLDED = "From the papers"
+"""The group of cards that is folded at first."""
+
+
+class Start(Page):
+    """The page on which a new session begins."""
+
+    page = "Start"
+    follows_scenario = False
+    cards = result(tuple, "Cards of the shipped scenarios, with the runs that are computed so far.")
+
+    @study(into="cards")
+    def _cards(self) -> Request:
+        return compute_cards, card_names()
+
+    def goes_on(self, into: str) -> bool:
+        """Return True: each card is computed once for all pages of the process."""
+        return True
+
+    def layout(self) -> Viewable:
+        """Make the parts of the page, and return them laid out."""
+        sheets = [parts_css(), START_CSS, FILES_CSS]
+        self.hero = html_pane(hero(None), stylesheets=sheets)
+        self.files = html_pane(stylesheets=sheets, visible=self.desk.files.folder is not None)
+        self.groups = {group: html_pane(stylesheets=sheets) for group in scenario_groups(card_names())}
+        self.host.heading.visible = False
+        self.host.browser.listen("scenario", lambda message: self._open(str(message.get("name"))))
+        self.host.browser.listen("open_saved", lambda message: self._open_file(str(message.get("name"))))
+        return stack(self.hero, self.files, *self.groups.values())
+
+    @shows("desk.runs")
+    def _show_picture(self) -> None:
+        if self.desk.runs is not None:
+            self.hero.object = hero(self.desk.runs)
+
+    @shows("cards")
+    def _show_cards(self) -> None:
+        cards = {card.name: card for card in (*outlines(), *(self.cards or ()))}
+        for group, pane in self.groups.items():
+            shown = [cards[name] for name in group[2]]
+            # a list that was unfolded would fold whenever it is written again
+            if group[0] != FOLDED or not pane.object or all(card.run is not None for card in shown):
+                pane.object = group_html(group[0], group[1], shown)
+
+    @shows("desk.files.listing", "desk.files.refusal", "desk.files.current")
+    def _show_files(self) -> None:
+        if self.desk.files.folder is not None:
+            self.files.object = files_html(self.desk.files)
+
+    def _open_file(self, name: str) -> None:
+        """Open a file of the folder on Drive."""
+
+        def turn() -> None:
+            self.desk.param.update(page="Drive", notice="")
+
+        def refuse(error: RailjouleError) -> None:
+            self.desk.notice = str(error)
+            self.desk.files.look()
+
+        self.desk.files.open(name, turn, refuse)
+
+    def _open(self, name: str) -> None:
+        if name in card_names():
+            with pn.io.hold():
+                # before the page is turned: what Drive asks for first is of this scenario
+                self.desk.scenario.choose(name)
+                self.desk.page = "Drive"
+
+
+def group_html(title: str, shows: str, cards: list[Card]) -> Markup:
+    """Write the heading of a group of scenarios, and its cards."""
+    heading = markup('<h2 class="begin">{} <span class="muted">{}</span></h2>', title, shows)
+    grid = markup('<div class="cards">{}</div>', joined(map(card_html, cards)))
+    template = "<details><summary>{}</summary>{}</details>" if title == FOLDED else "{}{}"
+    return markup(template, heading, grid)
