@@ -14,7 +14,7 @@ NAMES = (
     "Compare",
     "Trade-off",
     "What if",
-    "Speed limits",
+    "Set speeds",
     "Motor",
     "Line",
     "Explore",

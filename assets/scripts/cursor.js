@@ -18,9 +18,10 @@ export const value_at = ({x, y}, place, stepped) => {
 };
 
 // The caption of a chart with the values of its lines at a place; small values have one digit more.
-export const caption_at = (chart, place) => {
+export const caption_at = (chart, sources, place) => {
   const values = chart.sources
-    .map(([word, {data}, x, y, unit, digits]) => {
+    .map(([word, id, x, y, unit, digits]) => {
+      const {data} = sources[id];
       const value = value_at({x: data[x], y: data[y]}, place, chart.stepped);
       // a line may have a unit and digits of its own
       const shown = digits ?? chart.digits + (Math.abs(value) < chart.small ? 1 : 0);
@@ -33,9 +34,13 @@ export const caption_at = (chart, place) => {
 };
 
 // Called by the mouse, and by a tag of the range when the runs beneath a resting mouse have changed.
-export const follow = ({charts, range}, event) => {
+// A caption's tag lists the sources and columns it reads: the arguments stay the same when runs come and go.
+export const follow = ({captions, sources, range}, event) => {
   if (event.event_name) { range[PLACE] = event.event_name === "mouseleave" ? null : event.x; }
   const place = range[PLACE] ?? null;
   if (place === null && !event.event_name) { return; }
-  for (const chart of charts) { chart.caption.text = place === null ? chart.words : caption_at(chart, place); }
+  for (const caption of captions) {
+    const [chart] = caption.tags;
+    caption.text = place === null ? chart.words : caption_at(chart, sources, place);
+  }
 };

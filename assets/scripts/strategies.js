@@ -39,7 +39,8 @@ export function render({model}) {
     const pressed = event.target.closest("button");
     if (pressed) { model.send_msg({kind: pressed.dataset.kind}); }
   });
-  root.append(refusals);
+  // assets/scripts/browser.js turns to the page
+  root.append(refusals, make("button", {type: "button", class: "more", "data-open": "Set speeds"}, "Adjust set speeds"));
   const mark = ({row, radio, box}, chosen, ticked) => {
     row.classList.toggle("chosen", chosen);
     radio.checked = chosen;

@@ -77,9 +77,11 @@ class Axis:
         self.range = Range1d(0, 1, bounds=(0, 1))
         self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
         self.follow = CustomJS(
-            args={"charts": [], "range": self.range}, code=function("cursor", "follow({charts, range}, cb_obj)")
+            args={"captions": [], "sources": {}, "range": self.range},
+            code=function("cursor", "follow({captions, sources, range}, cb_obj)"),
         )
-        self._charts: dict[str, dict[str, object]] = {}
+        self._charts: dict[str, dict[str, Any]] = {}
+        self._sources: dict[str, ColumnDataSource] = {}
         self._kind = kind
         self._runs: dict[str, RunColumns] = {}
         self._extent = (0.0, 1.0)
@@ -99,7 +101,7 @@ class Axis:
         # bounds first: the browser clips the ends to the bounds that it knows
         self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
 
-    def add(self, name: str, chart: dict[str, object]) -> None:
+    def add(self, name: str, chart: dict[str, Any]) -> None:
         """Let the cursor write into one more chart's caption, once `settle` is called."""
         self._charts[name] = chart
 
@@ -135,15 +137,29 @@ class Axis:
         """
         for run in self._runs.values():
             run.send()
-        charts = enumerate(self._charts.values())
-        listed = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
-        # the browser compiles the callback anew whenever its arguments are set
-        if listed != self.follow.args["charts"]:
-            self.follow.args = {"charts": listed, "range": self.range}
+        captions = [chart["caption"] for chart in self._charts.values()]
+        for index, chart in enumerate(self._charts.values()):
+            self._describe(chart, place=None if index else [unit, digits])
+        args = {"captions": captions, "sources": dict(self._sources), "range": self.range}
+        # the browser compiles the callback anew whenever its arguments are set, and Bokeh searches the whole document
+        if args != self.follow.args:
+            self.follow.args = args
         else:
             # a change of the range paints all its figures again; a chart that has just come needs it for no other
             self._settled += 1
         self.range.tags = [self._settled, unit, self._end]
+
+    def _describe(self, chart: Mapping[str, Any], place: list[Any] | None) -> None:
+        """Write what the cursor reads in a chart into the tags of its caption: words and numbers, no models.
+
+        A source is named there by its id. The callback keeps each source that was ever read, so that its arguments
+        stay the same when a run comes or goes.
+        """
+        self._sources |= {source.id: source for _, source, *_ in chart["sources"]}
+        read = [[word, source.id, *rest] for word, source, *rest in chart["sources"]]
+        described = {key: value for key, value in chart.items() if key != "caption"} | {"sources": read, "place": place}
+        if chart["caption"].tags != [described]:
+            chart["caption"].tags = [described]
 
 
 # Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines anew, this 0.7 ms
@@ -460,7 +476,7 @@ class DistanceChart(Chart):
             column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
         )
         # assets/scripts/cursor.js reads these by their names
-        self.told = {
+        self.told: dict[str, Any] = {
             "caption": caption,
             "words": self.caption,
             "sources": [],
@@ -537,12 +553,12 @@ def add_zero(f: figure, palette: Palette) -> None:
     f.add_layout(zero)
 
 
-def dragged(figure: figure, script: str, **args: Any) -> CustomJS:
+def dragged(figure: figure, script: str, answer: str = "", **args: Any) -> CustomJS:
     """Let a script answer drags on a figure, which it has as `f` beside what is named; return its callback.
 
-    The script's module exports a function of its own name, which takes these by name, and the event.
+    The script's module exports a function of that name, or of its own, which takes these by name, and the event.
     """
-    call = f"{script}({{{', '.join(['f', *args])}}}, cb_obj)"
+    call = f"{answer or script}({{{', '.join(['f', *args])}}}, cb_obj)"
     drag = CustomJS(args={"f": figure, **args}, code=function(script, call))
     for event in ("panstart", "pan", "panend"):
         figure.js_on_event(event, drag)

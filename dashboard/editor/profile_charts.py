@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from bokeh.models import CustomJS
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, dragged, text_style
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, dragged
+from railjoule.dashboard.charts.steps import add_steps, draw_steps
 from railjoule.dashboard.look.paint import Palette
 
 # the bound of `gradient_permille` in core/scenario/line.py
@@ -42,13 +42,6 @@ class DraggedChart(DistanceChart):
         super().__init__(*self.name_and_caption, height, axis, palette)
         self._drop = drop
 
-    def drags(self, script: str, **args: Any) -> CustomJS:
-        """Let a script answer drags; the browser alone moves what is dragged, and only what was let go is sent here."""
-        dropped = self.source("dropped", *self.columns)
-        dropped.on_change("data", self._take)
-        assert self.figure is not None
-        return dragged(self.figure, script, dropped=dropped, shortest=MIN_SECTION_M, **args)
-
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
         if len(new[self.columns[0]]):
             self._drop(*([float(value) for value in new[name]] for name in self.columns))
@@ -63,13 +56,17 @@ class ProfileChart(DraggedChart):
 
     def build(self) -> None:
         """Make the figure."""
-        self.frame(zoom=False, ticks=3, digits=0)
+        f = self.frame(zoom=False, ticks=3, digits=0)
         nodes, sign = self.source("nodes", "x", "y", "base"), self.source("sign", "x", "y", "text")
         self.glyphs("varea", "nodes", "x", "base", "y", paint={"fill_color": "ground"})
         self.line("nodes", "groundline", line_width=1.6)
         self.dots("nodes", "surface", "accent", size=10, line_width=2)
         self.grounded_signs("sign", "ink", text_align="center", y_offset=-12, padding=2)
-        self.drags("drag_heights", nodes=nodes, sign=sign, steepest=STEEPEST_PERMILLE)
+        # the browser alone moves what is dragged, and only what was let go is sent here
+        dropped = self.source("dropped", *self.columns)
+        dropped.on_change("data", self._take)
+        bounds: dict[str, Any] = {"shortest": MIN_SECTION_M, "steepest": STEEPEST_PERMILLE}
+        dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
 
     def draw(self, line: Line) -> None:
         """Draw the line as its file describes it, not as it is run; heights count from where the run starts."""
@@ -97,38 +94,22 @@ class LimitStepsChart(DraggedChart):
         """Make the figure."""
         f = self.frame(with_axis=True, zoom=False, ticks=3)
         f.xaxis.axis_label = "Distance, m"
-        steps = self.source("steps", "left", "right", "limit", "middle", "text", "movable")
-        red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
-        self.glyphs("segment", "steps", "left", "limit", "right", "limit", paint=red, line_width=2.4)
-        self.glyphs("scatter", "steps", "middle", "limit", paint=grip, size=10, line_width=2)
-        for end in ("left", "right"):
-            square = {"size": "movable", "line_width": 2, "marker": "square"}
-            self.glyphs("scatter", "steps", end, "limit", paint=grip, **square)
-        sign = {"text_align": "center", "y_offset": -9, **text_style()}
-        self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
-        # `most` and `end` are set with each drawing
-        self._drag = self.drags("drag_limits", steps=steps, least=MIN_LIMIT_KMH, most=600.0, end=1.0)
+        # `most` and `end` are set with each drawing; limits are dragged in whole km/h
+        bounds = {"least": MIN_LIMIT_KMH, "most": 600.0, "end": 1.0, "per": 1, "shortest": MIN_SECTION_M}
+        moved, self._drag = add_steps(self, "limit", shared=False, live=False, **bounds)
+        moved.on_change("data", self._take)
 
     def draw(self, line: Line, max_kmh: float) -> None:
         """Draw the limits of sections, then the others, as the line's file describes them."""
         borders = section_borders(line).tolist()
+        # a section's limit ends with it
         steps = [
-            # the last is the size [px] of the marks at both ends: a section's limit ends with it, and has none
-            (start, end, section.speed_limit_kmh, 0)
+            (start, end, section.speed_limit_kmh, False)
             for start, end, section in zip(borders[:-1], borders[1:], line.sections, strict=True)
             if section.speed_limit_kmh is not None
         ]
-        steps += [(limit.from_m, limit.to_m, limit.limit_kmh, 9) for limit in line.speed_limits]
+        steps += [(limit.from_m, limit.to_m, limit.limit_kmh, True) for limit in line.speed_limits]
         top = LIMIT_ROOM * max([max_kmh, *(limit for _, _, limit, _ in steps)])
         self.set_range(0, top)
-        # `most` whole, as limits are dragged in whole km/h: assets/scripts/drag_limits.js
         self._drag.args = {**self._drag.args, "most": float(np.floor(top)), "end": borders[-1]}
-        left, right, limit, sizes = ([step[k] for step in steps] for k in range(4))
-        self.sources["steps"].data = {
-            "left": left,
-            "right": right,
-            "limit": limit,
-            "middle": [0.5 * (start + end) for start, end, _, _ in steps],
-            "text": [f"{value:g}" for value in limit],
-            "movable": sizes,
-        }
+        draw_steps(self, steps)

@@ -17,6 +17,7 @@ FORMER_MODELS: Mapping[str, tuple[str, ...]] = {
     "actual": ("day",),
     "measured_runs": ("files",),
     "study": ("explore",),
+    "speed_limits": ("set_speeds",),
 }
 """By earlier model the present ones, which have its fields under the same names."""
 FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
@@ -25,6 +26,7 @@ FORMER_PAGES: Mapping[str, Mapping[str, str]] = {
     "Import": {"page": "Files", "files.tab": "line"},
     "Measured runs": {"page": "Files", "files.tab": "runs"},
     "Study": {"page": "Explore"},
+    "Speed limits": {"page": "Set speeds"},
 }
 """By earlier page the values that open its successor."""
 

@@ -167,7 +167,6 @@ TIME = (
     Term(
         "Fixed arrival",
         "An arrival that the timetable prescribes. Between two of them every second is worth the same energy.",
-        ("Arrives after, s",),
     ),
     Term(
         "Window of arrival",
@@ -399,7 +398,6 @@ MOTORS = (
         "Energy at the motors",
         "The energy that the motors take less all that they generate in braking, even if the supply takes none back. "
         "The sum of work and losses must equal it.",
-        ("Energy from input power", "Sum of parts"),
     ),
     Term("Tracking error", "The largest distance between planned and simulated position during the run."),
     Term("Peak current", "The largest amplitude of a motor's phase current during the run.", ("Current, A",)),
@@ -429,7 +427,7 @@ MOTORS = (
         "Assumed rotor resistance",
         "The controller's value of the rotor resistance over the true one. If it is wrong, "
         "field and torque are no longer separate.",
-        ("Assumed / true rotor resistance", "Assumed / true resistance"),
+        ("Assumed / true resistance",),
     ),
 )
 STUDIES = (

@@ -1,6 +1,6 @@
-"""Widgets that choose among a few values of a field of a model; widget and field follow each other."""
+"""Buttons, and widgets that choose among a few values of a field of a model; widget and field follow each other."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import panel_material_ui as pmui
@@ -20,6 +20,11 @@ def buttons(model: Any, field: str, options: Options, **params: Any) -> pmui.Rad
 def radios(model: Any, field: str, label: str, options: Options, **params: Any) -> pmui.RadioBoxGroup:
     """Return a group of choices in a row."""
     return _tied(pmui.RadioBoxGroup, model, field, label=label, options=dict(options), inline=True, **params)
+
+
+def button(label: str, on_click: Callable[[Any], Any], **params: Any) -> pmui.Button:
+    """Return a button of a page."""
+    return pmui.Button(label=label, on_click=on_click, **{"variant": "outlined", "size": "small", **params})
 
 
 def over_time_buttons(state: Any, **params: Any) -> pmui.RadioButtonGroup:

@@ -36,22 +36,22 @@ def fill(user: User, name: str, text: str) -> None:
 
 
 def test_a_timetable_is_taken_over_and_a_station_dragged(user: User) -> None:
-    user.page.get_by_role("button", name="Take over the arrivals of the proportional supplement").click()
-    expect(user.figure_value("Given timetable")).to_have_text("+1.0%")
-    expect(user.page.get_by_text("the given timetable costs 1.0 % more")).to_be_visible()
-    given = field(user, "Market: Given arrival")
+    user.page.get_by_role("button", name="Use the arrivals of the proportional supplement").click()
+    expect(user.figure_value("Present timetable")).to_have_text("+1.0%")
+    expect(user.page.get_by_text("the present timetable costs 1.0 % more")).to_be_visible()
+    given = field(user, "Market: Present arrival")
     expect(given).to_have_value("191.4")
     drag_market(user, by_px=-20)
     expect(given).not_to_have_value("191.4")
     later = float(given.input_value())
     # a pixel of the chart is about a third of a second
     assert 3 < later - 191.4 < 12
-    expect(user.figure_value("Given timetable")).not_to_have_text("+1.0%")
+    expect(user.figure_value("Present timetable")).not_to_have_text("+1.0%")
     user.page.keyboard.press("Control+z")
     expect(given).to_have_value("191.4")
     # the same by the keyboard
-    fill(user, "Market: Given arrival", str(later))
-    expect(user.figure_value("Given timetable")).not_to_have_text("+1.0%")
+    fill(user, "Market: Present arrival", str(later))
+    expect(user.figure_value("Present timetable")).not_to_have_text("+1.0%")
 
 
 def drag_market(user: User, by_px: float) -> None:

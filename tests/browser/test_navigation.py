@@ -28,7 +28,7 @@ def question(user: User, page: str) -> None:
 
 def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
     open_page(user, "Drive")
-    group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("Equipment", "Speed limits"))
+    group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("Equipment", "Set speeds"))
     group.hover()
     user.settled()
     expect(entry).to_be_hidden()

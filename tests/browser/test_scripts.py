@@ -404,32 +404,31 @@ def test_the_value_of_a_line_beneath_the_mouse(page: Page) -> None:
 def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
     chart = {"words": "Speed", "unit": "km/h", "digits": 1, "small": 0, "stepped": False, "place": ["m", 0]}
     code = """
-      const lines = () => [["", {data: {place: [0, 100], speed: [0, 50]}}, "place", "speed"],
-        ["clock", {data: {x: [], y: []}}, "x", "y"]];
-      const axis = () => ({range: {}, charts: [{...a, caption: {text: ""}, sources: lines()}]});
-      const [one, other] = [axis(), axis()], text = ({charts}) => charts[0].caption.text;
+      const lines = [["", "run", "place", "speed"], ["clock", "day", "x", "y"]];
+      const axis = () => ({range: {}, captions: [{text: "", tags: [{...a, sources: lines}]}],
+        sources: {run: {data: {place: [0, 100], speed: [0, 50]}}, day: {data: {x: [], y: []}}}});
+      const [one, other] = [axis(), axis()], text = ({captions}) => captions[0].text;
       m.follow(one, {event_name: "mousemove", x: 20});
       const first = text(one);
       // both axes settle: only one of them has a mouse
-      one.charts[0].sources[0][1].data.speed[1] = 100;
+      one.sources.run.data.speed[1] = 100;
       m.follow(one, one.range);
       m.follow(other, other.range);
       const [moved, untouched] = [text(one), text(other)];
       m.follow(one, {event_name: "mouseleave"});
       return [first, moved, untouched, text(one)];
     """
-    told = run(page, "cursor", code, chart)
-    assert told == ["Speed&ensp;&ensp;20 m: 10.0 km/h", "Speed&ensp;&ensp;20 m: 20.0 km/h", "", "Speed"]
+    texts = run(page, "cursor", code, chart)
+    assert texts == ["Speed&ensp;&ensp;20 m: 10.0 km/h", "Speed&ensp;&ensp;20 m: 20.0 km/h", "", "Speed"]
 
 
 def test_a_drag_holds_the_nearest_grip_of_its_own_figure(page: Page) -> None:
     code = """
       const [one, other] = [{}, {}], grips = () => [{k: 1, away: 9}, {k: 2, away: 5}, {k: 3, away: 30}];
       const on = (figure, event_name) => m.held_by(figure, {event_name}, grips, 16)?.k ?? null;
-      return [on(one, "panstart"), on(other, "pan"), on(one, "pan"), on(one, "panend"), on(one, "pan"),
-        m.nearest([{away: 20}], 16)];
+      return [on(one, "panstart"), on(other, "pan"), on(one, "pan"), on(one, "panend"), on(one, "pan")];
     """
-    assert run(page, "drag", code) == [2, None, 2, 2, None, None]
+    assert run(page, "drag", code) == [2, None, 2, 2, None]
 
 
 def test_a_border_stays_between_its_neighbours_and_no_steeper_than_allowed(page: Page) -> None:
@@ -462,35 +461,62 @@ def test_a_border_that_is_dragged_upwards_stays_at_its_place(page: Page) -> None
 
 def test_a_limit_is_held_by_its_middle_and_some_by_their_ends(page: Page) -> None:
     steps = {"left": [0, 100], "right": [100, 200], "limit": [60, 40], "movable": [0, 9]}
-    code = "return m.limit_grips(a.steps, a.at, {x: 1, y: 1}).map(({part, k}) => [part, k])"
-    near = run(page, "drag_limits", code, {"steps": steps, "at": {"x": 50, "y": 58}})
+    code = "return m.step_grips(a.steps, a.at, {x: 1, y: 1}, a.shared).map(({part, k}) => [part, k])"
+    near = run(page, "drag", code, {"steps": steps, "at": {"x": 50, "y": 58}, "shared": False})
     assert near == [["limit", 0], ["left", 1], ["right", 1]]
 
 
+def test_an_end_that_neighbours_share_is_held_anywhere_between_their_levels(page: Page) -> None:
+    steps = {"left": [0, 100], "right": [100, 200], "limit": [60, 40], "movable": [9, 0]}
+    code = "return m.step_grips(a, {x: 103, y: 50}, {x: 1, y: 1}, true).find(({part}) => part === 'right')"
+    assert run(page, "drag", code, steps) == {"part": "right", "k": 0, "away": 3}
+
+
 def test_a_station_moves_in_tenths_of_a_second_as_far_as_its_legs_have_time(page: Page) -> None:
-    grips = {"rest": [20, 15], "arrival": [94.83, 191.4], "low": [0.1, 0.1], "high": [34.9, 40]}
-    code = "return m.moved_arrival(a.grips, a.k, a.height)"
-    moved = run(page, "drag_slack", code, {"grips": grips, "k": 0, "height": 22.5})
+    points = {"rest": [20, 15], "time": [94.83, 191.4], "low": [0.1, 0.1], "high": [34.9, 40]}
+    code = "return m.moved_time(a.points, a.k, a.height)"
+    moved = run(page, "drag", code, {"points": points, "k": 0, "height": 22.5})
     # 2.5 s later, in tenths
-    assert moved == {"arrives": pytest.approx(97.3), "y": pytest.approx(20 + 97.3 - 94.83)}
+    assert moved == {"to": pytest.approx(97.3), "y": pytest.approx(20 + 97.3 - 94.83)}
     # no further than to the end of the slack
-    assert run(page, "drag_slack", code, {"grips": grips, "k": 0, "height": 90})["arrives"] == pytest.approx(109.7)
-    assert run(page, "drag_slack", code, {"grips": grips, "k": 1, "height": -5})["arrives"] == pytest.approx(176.5)
+    assert run(page, "drag", code, {"points": points, "k": 0, "height": 90})["to"] == pytest.approx(109.7)
+    assert run(page, "drag", code, {"points": points, "k": 1, "height": -5})["to"] == pytest.approx(176.5)
 
 
-def test_set_speeds_move_in_halves_and_borders_between_their_neighbours(page: Page) -> None:
-    before = {"left": [0, 100, 200], "right": [100, 200, 300], "limit": [60, 40, 50], "most": [80, 80, 80]}
-    code = "return m.moved_sections(a.before, a.held, a.to, {least: 5, shortest: 10})"
-    limit = run(page, "drag_sections", code, {"before": before, "held": {"kind": "limit", "k": 1}, "to": {"y": 44.3}})
-    assert limit["sections"]["limit"] == [60, 44.5, 50]
-    assert limit["sections"]["text"] == ["60", "44.5", "50"]
-    assert limit["handles"] == {"x": [100, 200], "y": [52.25, 47.25]}
-    border = run(page, "drag_sections", code, {"before": before, "held": {"kind": "border", "k": 0}, "to": {"x": 250}})
-    assert border["sections"]["right"] == [190, 200, 300]
-    assert border["sections"]["left"] == [0, 190, 200]
-    assert border["sections"]["middle"] == [95, 195, 250]
-    assert border["borders"] == {"x": [190, 200], "low": [60, 40], "high": [40, 50]}
-    assert before["right"] == [100, 200, 300]
+def test_set_speeds_move_in_halves_and_ends_between_their_neighbours(page: Page) -> None:
+    before = {
+        "left": [0, 100, 200],
+        "right": [100, 200, 300],
+        "limit": [60, 40, 50],
+        "middle": [50, 150, 250],
+        "text": ["60", "40", "50"],
+    }
+    code = """
+      const bounds = {least: 5, most: 80, per: 2, shortest: 10, shared: true};
+      m.move_step(a.steps, a.held, a.to, bounds);
+      return a.steps;
+    """
+    limit = run(page, "drag", code, {"steps": before, "held": {"part": "limit", "k": 1}, "to": {"x": 0, "y": 44.3}})
+    assert limit == {**before, "limit": [60, 44.5, 50], "text": ["60", "44.5", "50"]}
+    end = run(page, "drag", code, {"steps": before, "held": {"part": "right", "k": 0}, "to": {"x": 250, "y": 0}})
+    assert end == {**before, "right": [190, 200, 300], "left": [0, 190, 200], "middle": [95, 195, 250]}
+
+
+def test_the_server_gets_steps_while_they_move_or_once_they_are_let_go(page: Page) -> None:
+    code = """
+      const sent = [], emit = () => {};
+      const data = {left: [0], right: [100], limit: [50], middle: [50], text: ["50"], movable: [0]};
+      const steps = {data, change: {emit}};
+      const moved = {set data(to) { sent.push(to.limit[0]); }};
+      const f = {inner_width: 100, inner_height: 100, x_range: {start: 0, end: 100}, y_range: {start: 0, end: 100}};
+      const given = {f, steps, moved, live: a, least: 1, most: 80, per: 1, shortest: 1, end: 100, shared: false};
+      for (const [event_name, y] of [["panstart", 50], ["pan", 60], ["pan", 90], ["panend", 90]]) {
+        m.drag_steps(given, {event_name, x: 50, y});
+      }
+      return sent;
+    """
+    assert run(page, "drag", code, True) == [50, 60, 80]
+    assert run(page, "drag", code, False) == [80]
 
 
 def test_a_table_is_sorted_by_its_numbers(page: Page) -> None:

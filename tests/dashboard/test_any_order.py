@@ -97,7 +97,7 @@ class AnyOrder(RuleBasedStateMachine):
 
     @rule(seed=st.integers(0, 3), percent=st.sampled_from([1.0, 5.0]))
     def set_on_another_page(self, seed: int, percent: float) -> None:
-        self.state.day.seed, self.state.pages["Speed limits"].time_window_percent = seed, percent
+        self.state.day.seed, self.state.pages["Set speeds"].time_window_percent = seed, percent
 
     @rule(page=st.sampled_from(["Start", "Help", "Files"]))
     def turn(self, page: str) -> None:

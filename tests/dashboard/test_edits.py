@@ -12,8 +12,8 @@ def state() -> Workbench:
 
 
 def test_sections_follow_an_edited_line_and_search(state: Workbench) -> None:
-    make_works("Speed limits")(state)
-    page = state.pages["Speed limits"]
+    make_works("Set speeds")(state)
+    page = state.pages["Set speeds"]
     state.scenario.edit({"line": {"preset": "flat-5km"}, "search.limits_kmh": [50.0, 60.0]})
     state.scenario.edit({"search.boundaries_m": [3000.0]})
     assert (page.borders_m, page.limits_kmh) == ((3000.0,), (50.0, 60.0))

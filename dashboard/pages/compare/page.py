@@ -27,6 +27,8 @@ REST_MS = 400
 """While a slider moves, a study under way would delay the page."""
 IN_TURN = tuple(sorted(STRATEGIES, key=lambda name: STRATEGIES[name].seconds_per_cell))
 """The slowest come last, as a strategy still under way is abandoned when the next scenario is asked for."""
+AMONG = ("desk.runs", "compared", "desk.pins", "desk.ticked", "desk.chosen", "compare_all", "reference")
+"""Sources of the runs to compare."""
 TEXT_CSS = padded("0 20px 16px", "0 14px 16px")
 NO_PIN = parts.Markup("<p>Pin up to six runs to compare them here.</p>")
 
@@ -157,10 +159,7 @@ class Compare(Page):
         shown = f"Showing the last feasible runs, {words.number(run.travel_time_s)} s." if run else ""
         self.host.tell(self.desk.failure, shown)
 
-    @shows(
-        *("desk.runs", "compared", "desk.pins", "desk.ticked", "desk.chosen"),
-        *("compare_all", "desk.over_time", "reference"),
-    )
+    @shows(*AMONG, "desk.over_time")
     def _show(self) -> None:
         among, desk = self.among, self.desk
         if not among or desk.run is None:
@@ -171,7 +170,6 @@ class Compare(Page):
         count = len(desk.pins)
         subtitle = f"{len(among)} runs, {f'{count} of {MOST_PINS} pinned' if count else 'none pinned'}"
         self.host.heading.object = parts.heading(self.page, desk.run.scenario.title, subtitle, "")
-        self._show_table()
         self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if count else NO_PIN)
         self._show_pins()
         self.differences.object = table.scenario_differences(desk.pins, reference)
@@ -187,7 +185,7 @@ class Compare(Page):
             self._quiet = False
 
     # a greater bound changes only numbers, and no line is drawn again for it
-    @shows("desk.tightened", "comparing")
+    @shows(*AMONG, "desk.tightened", "comparing")
     def _show_table(self) -> None:
         among, desk = self.among, self.desk
         if among:

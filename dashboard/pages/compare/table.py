@@ -10,7 +10,8 @@ from railjoule.dashboard.pages.compare.contenders import Contender
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import Pin
 
-HINT = parts.Markup('<p class="note scroll-hint">Swipe sideways for more columns.</p>')
+HINT = parts.Markup('<p class="note fewer-columns">A wider screen shows recuperated energy and losses, too.</p>')
+"""assets/css/parts.css leaves those columns out on narrow screens, and the difference in kWh."""
 
 
 def answer(among: Sequence[Contender], reference: Contender, so_far: bool = False) -> parts.Markup:

@@ -39,7 +39,7 @@ SHARING_WORDS: Mapping[Sharing, str] = {
     "optimum": "optimal supplement",
     "proportional": "proportional supplement",
     "equal": "equal supplement",
-    "given": "given timetable",
+    "given": "present timetable",
 }
 SHARING_TOKENS: Mapping[Sharing, str] = {
     "optimum": "optimal",
@@ -227,7 +227,7 @@ class SlackChart(LegBars):
         f = self.figure
         assert f is not None
         grips = self.source("grips", *GRIP_COLUMNS)
-        moved, sign = self.source("moved", "number", "arrival"), self.source("sign", "x", "y", "text")
+        moved, sign = self.source("moved", "number", "time"), self.source("sign", "x", "y", "text")
         self.dots("grips", "surface", "accent", size=10, line_width=2)
         self.glyphs(
             "text",
@@ -242,14 +242,14 @@ class SlackChart(LegBars):
             padding=2,
             **text_style(),
         )
-        dragged(f, "drag_slack", grips=grips, sign=sign, moved=moved)
+        dragged(f, "drag", "drag_points", points=grips, sign=sign, moved=moved)
         moved.on_change("data", self._take)
         f.on_event(PanEnd, lambda _: self.release())
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
         """Take what the browser has moved; what is emptied here calls, too."""
         if len(new["number"]):
-            self.move(int(new["number"][0]), float(new["arrival"][0]))
+            self.move(int(new["number"][0]), float(new["time"][0]))
 
     def drawn(self, runs: LineRuns, other: Sharing) -> list[Sharing]:
         """Return the ways of sharing that are drawn; a given timetable always, as its bars are dragged."""
@@ -269,7 +269,7 @@ class SlackChart(LegBars):
             super().fit(low, high)
 
 
-GRIP_COLUMNS = ("x", "y", "rest", "arrival", "low", "high", "name")
+GRIP_COLUMNS = ("x", "y", "rest", "time", "low", "high", "name")
 
 
 def grip_columns(runs: LineRuns) -> dict[str, list[Any]]:

@@ -13,10 +13,7 @@ from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 LATEST_S = 86_400.0
 # as the pages write times: core/scenario/line.py takes only a latest arrival above 0
 LEAST_S = 0.1
-ARRIVALS = ("free", "fixed", "window")
-FIRST_WINDOW_S = 5.0
-"""How far a window that is opened reaches to both sides of the present arrival: at first it changes nothing."""
-TIMES = ("dwell_s", "arrival", "arrival_s", "earliest_s", "latest_s", "given_s")
+TIMES = ("dwell_s", "earliest_s", "latest_s", "given_s")
 Row = dict[str, Any]
 
 
@@ -43,11 +40,9 @@ class StationModel(TypedParameters):
     station = param.String(default="", doc="Name.")
     position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
     dwell_s = TypedNumber("Dwell, s", "s", default=0.0, bounds=(0, LATEST_S))
-    arrival = param.Selector(default="free", objects=list(ARRIVALS), doc="Whether the optimum may choose the arrival.")
-    arrival_s = TypedNumber("Arrives after, s", "s", 1, default=LEAST_S, bounds=(LEAST_S, LATEST_S))
     earliest_s = TypedNumber("Earliest arrival, s", "s", 1, default=None, allow_None=True, bounds=(0, LATEST_S))
     latest_s = TypedNumber("Latest arrival, s", "s", 1, default=None, allow_None=True, bounds=(LEAST_S, LATEST_S))
-    given_s = TypedNumber("Given arrival, s", "s", 1, default=None, allow_None=True, bounds=(LEAST_S, LATEST_S))
+    given_s = TypedNumber("Present arrival, s", "s", 1, default=None, allow_None=True, bounds=(LEAST_S, LATEST_S))
 
     @classmethod
     def of(cls, number: int, station: Station) -> "StationModel":
@@ -62,46 +57,24 @@ class StationModel(TypedParameters):
         # the number counts from 0 between the ends, and the start is station 1
         return self.station or f"Station {self.number + 2}"
 
-    def take(self, station: Station, keep_kind: bool = False) -> None:
-        """Take over the times of the scenario.
-
-        Parameters
-        ----------
-        station : Station
-        keep_kind : bool
-            Whether a window that is just typed stays one, though for now it is open or closed at both sides.
-        """
-        earliest, latest = station.earliest_arrival_s, station.latest_arrival_s
-        fixed = earliest is not None and earliest == latest
-        kind = "fixed" if fixed else "free" if earliest is latest is None else "window"
+    def take(self, station: Station) -> None:
+        """Take over the times of the scenario."""
         self.param.update(
             dwell_s=station.dwell_s,
-            arrival=self.arrival if keep_kind else kind,
-            earliest_s=earliest,
-            latest_s=latest,
+            earliest_s=station.earliest_arrival_s,
+            latest_s=station.latest_arrival_s,
             given_s=station.arrival_s,
-            **({"arrival_s": latest} if fixed else {}),
         )
 
     @property
     def row(self) -> Row:
         """The times by the keys of the file; None for what it does not name."""
-        window = {"free": (None, None), "fixed": (self.arrival_s, self.arrival_s)}
-        earliest, latest = window.get(self.arrival, (self.earliest_s, self.latest_s))
         return {
             "dwell_s": float(self.dwell_s),
             "arrival_s": self.given_s,
-            "earliest_arrival_s": earliest,
-            "latest_arrival_s": latest,
+            "earliest_arrival_s": self.earliest_s,
+            "latest_arrival_s": self.latest_s,
         }
-
-    def begin_kind(self, arrival_s: float) -> None:
-        """Begin a fixed arrival or a window with the present arrival [s], so that nothing changes at first."""
-        if self.arrival == "fixed":
-            self.arrival_s = round(arrival_s, 1)
-        elif self.arrival == "window":
-            first, last = round(arrival_s - FIRST_WINDOW_S, 1), round(arrival_s + FIRST_WINDOW_S, 1)
-            self.param.update(earliest_s=max(first, 0.0), latest_s=min(last, LATEST_S))
 
     def bounds_of(self, field: str) -> tuple[float | None, float | None]:
         """Return the least and the largest number that a field takes; neither end of a window passes the other."""

@@ -12,6 +12,7 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.whole_line import Sharing, WholeLine
 from railjoule.dashboard.charts.scene import RunScene
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Page, Request, shows, work
@@ -29,7 +30,8 @@ from railjoule.dashboard.pages.line.compute import (
 from railjoule.dashboard.pages.line.model import TIMES, LinkedStation, Row, StationModel, station_rows
 from railjoule.dashboard.pages.page import BODY_CSS
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.number_field import number_fields, tie
+from railjoule.dashboard.parts.choices import button
+from railjoule.dashboard.parts.number_field import number_fields
 from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.program import PageRun, Program
@@ -39,26 +41,27 @@ WHOLE_LINE = Program(
     {"whole_line": "railjoule.core.studies.whole_line"}, "line = whole_line(scenario)\nprint(line.run.energy_kwh)\n", ""
 )
 OTHERS: tuple[Sharing, ...] = ("proportional", "equal", "given")
-OTHER_WORDS = {"Proportional supplement": "proportional", "Equal supplement": "equal", "Given timetable": "given"}
+OTHER_WORDS = {"Proportional supplement": "proportional", "Equal supplement": "equal", "Present timetable": "given"}
 STATIONS_KEY = "line.stations"
 LOWER_CSS = """
 :host { padding: 4px 20px 20px 20px; }
 @media (max-width: 1099px) { :host { padding: 4px 14px 16px; } }
 """
 TABLE_CSS = "th { white-space: normal; vertical-align: bottom; }"
-STATIONS_CSS = """
-:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(240px, 1fr)); gap: 0 24px; }
+ROW_CSS = """
+:host { border-top: 1px solid var(--rj-line); padding: 4px 0; }
+@media (min-width: 900px) { :host { display: grid; align-items: start;
+  grid-template-columns: minmax(90px, 200px) repeat(4, minmax(90px, 150px)); } }
 """
-STATION_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 6px 0; }"
-ARRIVAL_WORDS = {"Free": "free", "Fixed": "fixed", "Window": "window"}
-GIVEN_HELP = "Given arrivals make a timetable to compare the optimum with; the other arrivals in it are free."
-SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
-STATION_STYLE = {
-    **SMALL,
-    "stylesheets": [
-        ".MuiFormControl-root > .MuiFormLabel-root { font-weight: 600; font-size: 14px; color: var(--rj-ink); }"
-    ],
-}
+HEAD_CSS = f"{ROW_CSS} @media (max-width: 899px) {{ :host {{ display: none; }} }}"
+CELL_CSS = "@media (min-width: 900px) { .label { position: absolute; clip-path: inset(50%); } }"
+"""In a table the head of the column is the label of a field; on narrow screens it stands beside the field."""
+NOWRAP = {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}
+HEAD = ("Station", "Dwell, s", "Earliest arrival, s", "Latest arrival, s", "Present arrival, s")
+ARRIVALS_HELP = (
+    "The optimum may choose each arrival between the earliest and the latest; two equal times are a fixed arrival. "
+    "Present arrivals make a timetable to compare the optimum with; the other arrivals in it are free."
+)
 
 
 class WholeLines(Page):
@@ -94,8 +97,8 @@ class WholeLines(Page):
         """Return the stations of a scenario, in running order."""
         return scenario.line.in_running_order().inner_stations
 
-    def take(self, scenario: Scenario, keep_kind: bool = False) -> None:
-        """Give the fields the stations of a scenario; `keep_kind` as for `StationModel.take`."""
+    def take(self, scenario: Scenario) -> None:
+        """Give the fields the stations of a scenario."""
         self.param.update(moving=False, moved=None)
         inner = scenario.line.in_running_order().inner_stations
         if [(s.name, s.position_m) for s in inner] != [(s.station, s.position_m) for s in self.inner_stations]:
@@ -103,7 +106,7 @@ class WholeLines(Page):
             return
         with self._quiet():
             for model, station in zip(self.inner_stations, inner, strict=True):
-                model.take(station, keep_kind)
+                model.take(station)
 
     @contextmanager
     def _quiet(self) -> Iterator[None]:
@@ -123,24 +126,15 @@ class WholeLines(Page):
         if self._taking:
             return
         station: StationModel = events[-1].obj
-        if self.runs is not None and any(event.name == "arrival" for event in events):
-            with self._quiet():
-                station.begin_kind(self.runs.best.legs[station.number].arrival_s)
-        self._try_edit({station.number: station.row}, keep_kind=True)
+        self._try_edit({station.number: station.row})
 
-    def _try_edit(self, times: Mapping[int, Mapping[str, Any]], keep_kind: bool = False) -> None:
+    def _try_edit(self, times: Mapping[int, Mapping[str, Any]]) -> None:
         """Write times into the scenario, or show the reason against them."""
-        kinds = {station.number: station.arrival for station in self.inner_stations} if keep_kind else {}
         try:
             self.edit(times)
         except RailjouleError as error:
             self.failure = self._refused = error
-            self.take(self.desk.scenario.edited, keep_kind)
-            return
-        # a window that is just typed stays one, though for now it is open or closed at both sides
-        with self._quiet():
-            for station in self.inner_stations:
-                station.arrival = kinds.get(station.number, station.arrival)
+            self.take(self.desk.scenario.edited)
 
     def edit(self, times: Mapping[int, Mapping[str, Any]]) -> None:
         """Write times of stations into the scenario.
@@ -270,28 +264,29 @@ class WholeLines(Page):
         self.table = parts.html_pane(stylesheets=[parts_css(), TABLE_CSS])
         supplements = self.host.plots[SUPPLEMENTS.name]
         supplements.move, supplements.release = self.drag, lambda: self.param.update(moving=False)
-        self.others = pmui.RadioButtonGroup(options=OTHER_WORDS, value=self.other, margin=(8, 4, 4, 20), **SMALL)
+        self.others = pmui.RadioButtonGroup(
+            options=OTHER_WORDS, value=self.other, margin=(8, 4, 4, 20), size="small", sx=NOWRAP
+        )
         self.others.param.watch(self._choose_other, "value")
-        self.open = pmui.Button(
-            label=f"Open {EXAMPLE_TITLE}",
-            variant="outlined",
-            size="small",
-            margin=(0, 20, 10, 20),
-            on_click=lambda _: self.desk.scenario.choose(EXAMPLE),
+        self.open = button(
+            f"Open {EXAMPLE_TITLE}", lambda _: self.desk.scenario.choose(EXAMPLE), margin=(0, 20, 10, 20)
         )
         self.take_best, self.take_other, self.take_away = (
-            pmui.Button(label=label, variant="outlined", size="small", margin=(4, 8, 8, 0), on_click=act)
+            button(label, act, margin=(4, 8, 8, 0))
             for label, act in (
-                ("Take over the optimal arrivals", lambda _: self.take_over("optimum")),
+                ("Use the optimal arrivals", lambda _: self.take_over("optimum")),
                 ("", lambda _: self.take_over(self.shown_other)),
-                ("Remove the given timetable", lambda _: self.take_over(None)),
+                ("Remove the present timetable", lambda _: self.take_over(None)),
             )
         )
-        self.rows = parts.stack(css=STATIONS_CSS)
+        self.rows = parts.stack()
         acts = pn.FlexBox(self.take_best, self.take_other, self.take_away, margin=0, sizing_mode="stretch_width")
         title = parts.html_pane('<div class="block"><h2>Timetable of the stations</h2></div>')
-        about = parts.html_pane(parts.note_paragraphs([GIVEN_HELP]))
-        self.timetable = parts.stack(title, about, acts, self.rows)
+        about = parts.html_pane(parts.note_paragraphs([ARRIVALS_HELP]))
+        head = parts.stack(
+            *(parts.html_pane(parts.markup("<b>{}</b>{}", word, info(word))) for word in HEAD), css=HEAD_CSS
+        )
+        self.timetable = parts.stack(title, about, acts, head, self.rows)
         body = parts.stack(*(chart.host for chart in self.host.charts), css=BODY_CSS)
         lower = parts.stack(self.verdict, self.table, self.timetable, self.notes, css=LOWER_CSS)
         self.of_example = parts.stack(self.example, self.open)
@@ -339,7 +334,7 @@ class WholeLines(Page):
         if self.others.value != other:
             self.others.value = other
         self.take_other.visible = other != "given"
-        self.take_other.label = f"Take over the arrivals of the {SHARING_WORDS[other]}"
+        self.take_other.label = f"Use the arrivals of the {SHARING_WORDS[other]}"
         self.take_away.visible = any(station.given_s is not None for station in self.inner_stations)
 
     def _show_texts(self, runs: LineRuns, other: Sharing) -> None:
@@ -358,21 +353,7 @@ class WholeLines(Page):
 
 
 def station_row(station: StationModel) -> pn.Column:
-    """Return the fields of a station: its dwell, what its arrival may be, and its arrival in a given timetable."""
-    of = f"{station.name_or_number}: "
-    dwell, arrival, earliest, latest, given = number_fields(
-        station, "dwell_s", "arrival_s", "earliest_s", "latest_s", "given_s", of=of
-    )
-    kind = pmui.RadioButtonGroup(
-        label=f"{of}arrival", options=ARRIVAL_WORDS, value=station.arrival, margin=(2, 8, 4, 8), **STATION_STYLE
-    )
-    # a field is hidden by the stack around it: its own style sheet would show it
-    fixed, window = parts.stack(arrival), parts.stack(earliest, latest)
-
-    def show(*_: Any) -> None:
-        fixed.visible, window.visible = station.arrival == "fixed", station.arrival == "window"
-
-    tie(kind, station, "arrival")
-    station.param.watch(show, "arrival")
-    show()
-    return parts.stack(kind, fixed, window, dwell, given, css=STATION_CSS)
+    """Return the row of a station in the table: its name and the fields of its times."""
+    name = parts.html_pane(parts.markup("<b>{}</b>", station.name_or_number))
+    fields = number_fields(station, *TIMES, of=f"{station.name_or_number}: ", info="", stylesheets=[CELL_CSS])
+    return parts.stack(name, *fields, css=ROW_CSS)

@@ -6,6 +6,7 @@ from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.line.charts import SHARING_TOKENS, SHARING_WORDS
 from railjoule.dashboard.pages.line.compute import WORTH_SHARE, LineRuns
 from railjoule.dashboard.parts import html as parts
@@ -16,7 +17,7 @@ SHORT: Mapping[Sharing, str] = {
     "optimum": "optimal",
     "proportional": "proportional",
     "equal": "equal",
-    "given": "given",
+    "given": "present",
 }
 Lines = Sequence[tuple[Sharing, WholeLine]]
 
@@ -76,7 +77,7 @@ def sharing_words(runs: LineRuns) -> list[str]:
         verdict = f"{told}."
     else:
         verdict = f"{told}: {less}, so a new timetable hardly pays here."
-    refused = f"The given timetable is not shown. {runs.refusal}" if runs.refusal else ""
+    refused = f"The present timetable is not shown. {runs.refusal}" if runs.refusal else ""
     return [sentence for sentence in (verdict, refused) if sentence]
 
 
@@ -122,7 +123,7 @@ def legs_table(runs: LineRuns, other: Sharing) -> Markup:
         "Leg",
         "m",
         "shortest, s",
-        *(f"{SHORT[sharing]}: {what}" for sharing, _ in lines for what in ("arrives, s", "supplement, s", "kWh")),
+        *(f"{SHORT[sharing]}: {what}" for sharing, _ in lines for what in ("arrives, min:s", "supplement, s", "kWh")),
         *(f"{SHORT[sharing]}: Wh/s" for sharing, _ in priced),
     )
     rows: list[tuple[tuple[str, ...], bool]] = []
@@ -150,7 +151,7 @@ def legs_table(runs: LineRuns, other: Sharing) -> Markup:
 
 def leg_cells(arrival_s: float | None, supplement_s: float, energy_j: float) -> tuple[str, str, str]:
     """Return the cells of a leg, or of all legs, which have no arrival of their own."""
-    arrival = "" if arrival_s is None else words.number(arrival_s)
+    arrival = "" if arrival_s is None else clock(arrival_s)
     return arrival, words.number(supplement_s), words.energy(energy_j / J_PER_KWH)
 
 

@@ -1,7 +1,6 @@
-"""A plan through the control loop of its motors, what it is compared with, and what a detuned controller costs."""
+"""A plan through the control loop of its motors, and what it is compared with."""
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import cache
 from typing import Any
@@ -19,10 +18,8 @@ from railjoule.core.simulation.field_oriented import (
     simulate_field_oriented,
 )
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.studies.detuning import FACTORS, detuning_steps
 from railjoule.core.studies.flux_sweep import FluxSweep, sweep_flux
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints, induction_map, machine_points
-from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
@@ -33,8 +30,6 @@ RIVALS: tuple[str, ...] = ("eoc", "enoc")
 """The strategies that the paper compares."""
 DRAWN_POINTS = 120
 """Of a run in its machine's map, at most."""
-NEAREST_FIRST = tuple(sorted(FACTORS, key=lambda factor: abs(math.log(factor))))
-"""Factors of the study, the right one first: the others are told against it."""
 
 
 @dataclass(frozen=True)
@@ -217,8 +212,3 @@ def compute_ripple(run: FieldOrientedRun, at_s: float) -> Ripple:
 def compute_flux_sweep(scenario: Scenario, speed_kmh: float) -> FluxSweep:
     """Return losses, voltage, efficiency and power factor over the flux of a cruise; errors as `sweep_flux`."""
     return sweep_flux(actual_vehicle(scenario).vehicle, speed_kmh * MS_PER_KMH)
-
-
-def compute_detuning(request: LoopRequest) -> Iterator[StudyTable]:
-    """Yield what a wrong rotor resistance costs as it is computed; errors as `compute_loop_run`."""
-    yield from detuning_steps(request.in_loop(), NEAREST_FIRST, request.plan())

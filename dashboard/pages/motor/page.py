@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import panel as pn
-import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -13,16 +11,15 @@ from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.flux_sweep import FluxSweep
-from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.plot import DASHED, SOLID, Plot, RunPlot, Stroke
-from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
+from railjoule.dashboard.charts.quantities import Quantity, read
 from railjoule.dashboard.charts.run_lines import Line
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
-from railjoule.dashboard.page import Hint, Page, Request, Section, shows, study, work
+from railjoule.dashboard.page import Hint, Page, Request, Section, shows, work
 from railjoule.dashboard.pages.motor import texts
 from railjoule.dashboard.pages.motor.compute import (
     MACHINE_SCENARIO,
@@ -31,7 +28,6 @@ from railjoule.dashboard.pages.motor.compute import (
     LoopRivals,
     LoopRun,
     MachineMap,
-    compute_detuning,
     compute_flux_sweep,
     compute_loop_run,
     compute_machine_map,
@@ -43,6 +39,7 @@ from railjoule.dashboard.pages.motor.compute import (
 )
 from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import button
 from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.numbers import TypedNumber, keyed
 from railjoule.dashboard.state.page_model import result
@@ -129,11 +126,7 @@ OF_RUN = (
     RunPlot(
         "loop_energy",
         ENERGY,
-        {
-            # wide, as the dashed line of the parts lies on it
-            "input power": Line("accent", {"line_width": 3}, "run", INPUT_ENERGY),
-            "parts": Line("driven", DASHED, "run", column("energy_of_parts", "energy_by_parts_j", J_PER_KWH)),
-        },
+        {"": Line("accent", SOLID, "run")},
         digits=1,
         last=True,
     ),
@@ -158,35 +151,19 @@ OF_TRACKING = (
 )
 OF_RIVALS = (
     RunPlot(
-        "rival_speed",
-        replace(SPEED, name="rival_speed", words="EOC and ENOC: speed, km/h"),
-        of_rivals(quantities.SPEED),
-        (180, 210, 170),
-        ticks=5,
-    ),
-    RunPlot(
         "rival_current",
-        Quantity("rival_current", "Torque current of one motor, A", "A", 1, read("torque_current_a")),
+        Quantity("rival_current", "EOC and ENOC: torque current of one motor, A", "A", 1, read("torque_current_a")),
         of_rivals(TORQUE_CURRENT),
         (140, 160, 130),
     ),
     RunPlot(
         "rival_energy",
-        replace(ENERGY, name="rival_energy"),
+        replace(ENERGY, name="rival_energy", words="EOC and ENOC: energy at the motors, kWh"),
         of_rivals(INPUT_ENERGY),
         (170, 200, 160),
         digits=1,
         last=True,
     ),
-)
-OVER_LINE = Plot(
-    "loop_place",
-    "Speed, km/h, over distance; dashed: actual",
-    {"planned": Stroke("accent", {"line_width": 2.4}), "actual": Stroke("driven", DASHED)},
-    (200, 250, 180),
-    x_title=POSITION.words,
-    ticks=5,
-    from_zero=True,
 )
 MAP = Plot(
     "machine_map",
@@ -217,16 +194,6 @@ FLUX = Plot(
     from_zero=True,
     uprights={"least": "ink3"},
 )
-DETUNING = Plot(
-    "detuning",
-    "Extra energy, %, over assumed / true rotor resistance",
-    {"curve": Stroke("accent", marks=True)},
-    x_title="Assumed / true rotor resistance, \u2013",
-    digits=1,
-    x_digits=1,
-    zero=True,
-    room=0.1,
-)
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 8px 20px 12px 14px; align-items: start; }
@@ -238,14 +205,6 @@ DIAGRAM_CSS = """
 @media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
 """
 COLUMN_CSS = ":host { row-gap: 6px; }"
-# 50 px, as figures have left of their frames
-QUESTION = (
-    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The controller computes '
-    "the flux from the rotor resistance, which rises by up to half as the rotor warms up. The study runs the plan with "
-    "controllers that assume half to twice the true resistance.</p></div>"
-)
-
-
 # ---- the page
 
 
@@ -254,16 +213,15 @@ class Motor(Page):
 
     page = "Motor"
     kept = (*CONTROL, *LIMITS, "ripple_at_s", "cruise_speed_kmh")
-    passing = ("studying",)
     fields = (
         Section("Controller", "with a rotor resistance of its own"),
         *CONTROL,
-        Hint("From its resistance it computes the slip.", "Slip"),
+        Hint("Slip is computed from this resistance.", "Slip"),
         Section("Inverter", "at most, each phase"),
         *LIMITS,
     )
     choices = {"flux": {"Constant": "constant", "Least loss": "min_loss"}}  # noqa: RUF012
-    figures = (*OF_RUN, *OF_TRACKING, *OF_RIVALS, OVER_LINE, MAP, RIPPLE, FLUX, DETUNING)
+    figures = (*OF_RUN, *OF_TRACKING, *OF_RIVALS, MAP, RIPPLE, FLUX)
 
     precompensator = param.Boolean(default=True, label="Pre-compensator")
     flux = param.Selector(default="constant", objects=["constant", "min_loss"], label="Rotor flux")
@@ -285,9 +243,6 @@ class Motor(Page):
     machine_map = result(MachineMap, "Efficiency and run.")
     ripple = result(Ripple, "Current under switched voltage.")
     flux_sweep = result(FluxSweep, "Cruise over the flux current.")
-    detuning = result(StudyTable, "The study so far.")
-    start = param.Event(doc="Start the study of a wrong resistance.")
-    studying = param.Boolean(default=False, doc="Whether it is under way.")
 
     def __init__(self, desk: Workbench, **params: Any) -> None:
         super().__init__(desk, **params)
@@ -383,77 +338,36 @@ class Motor(Page):
     def _flux(self) -> Request:
         return self.loop and (compute_flux_sweep, self.loop.run.scenario, float(self.cruise_speed_kmh))
 
-    @study("scenario", "desk.chosen", *CONTROL, *LIMITS, start="start", into="detuning", busy="studying")
-    def _detuning(self) -> Request:
-        return compute_detuning, self._request()
-
     # ---- what it shows
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.costs, self.fluxes = (
-            parts.html_pane() for _ in range(8)
+        self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.fluxes = (
+            parts.html_pane() for _ in range(7)
         )
         self.at = NumberField(self, "ripple_at_s")
         self.cruise = NumberField(self, "cruise_speed_kmh", check=self._within_top_speed)
-        open_one = pmui.Button(
-            label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
-            variant="outlined",
-            size="small",
-            margin=(10, 20),
-            on_click=lambda _: self.desk.scenario.choose(MACHINE_SCENARIO),
-        )
+        title = load_scenario(MACHINE_SCENARIO).title
+        open_one = button(f"Open {title}", lambda _: self.desk.scenario.choose(MACHINE_SCENARIO), margin=(10, 20))
         self.of_example = parts.stack(self.example, open_one, visible=False)
+        speed, *others = OF_RUN
         return parts.stack(
             self.of_example,
             self.numbers,
             self.held,
             parts.stack(LoopDiagram(), css=DIAGRAM_CSS),
-            parts.stack(self._left(), self._right(), css=LAYOUT_CSS),
-            parts.stack(self._study_part(), self.costs, css=LAYOUT_CSS),
+            parts.stack(
+                self._column(speed, *OF_TRACKING, *others, self.account),
+                self._column(*OF_RIVALS, self.refusals, MAP, RIPPLE, self.at, FLUX, self.cruise, self.fluxes),
+                css=LAYOUT_CSS,
+            ),
             parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
         )
 
-    def _hosts(self, *plots: Plot | RunPlot) -> list[Viewable]:
-        return [self.host.plots[plot.name].host for plot in plots]
-
-    def _left(self) -> Viewable:
-        speed, *others = OF_RUN
-        return parts.stack(*self._hosts(speed, *OF_TRACKING, *others), self.account, css=COLUMN_CSS)
-
-    def _right(self) -> Viewable:
-        return parts.stack(
-            *self._hosts(OVER_LINE, *OF_RIVALS),
-            self.refusals,
-            *self._hosts(MAP, RIPPLE),
-            self.at,
-            *self._hosts(FLUX),
-            self.cruise,
-            self.fluxes,
-            css=COLUMN_CSS,
-        )
-
-    def _study_part(self) -> Viewable:
-        begin = pmui.Button(
-            label="Run the study",
-            variant="outlined",
-            size="small",
-            margin=(8, 8, 4, 50),
-            on_click=lambda _: self.param.trigger("start"),
-        )
-        self.stop = pmui.Button(
-            label="Stop",
-            variant="text",
-            size="small",
-            margin=(8, 8, 4, 8),
-            visible=False,
-            on_click=lambda _: self.param.update(studying=False),
-        )
-        self.progress = pmui.LinearProgress(
-            value=0, variant="determinate", margin=(4, 14, 4, 50), sizing_mode="stretch_width", visible=False
-        )
-        row = pn.Row(begin, self.stop, margin=0, sizing_mode="stretch_width")
-        return parts.stack(parts.html_pane(QUESTION), row, self.progress, *self._hosts(DETUNING), css=COLUMN_CSS)
+    def _column(self, *content: Plot | RunPlot | Viewable) -> Viewable:
+        """Return figures and other parts below each other."""
+        hosts = (one if isinstance(one, Viewable) else self.host.plots[one.name].host for one in content)
+        return parts.stack(*hosts, css=COLUMN_CSS)
 
     @shows("loop", "failure", "scenario")
     def _show_run(self) -> None:
@@ -461,7 +375,7 @@ class Motor(Page):
         self.of_example.visible = self.is_example
         self.example.object = parts.note_paragraphs([EXAMPLE_NOTE.format(own.vehicle.name)], "margin:0 20px")
         aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
-        what = "plan run through the field-oriented control of the motors"
+        what = "planned run, simulated with field-oriented control of the motors"
         self.host.heading.object = parts.heading(self.page, scenario_with_motor(own).title, what, aside)
         self.host.tell(self.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is not None:
@@ -474,12 +388,6 @@ class Motor(Page):
         self.cruise.set_ends((1.0, run.scenario.vehicle.traction.max_speed_kmh))
         bands = [(span.start_s, span.end_s) for span in run.saturated]
         host.draw(OF_RUN, {"run": run, "planned": run.planned}, bands)
-        curves = {
-            name: (POSITION.values(one), quantities.SPEED.values(one))
-            for name, one in (("planned", run.planned), ("actual", run))
-        }
-        end = max(float(place[-1]) for place, _ in curves.values())
-        host.draw([OVER_LINE], curves, x_ends=(0.0, 1.02 * end))
         self.numbers.object = parts.figures(texts.run_figures(run), self.failure is not None)
         self.held.object = texts.held_words(run)
         self.account.object = texts.parts_table(run)
@@ -528,19 +436,6 @@ class Motor(Page):
         }
         curves = {name: (current, 100 * share) for name, share in shares.items()}
         self.host.draw([FLUX], curves, uprights={"least": sweep.min_loss.flux_current_a})
-
-    @shows("detuning", "studying")
-    def _show_detuning(self) -> None:
-        table = self.detuning
-        self.progress.visible = self.stop.visible = self.studying
-        if self.studying:
-            done = 0.0 if table is None else table.done / len(table.rotor_resistance_factor)
-            self.progress.value = int(100 * done)
-        self.host.plots["detuning"].host.visible = self.costs.visible = table is not None
-        if table is not None:
-            self.costs.object = texts.detuning_table(table)
-            ends = table.rotor_resistance_factor
-            self.host.draw([DETUNING], {"curve": texts.detuning_cost(table)}, x_ends=(min(ends), max(ends)))
 
     def _within_top_speed(self, speed_kmh: float) -> float:
         """Return a speed that was typed; raises ValueError beyond the maximum speed of the vehicle."""

@@ -1,12 +1,7 @@
 """Numbers, sentences and tables of a run through the control loop."""
 
-import numpy as np
-
-from railjoule.core.arrays import FloatArray
-from railjoule.core.energy import share_above
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.studies.flux_sweep import FluxSweep
-from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -25,12 +20,8 @@ def length(metres: float) -> tuple[str, str]:
 
 def run_figures(run: FieldOrientedRun) -> list[str]:
     """Return the numbers of a run."""
-    by_input, by_parts = (
-        float(energy[-1]) / J_PER_KWH for energy in (run.energy_by_input_power_j, run.energy_by_parts_j)
-    )
+    by_input = float(run.energy_by_input_power_j[-1]) / J_PER_KWH
     magnetising = run.magnetising_loss_kwh
-    # in millionths, as a percentage of so small a difference would read 0.00
-    share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
     # both from the supply: the motors' net energy counts braking energy that the supply may not take back
     amount = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh)
     planned = words.energy(run.planned.energy_kwh)
@@ -38,13 +29,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
         parts.figure(
             "Energy", words.energy(run.actual.energy_kwh), "kWh", f"{amount.sentence} the plan, {planned} kWh", "main"
         ),
-        parts.figure(
-            "Energy from input power",
-            words.energy(by_input),
-            "kWh",
-            "all braking energy deducted",
-            whole=f"The parts sum to it within {words.number(abs(share), 2)} ppm",
-        ),
+        parts.figure("Energy at the motors", words.energy(by_input), "kWh", "all braking energy deducted"),
         parts.figure(
             "Magnetising loss",
             words.energy(magnetising),
@@ -82,12 +67,11 @@ def held_words(run: FieldOrientedRun) -> Markup:
 
 
 def parts_table(run: FieldOrientedRun) -> Markup:
-    """Return the parts of the energy, and their sum beside the integral of input power."""
-    total = sum(run.parts_j.values())
-    rows = [((words.PART_WORDS[name], *_amount(joules, total)), False) for name, joules in run.parts_j.items()]
-    rows.append((("Sum of parts", *_amount(total, total)), True))
-    by_input = float(run.energy_by_input_power_j[-1])
-    rows.append((("Input power, integrated", *_amount(by_input, total)), True))
+    """Return the parts of the energy that are not zero, and their sum, the integral of input power."""
+    total = float(run.energy_by_input_power_j[-1])
+    shown = {name: joules for name, joules in run.parts_j.items() if abs(joules) >= words.LEAST_ENERGY_KWH * J_PER_KWH}
+    rows = [((words.PART_WORDS[name], *_amount(joules, total)), False) for name, joules in shown.items()]
+    rows.append((("All", *_amount(total, total)), True))
     return parts.inset(parts.table("Energy at the motors, by part", ("Part", "kWh", "%"), rows))
 
 
@@ -119,32 +103,3 @@ def flux_table(sweep: FluxSweep) -> str:
     speed, limit = words.number(sweep.speed_ms / MS_PER_KMH), words.number(sweep.max_phase_voltage_v, 0)
     title = f"One motor at {speed} km/h on level track, limit {limit} V"
     return parts.inset(parts.table(title, ("Flux", "A", "V", "loss, W", "efficiency, %", "power factor"), rows))
-
-
-def detuning_cost(table: StudyTable) -> tuple[FloatArray, FloatArray]:
-    """Return the factors that are computed, rising, and how much more energy each takes than the right one [%]."""
-    factors = np.array(table.rotor_resistance_factor)
-    right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
-    # before the right one is there, nothing can be told against it
-    known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
-    # they come in the order of NEAREST_FIRST
-    known = known[np.argsort(factors[known])]
-    return factors[known], 100 * share_above(table.energy_kwh[known], float(right))
-
-
-def detuning_table(table: StudyTable) -> str:
-    """Return a table of the run with each factor that is computed."""
-    rows = []
-    for factor, more in zip(*detuning_cost(table), strict=True):
-        k = table.rotor_resistance_factor.index(factor)
-        cells = (
-            f"{words.number(factor, 2)} \u00d7",
-            words.share_difference(more / 100),
-            words.number(table.max_current_a[k], 0),
-            words.number(table.max_phase_voltage_v[k], 0),
-            " ".join(length(table.max_tracking_error_m[k])),
-        )
-        rows.append((cells, factor == 1))
-    title = "Controller with a wrong rotor resistance"
-    header = ("Assumed / true", "energy, %", "peak, A", "peak, V", "tracking error")
-    return parts.inset(parts.table(title, header, rows))

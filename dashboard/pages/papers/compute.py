@@ -1,12 +1,11 @@
-"""The papers' printed numbers and claims beside ours: computed now, or as they were computed for this release.
+"""The papers' printed numbers and claims beside those of railjoule, as they were computed for this release.
 
-They depend only on the core and the assets and take half a minute, so they are shipped;
-`python -m railjoule.dashboard.renew_papers` renews the file after a change of either.
+They depend only on the core and the assets and take half a minute, so they are shipped; `railjoule validate` computes
+them again, and `python -m railjoule.dashboard.renew_papers` renews the file after a change of either.
 """
 
 import hashlib
 import json
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -24,45 +23,6 @@ ASSETS = ("vehicles", "lines", "scenarios", "papers")
 
 
 @dataclass(frozen=True, eq=False)
-class PaperTables:
-    """What is compared of a paper so far.
-
-    Parameters
-    ----------
-    name : str
-        The paper's, as on the command line.
-    validation : Validation
-        With the tables and claims that are done.
-    step_count : int
-        Number of tables and claims in all.
-    """
-
-    name: str
-    validation: Validation
-    step_count: int
-
-    @property
-    def done_count(self) -> int:
-        """Number of tables and claims that are done."""
-        return len(self.validation.tables) + len(self.validation.claims)
-
-    @property
-    def complete(self) -> bool:
-        """Whether all tables and claims are there."""
-        return self.done_count == self.step_count
-
-
-def compute_papers(names: tuple[str, ...], _request_count: int = 1) -> Iterator[dict[str, PaperTables]]:
-    """Yield the comparisons of the named papers with each table or claim that is added."""
-    done: dict[str, PaperTables] = {}
-    for name in names:
-        comparison = COMPARISONS[name]()
-        for step in comparison.steps():
-            done = {**done, name: PaperTables(name, step, comparison.step_count)}
-            yield done
-
-
-@dataclass(frozen=True, eq=False)
 class ShippedTables:
     """What was computed of all papers before.
 
@@ -74,7 +34,7 @@ class ShippedTables:
         Whether this code has computed it, from these assets.
     """
 
-    papers: dict[str, PaperTables]
+    papers: dict[str, Validation]
     is_current: bool
 
 
@@ -97,12 +57,11 @@ def input_hash() -> str:
     return digest.hexdigest()[:16]
 
 
-def _paper(name: str, kept: dict[str, Any]) -> PaperTables:
+def _paper(name: str, kept: dict[str, Any]) -> Validation:
     comparison = COMPARISONS[name]()
     tables = tuple(
         Table(table["title"], tuple(Row(**row) for row in table["rows"]), table["place"], table["reference"])
         for table in kept["tables"]
     )
     claims = tuple(Claim(**claim) for claim in kept["claims"])
-    validation = Validation(name, comparison.citation, tables, comparison.errata, claims)
-    return PaperTables(name, validation, len(tables) + len(claims))
+    return Validation(name, comparison.citation, tables, comparison.errata, claims)

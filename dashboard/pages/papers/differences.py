@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.models import FixedTicker
 from bokeh.plotting import figure
 
-from railjoule.core.validation import Row
+from railjoule.core.validation import Row, Validation
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import add_zero
 from railjoule.dashboard.charts.elements import dress_legends, figure_of
@@ -16,7 +16,7 @@ from railjoule.dashboard.charts.figures import dress_alone
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables
+from railjoule.dashboard.pages.papers.compute import AUTHORS
 
 STYLES = {
     "ftorek": ("accent", "circle"),
@@ -44,19 +44,19 @@ def scaled(percent: float) -> float:
     return float(np.arcsinh(percent / CLOSE_PERCENT))
 
 
-def differences(papers: Sequence[PaperTables]) -> hv.Dataset:
+def differences(papers: Sequence[Validation]) -> hv.Dataset:
     """Return all rows that have a difference from a printed number, in the order of the tables, numbered from 1."""
     rows = [
         (paper, table.title, row)
         for paper in papers
-        for table in paper.validation.tables
+        for table in paper.tables
         for row in table.rows
         if row.source and row.difference is not None
     ]
-    told = [(AUTHORS[paper.name], title, row.case, *_numbers(row)) for paper, title, row in rows]
+    told = [(AUTHORS[paper.paper], title, row.case, *_numbers(row)) for paper, title, row in rows]
     columns: dict[str, Any] = {
         "row": np.arange(1, len(rows) + 1),
-        "name": np.array([paper.name for paper, _, _ in rows], dtype=object),
+        "name": np.array([paper.paper for paper, _, _ in rows], dtype=object),
         "height": np.array([scaled(row.difference or 0.0) for _, _, row in rows]),
         **{word: np.array([texts[k] for texts in told], dtype=object) for k, word in enumerate(TOLD)},
     }
@@ -71,7 +71,7 @@ def _numbers(row: Row) -> tuple[str, ...]:
     return row.quantity, f"{printed}{unit}", f"{words.number(row.value, digits + 1)}{unit}", difference
 
 
-def difference_figure(papers: Sequence[PaperTables], dark: bool) -> tuple[figure, Palette]:
+def difference_figure(papers: Sequence[Validation], dark: bool) -> tuple[figure, Palette]:
     """Return the figure and the colours that it wears; it stands in no document yet, so any thread may make it."""
     rows, palette = differences(papers), Palette(dark)
     most = max(map(abs, rows.range("height")), default=1.0)

@@ -14,7 +14,7 @@ from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import format_scenario
-from railjoule.core.validation import COMPARISONS
+from railjoule.core.validation import COMPARISONS, Validation
 from railjoule.core.validation.table import PaperFigure
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.plot import Plot
@@ -22,7 +22,7 @@ from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.page import Page, Request, shows, study, work
-from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables, compute_papers, shipped_tables
+from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
 from railjoule.dashboard.pages.papers.tables import figure_cells, paper_html, tables_csv
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.page_model import result
@@ -64,6 +64,8 @@ PANELS_CSS = """
 """As many panels beside each other as are at least 420 px wide."""
 COMPUTED = "Computed with the code, vehicles, lines and scenarios of this version."
 COMPUTED_BEFORE = "Computed before the last change of code, vehicles, lines or scenarios."
+AGAIN = "The command railjoule validate computes all numbers again."
+SILENT = "{} prints no number to compare."
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
@@ -92,7 +94,7 @@ class RebuiltFigures:
     figures: tuple[Rebuilt, ...] = ()
 
 
-def draw_differences(papers: tuple[PaperTables, ...]) -> tuple[Figure, Palette]:
+def draw_differences(papers: tuple[Validation, ...]) -> tuple[Figure, Palette]:
     """Draw all differences, in a thread because HoloViews takes its time to load."""
     from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
 
@@ -115,31 +117,14 @@ class Papers(Page):
     """The comparison with the papers; no scenario changes it."""
 
     page = "Papers"
-    passing = ("request_count", "computing", "drawn_paper", "drawing")
+    passing = ("drawn_paper", "drawing")
     follows_scenario = False
     figures = (DIFFERENCES,)
 
-    request_count = param.Integer(default=0, doc="How often the comparison was requested.")
-    computing = param.Boolean(default=False, doc="Whether the comparison is being computed.")
-    computed = result(dict, "The papers computed here, by name, some of them partly.")
     differences = result(tuple, "The figure of all differences, and its colours.")
     drawn_paper = param.String(default="", doc="The paper whose figures were requested last.")
     drawing = param.Boolean(default=False, doc="Whether its figures are being computed.")
     rebuilt = result(RebuiltFigures, "Its figures so far.")
-
-    @property
-    def papers(self) -> dict[str, PaperTables]:
-        """The comparisons to show: the shipped one of a paper until all of it is computed here."""
-        computed: dict[str, PaperTables] = self.computed or {}
-        complete = {name: paper for name, paper in computed.items() if paper.complete}
-        return {**computed, **shipped_tables().papers, **complete}
-
-    @property
-    def is_current(self) -> bool:
-        """Whether this version has computed all numbers shown."""
-        papers = self.papers
-        computed: dict[str, PaperTables] = self.computed or {}
-        return shipped_tables().is_current or all(computed.get(name) is paper for name, paper in papers.items())
 
     def page_run(self) -> PageRun:
         """Return the comparison as a program."""
@@ -147,15 +132,9 @@ class Papers(Page):
 
     # ---- what it computes
 
-    @study("request_count", into="computed", busy="computing")
-    def _comparison(self) -> Request:
-        if not self.request_count and shipped_tables().is_current:
-            return None
-        return compute_papers, tuple(COMPARISONS), self.request_count
-
-    @work("computed", into="differences", is_slow=lambda *_: True)
+    @work(into="differences", is_slow=lambda *_: True)
     def _differences(self) -> Request:
-        return draw_differences, tuple(paper for paper in self.papers.values() if paper.complete)
+        return draw_differences, tuple(shipped_tables().papers.values())
 
     @study("drawn_paper", into="rebuilt", busy="drawing")
     def _rebuilt(self) -> Request:
@@ -165,46 +144,26 @@ class Papers(Page):
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
+        shipped = shipped_tables()
         authors = ", ".join(AUTHORS[name] for name in COMPARISONS)
         self.host.heading.object = parts.heading(self.page, authors, "and the numbers of railjoule", "")
-        self.origin, self.progress_words = parts.html_pane(), parts.html_pane()
-        self.all = pmui.Button(
-            label="Compute all again",
-            variant="outlined",
-            on_click=lambda _: self.param.update(request_count=self.request_count + 1),
-            **SMALL,
+        silent = [
+            SILENT.format(AUTHORS[name])
+            for name, paper in shipped.papers.items()
+            if not any(row.printed is not None for table in paper.tables for row in table.rows)
+        ]
+        origin = parts.html_pane(
+            parts.note_paragraphs([COMPUTED if shipped.is_current else COMPUTED_BEFORE, AGAIN, *silent])
         )
-        self.progress = pmui.LinearProgress(value=0, width=320, height=4, margin=(10, 8))
-        stop = pmui.Button(
-            label="Stop", variant="outlined", on_click=lambda _: self.param.update(computing=False), **SMALL
-        )
-        self.busy = pn.FlexBox(self.progress, stop, self.progress_words, align_items="center", margin=0, visible=False)
-        self.sections = {name: PaperSection(self, name) for name in COMPARISONS}
-        bar = parts.stack(self.origin, self.all, self.busy, styles={"padding": "0 20px 8px"})
+        self.host.figures.object = parts.figures(figure_cells(shipped.papers.values()))
+        self.sections = {name: PaperSection(self, name, paper) for name, paper in shipped.papers.items()}
+        bar = parts.stack(origin, styles={"padding": "0 20px 8px"})
         chart = parts.stack(self.host.plots["differences"].host, css=CHART_CSS)
         return parts.stack(self.host.figures, bar, chart, *(section.view for section in self.sections.values()))
 
-    @shows("computed", "computing", "failure")
+    @shows("failure")
     def _show(self) -> None:
-        papers = self.papers
         self.host.tell(self.failure, "")
-        self.busy.visible = self.all.disabled = self.computing
-        if self.computing:
-            self._show_progress()
-        self.origin.object = parts.note_paragraphs([COMPUTED if self.is_current else COMPUTED_BEFORE])
-        if papers:
-            self.host.figures.object = parts.figures(figure_cells(papers.values()))
-        for name, paper in papers.items():
-            self.sections[name].show(paper)
-
-    def _show_progress(self) -> None:
-        computed = (self.computed or {}).values()
-        self.progress.value = int(
-            100 * sum(paper.done_count / paper.step_count for paper in computed) / len(COMPARISONS)
-        )
-        last = next((paper for paper in computed if not paper.complete), None)
-        step = "" if last is None else f"{AUTHORS[last.name]}: step {last.done_count + 1} of {last.step_count}"
-        self.progress_words.object = markup('<p role="status" class="muted small">{}</p>', step)
 
     @shows("differences", "desk.dark")
     def _show_differences(self) -> None:
@@ -229,22 +188,20 @@ class Papers(Page):
 class PaperSection:
     """One paper: its citation, claims, tables and figures."""
 
-    def __init__(self, page: Papers, name: str) -> None:
-        self.page, self.name = page, name
+    def __init__(self, page: Papers, name: str, paper: Validation) -> None:
+        self.page, self.name, self.paper = page, name, paper
         comparison = COMPARISONS[name]()
-        self._paper: PaperTables | None = None
         self._drawn: tuple[Rebuilt, ...] = ()
         self.download = pmui.FileDownload(
             callback=self._csv,
             filename=f"{name}.csv",
             label=f"{AUTHORS[name]} as CSV",
             variant="text",
-            visible=False,
             **SMALL,
         )
         title = markup('<h2>{}</h2><p class="citation small">{}</p>', AUTHORS[name], comparison.citation)
         styles = [parts_css(), TABLE_CSS]
-        self.tables = parts.html_pane(stylesheets=styles)
+        self.tables = parts.html_pane(paper_html(paper), stylesheets=styles)
         self.button = pmui.Button(
             label=f"Draw the figures of {AUTHORS[name]}",
             variant="outlined",
@@ -264,13 +221,6 @@ class PaperSection:
             css=PAPER_CSS,
         )
 
-    def show(self, paper: PaperTables) -> None:
-        """Show the tables that are done."""
-        if paper is not self._paper:
-            self._paper = paper
-            self.download.visible = bool(paper.validation.tables)
-            self.tables.object = paper_html(paper)
-
     def show_figures(self, rebuilt: RebuiltFigures | None) -> None:
         """Show the figures that are computed; None where none of this paper were computed last."""
         computing = self.page.drawing and self.page.drawn_paper == self.name
@@ -286,7 +236,7 @@ class PaperSection:
         self.status.object = parts.note_paragraphs([left] if computing else [])
 
     def _csv(self) -> StringIO:
-        return StringIO(tables_csv(self._paper.validation.tables if self._paper is not None else ()))
+        return StringIO(tables_csv(self.paper.tables))
 
 
 class FigurePlace:

@@ -1,14 +1,14 @@
 """Claims, tables and corrections of a paper as HTML and CSV."""
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterable
 
 from railjoule.core.csv_text import csv_of_rows
-from railjoule.core.validation import Claim, Erratum, Row, Table, first_comparisons
+from railjoule.core.validation import Claim, Erratum, Row, Table, Validation, first_comparisons
 from railjoule.core.validation.table import CLOSE_PERCENT, Verdict
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.pages.papers.compute import PaperTables
 from railjoule.dashboard.parts import html as parts
 
 COLUMNS = (
@@ -31,6 +31,19 @@ VERDICTS: dict[Verdict, tuple[str, str]] = {
 """Colour and word of each verdict."""
 
 
+HYPHEN_MINUS = re.compile(r"(?<![\w.\-])-(?=\d)")
+SYMBOL = re.compile(r"\b([A-Za-z])_(\w+)")
+
+
+def typeset(text: str) -> Markup:
+    """Return a text of a paper with a true minus, raised and lowered signs: 'T_m', 'm/s2' and '-5 %' are for files."""
+    plain = HYPHEN_MINUS.sub(words.MINUS, text).replace("m/s2", "m/s\u00b2")
+    pieces = SYMBOL.split(plain)
+    # a symbol, its index and what follows, after what stands before the first
+    more = zip(pieces[1::3], pieces[2::3], pieces[3::3], strict=True)
+    return markup("{}{}", pieces[0], joined(markup("{}<sub>{}</sub>{}", *three) for three in more))
+
+
 def tables_csv(tables: tuple[Table, ...]) -> str:
     """Return all rows of tables as CSV."""
     rows: list[tuple[object, ...]] = [COLUMNS]
@@ -42,12 +55,10 @@ def tables_csv(tables: tuple[Table, ...]) -> str:
     return csv_of_rows(rows)
 
 
-def paper_html(paper: PaperTables) -> Markup:
-    """Return the claims and tables of a paper that are done, and its corrections."""
-    tables = joined(table_html(table) for table in paper.validation.tables)
-    left = paper.step_count - paper.done_count
-    rest = parts.note_paragraphs([f"{left} more to compute."]) if left else errata_html(paper.validation.errata)
-    return markup('<div class="tables">{}{}{}</div>', claims_html(paper.validation.claims), tables, rest)
+def paper_html(paper: Validation) -> Markup:
+    """Return the claims and tables of a paper, and its corrections."""
+    tables = joined(table_html(table) for table in paper.tables)
+    return markup('<div class="tables">{}{}{}</div>', claims_html(paper.claims), tables, errata_html(paper.errata))
 
 
 def table_html(table: Table) -> Markup:
@@ -55,7 +66,7 @@ def table_html(table: Table) -> Markup:
     notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
     rows = [(row_cells(row, notes), False) for row in table.rows]
     header = ("Case", "Quantity", table.reference, "railjoule", "difference", "")
-    listed = joined(markup("<li>{}</li>", note) for note in notes)
+    listed = joined(markup("<li>{}</li>", typeset(note)) for note in notes)
     return markup(
         '<details><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
         'role="region" aria-label="{title}">{body}</div>{reasons}</details>',
@@ -75,8 +86,8 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
     unit = f" [{row.unit}]" if row.unit else ""
     mark = f"({notes.index(row.note) + 1})" if row.note else ""
     return (
-        row.case,
-        f"{row.quantity}{unit}",
+        typeset(row.case),
+        typeset(f"{row.quantity}{unit}"),
         "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
         words.number(row.value, words.decimals(row.printed) + 1),
         difference,
@@ -102,14 +113,14 @@ def summary_words(table: Table) -> str:
     return f"{len(close)} of {len(compared)} within {within}{because}"
 
 
-def figure_cells(papers: Collection[PaperTables]) -> list[str]:
+def figure_cells(papers: Collection[Validation]) -> list[str]:
     """Return how many printed numbers of all papers agree with railjoule."""
-    tables = [paper.validation.tables for paper in papers]
+    tables = [paper.tables for paper in papers]
     compared = [row for each in tables for row in first_comparisons(each)]
     close = sum(row.is_close for row in compared)
     explained = sum(not row.is_close and bool(row.note) for row in compared)
     counted = f"of {len(compared)} printed numbers, each counted once"
-    claims = [claim for paper in papers for claim in paper.validation.claims]
+    claims = [claim for paper in papers for claim in paper.claims]
     return [
         parts.figure(
             "Claims supported",
@@ -146,7 +157,7 @@ def verdict_words(claims: Iterable[Claim]) -> str:
 def _claim_cells(claim: Claim) -> tuple[str, ...]:
     token, word = VERDICTS[claim.verdict]
     verdict = markup('<b style="color:var(--rj-{})">{}</b>', token, word)
-    return claim.place, claim.claim, claim.found, verdict, claim.reason
+    return claim.place, typeset(claim.claim), typeset(claim.found), verdict, typeset(claim.reason)
 
 
 def errata_html(errata: tuple[Erratum, ...]) -> Markup:
@@ -154,6 +165,6 @@ def errata_html(errata: tuple[Erratum, ...]) -> Markup:
     if not errata:
         return Markup()
     template = "<li>{}: printed {}, corrected: {}. {}</li>"
-    items = joined(markup(template, each.place, each.printed, each.corrected, each.reason) for each in errata)
+    items = joined(markup(template, *map(typeset, (e.place, e.printed, e.corrected, e.reason))) for e in errata)
     template = "<details><summary>Corrections <span>{}</span></summary><ol>{}</ol></details>"
     return markup(template, len(errata), items)

@@ -24,7 +24,7 @@ from railjoule.dashboard.state.workbench import Workbench
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (make_works("What if"), make_works("Speed limits"), make_works("Motor"), make_works("Line")):
+    for work in (make_works("What if"), make_works("Set speeds"), make_works("Motor"), make_works("Line")):
         work(state)
     return state
 
@@ -46,7 +46,7 @@ def test_a_new_page_has_a_bare_address_and_nothing_to_undo(keeping: Keeping) -> 
 
 
 def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None:
-    scenario, limits = keeping.state.scenario, keeping.state.pages["Speed limits"]
+    scenario, limits = keeping.state.scenario, keeping.state.pages["Set speeds"]
     scenario.load_percent = 30.0
     keeping.note()
     limits.section_count = 4

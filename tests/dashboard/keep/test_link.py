@@ -28,13 +28,13 @@ def test_a_link_names_what_differs_and_can_be_read() -> None:
     lay(state, {})
     assert link_of(state) == ""
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.5)
-    state.param.update(page="Speed limits", ticked=["optimal", "eoc"])
-    link = "?v=1&page=Speed+limits&ticked=optimal,eoc&travel_time_s=150&load_percent=30.5"
+    state.param.update(page="Set speeds", ticked=["optimal", "eoc"])
+    link = "?v=1&page=Set+speeds&ticked=optimal,eoc&travel_time_s=150&load_percent=30.5"
     assert link_of(state) == link
     read = read_link(link)
     assert read.refusal == ""
     assert read.snapshot == {
-        "page": "Speed limits",
+        "page": "Set speeds",
         "ticked": ["optimal", "eoc"],
         "travel_time_s": 150,
         "load_percent": 30.5,
@@ -90,8 +90,8 @@ def test_what_cannot_be_opened_is_told(query: str, sentence: str) -> None:
 
 
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
-    read = read_link("?utm_source=mail&page=Speed+limits&load_percent=20")
-    assert (read.snapshot, read.refusal) == ({"page": "Speed limits", "load_percent": 20}, "")
+    read = read_link("?utm_source=mail&page=Set+speeds&load_percent=20")
+    assert (read.snapshot, read.refusal) == ({"page": "Set speeds", "load_percent": 20}, "")
 
 
 @pytest.mark.parametrize(
@@ -111,6 +111,7 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
         ("robustness.accepted_delay_s=4", {"what_if.accepted_lateness_s": 4}),
         ("page=Robustness", {"page": "What if", "what_if.tab": "load"}),
         ("page=Disturbances", {"page": "What if", "what_if.tab": "events"}),
+        ("page=Speed+limits&speed_limits.section_count=3", {"page": "Set speeds", "set_speeds.section_count": 3}),
     ],
 )
 @pytest.mark.parametrize("version", ["v=1&", ""])
@@ -127,7 +128,7 @@ def test_a_link_of_an_earlier_version_fixes_an_arrival() -> None:
     state, read = Workbench(), read_link(f"?v=1&preset=metro-10-stations&line.stations={stations}")
     state.scenario.choose("metro-10-stations")
     # on a page its work does so
-    state.pages["Speed limits"].take(state.scenario.base)
+    state.pages["Set speeds"].take(state.scenario.base)
     assert (lay(state, read.snapshot), read.refusal) == ((), "")
     assert state.scenario.scenario().line.stations[2].window_s == (190, 190)
 
@@ -180,7 +181,7 @@ def test_any_text_is_read(text: str) -> None:
 @given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
-    for work in (make_works("What if"), make_works("Speed limits")):
+    for work in (make_works("What if"), make_works("Set speeds")):
         work(state)
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
     snapshot_of(state)

@@ -41,7 +41,7 @@ def test_a_new_page_differs_in_nothing_from_what_it_begins_with(state: Workbench
     snapshot = snapshot_of(state)
     originals = originals_of(snapshot)
     # the pages take over the scenario when they are composed; these alone have lists of models
-    assert set(changed(snapshot, originals)) <= {key for key in snapshot if key.startswith(("line.", "speed_limits."))}
+    assert set(changed(snapshot, originals)) <= {key for key in snapshot if key.startswith(("line.", "set_speeds."))}
 
 
 def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
@@ -53,8 +53,8 @@ def test_a_page_comes_back_from_its_link(state: Workbench) -> None:
     state.day.param.update(seed=7, target_braking=False)
     state.pages["What if"].known = "both"
     state.day.drop("limit", 700.0)
-    state.pages["Speed limits"].cut(3)
-    state.pages["Speed limits"].param.update(section_count=3, found=False, storage_size_kwh=1.5)
+    state.pages["Set speeds"].cut(3)
+    state.pages["Set speeds"].param.update(section_count=3, found=False, storage_size_kwh=1.5)
     state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="What if", colours="dark")
     snapshot = snapshot_of(state)
     read = read_link(write_link(snapshot, originals_of(snapshot)))
@@ -78,10 +78,10 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
 def test_too_few_sections_change_nothing(state: Workbench) -> None:
     lay(state, {})
     # the preset's line has two sections of its own at least
-    state.pages["Speed limits"].take(state.scenario.base)
+    state.pages["Set speeds"].take(state.scenario.base)
     before = snapshot_of(state)
-    (refusal,) = lay(state, {"speed_limits.sections": [{}]})
-    assert refusal == "speed_limits: sections must be 2 to 12, not 1"
+    (refusal,) = lay(state, {"set_speeds.sections": [{}]})
+    assert refusal == "set_speeds: sections must be 2 to 12, not 1"
     assert snapshot_of(state) == before
 
 

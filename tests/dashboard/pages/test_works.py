@@ -28,7 +28,7 @@ BY_HAND = {"Live"}
 ONCE = {"Learn", "Papers", "Start"}
 """What they ask for does not follow the sliders."""
 PRESETS = {"Drive": "tram-950m-recuperating", "Line": "metro-10-stations", "Motor": "ftorek-300s"}
-GO_ON = {"Drive.further_proof", "Explore.step", "Motor.detuning", "Papers.rebuilt", "What if.robust", "Start.cards"}
+GO_ON = {"Drive.further_proof", "Explore.step", "Papers.rebuilt", "What if.robust", "Start.cards"}
 """Studies that were asked for by hand, and the cards, each of which is computed once for all pages of the process."""
 
 

@@ -26,8 +26,8 @@ from railjoule.dashboard.pages.files.page import Files
 from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.pages.line.page import WholeLines
 from railjoule.dashboard.pages.motor.page import Motor
-from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
-from railjoule.dashboard.pages.speed_limits.sections import SectionModel
+from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
+from railjoule.dashboard.pages.set_speeds.sections import SectionModel
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.state.workbench import Workbench
@@ -91,7 +91,7 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         },
     ),
     "speed limits": (
-        SpeedLimits(Workbench()),
+        SetSpeeds(Workbench()),
         {
             "time_window_percent": (SearchOptions, "time_window", 100),
             "stop_deceleration_ms2": (SearchOptions, "stop_deceleration_ms2", 1),
@@ -102,7 +102,6 @@ KEYS: dict[str, tuple[TypedParameters, dict[str, Key]]] = {
         StationModel(),
         {
             "dwell_s": (Station, "dwell_s", 1),
-            "arrival_s": (Station, "arrival_s", 1),
             "earliest_s": (Station, "earliest_arrival_s", 1),
             "latest_s": (Station, "latest_arrival_s", 1),
             "given_s": (Station, "arrival_s", 1),
@@ -177,9 +176,9 @@ def test_every_field_of_every_page_is_held_to_the_file() -> None:
         (DAY, "target_deceleration_ms2", "0", "Above 0."),
         (DAY, "speed_error_percent", "50", "Below 50."),
         (DAY, "speed_error_percent", "-50", "Above -50."),
-        (SpeedLimits(Workbench()), "time_window_percent", "0", "Above 0."),
-        (SpeedLimits(Workbench()), "stop_deceleration_ms2", "0", "Above 0."),
-        (SpeedLimits(Workbench()), "storage_size_kwh", "-1", "At least 0."),
+        (SetSpeeds(Workbench()), "time_window_percent", "0", "Above 0."),
+        (SetSpeeds(Workbench()), "stop_deceleration_ms2", "0", "Above 0."),
+        (SetSpeeds(Workbench()), "storage_size_kwh", "-1", "At least 0."),
         (STOP, "position_m", "0", "Above 0."),
         (LIMIT, "limit_kmh", "0", "Above 0."),
         (VOLTAGE, "share_percent", "0", "Above 0."),

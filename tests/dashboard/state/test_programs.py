@@ -73,8 +73,8 @@ def have_the_day_as_planned(state: Workbench) -> None:
 
 
 def set_limits(state: Workbench) -> None:
-    state.pages["Speed limits"].set([60.0, 50.0], [500.0])
-    state.pages["Speed limits"].found = False
+    state.pages["Set speeds"].set([60.0, 50.0], [500.0])
+    state.pages["Set speeds"].found = False
 
 
 def loosen_the_loop(state: Workbench) -> None:
@@ -127,8 +127,8 @@ CASES = (
         prepare=have_the_day_as_planned,
         name="actual run as planned",
     ),
-    Case("Speed limits", "liashenko-i", lambda s: s.pages["Speed limits"].run.run, prepare=set_limits),
-    Case("Speed limits", "liashenko-i", lambda s: s.pages["Speed limits"].run.run, name="searched"),
+    Case("Set speeds", "liashenko-i", lambda s: s.pages["Set speeds"].run.run, prepare=set_limits),
+    Case("Set speeds", "liashenko-i", lambda s: s.pages["Set speeds"].run.run, name="searched"),
     Case("Motor", "ftorek-300s", lambda s: s.pages["Motor"].run.actual, SHORT_METRO, loosen_the_loop),
     Case("Motor", "liashenko-i", plan, name="without machine"),
     Case("Motor", "tram-950m", lambda s: s.pages["Motor"].run.actual, SHORT_TRAM, name="tram"),
@@ -180,7 +180,7 @@ def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
         monkeypatch.setattr(f"railjoule.dashboard.pages.what_if.{name}", nothing)
     state = Workbench()
     state.scenario.choose(case.preset)
-    for page in ("What if", "Drive", "Speed limits", "Motor", "Line"):
+    for page in ("What if", "Drive", "Set speeds", "Motor", "Line"):
         make_works(page)(state)
     if case.edits:
         state.scenario.edit(case.edits)

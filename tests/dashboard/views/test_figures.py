@@ -102,7 +102,7 @@ CASES = {
         ("metro-with-limit", with_live_run),
         ("metro-with-limit", partial(with_tab, "chance")),
     ],
-    "Speed limits": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
+    "Set speeds": [("kharkiv-like-40kmh", None), ("ftorek-300s", None)],
     "Motor": [("metro-with-limit", None), ("ftorek-300s", partial(with_edits, SHORT))],
     "Line": [("metro-with-limit", None), ("metro-10-stations", None)],
     "Explore": [("metro-with-limit", with_a_study)],
@@ -112,8 +112,8 @@ CASES = {
     "Help": [("metro-with-limit", None)],
 }
 """Of each page the scenarios, and what is done there, until each of its figures is drawn."""
-NO_FIGURE = {"sankey", "surface", "detuning", "robust_speed", "candidates"}
-"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/motor and what_if."""
+NO_FIGURE = {"sankey", "surface", "robust_speed", "candidates"}
+"""What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/what_if."""
 
 
 # Panel warns once of how panel-material-ui calls it

@@ -15,7 +15,7 @@ from railjoule.core.compilation import require_compiled
 from railjoule.core.scenario import preset_names
 from railjoule.core.simulation.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.studies.motor_map import induction_map, motor_map
-from railjoule.dashboard.pages.speed_limits.compute import (
+from railjoule.dashboard.pages.set_speeds.compute import (
     LimitsRequest,
     StorageRequest,
     compute_limit_run,

@@ -14,7 +14,7 @@ from railjoule.dashboard.work import events
 from railjoule.dashboard.work.events import Dated, Waits, write_down
 
 SECRET = "a-session-of-forty-letters-and-more-secret"
-LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Speed-limits duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
+LINE = re.compile(r"(\w+) session=([0-9a-f]{8}) page=Set-speeds duration_s=\d+\.\d{3}( cells=460)? (ok|refused)")
 
 
 class SessionDocument(Document):
@@ -26,7 +26,7 @@ class SessionDocument(Document):
 def test_each_event_is_one_line(caplog: pytest.LogCaptureFixture) -> None:
     document = SessionDocument()
     with caplog.at_level(logging.INFO, "railjoule"):
-        events.begin(document, lambda: "Speed limits", 0.0)
+        events.begin(document, lambda: "Set speeds", 0.0)
         events.worked(document, "compute_runs", 0.04, SimpleNamespace(cell_count=460))
         events.worked(document, "compute_runs", 0.01, RailjouleError("too slow\nnext line"))
         events.end(document)

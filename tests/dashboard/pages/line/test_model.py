@@ -41,46 +41,35 @@ def test_an_arrival_is_free_fixed_or_has_a_window_as_the_scenario_says(model: Wh
         }
     )
     market, university, hospital = (station_of(model, name) for name in ("Market", "University", "Hospital"))
-    assert (market.arrival, market.arrival_s) == ("fixed", 200)
-    assert (university.arrival, university.earliest_s, university.latest_s) == ("window", None, 340)
-    assert (hospital.arrival, hospital.earliest_s, hospital.latest_s) == ("window", 440, None)
-    assert station_of(model, "Central").arrival == "free"
+    assert (market.earliest_s, market.latest_s) == (200, 200)
+    assert (university.earliest_s, university.latest_s) == (None, 340)
+    assert (hospital.earliest_s, hospital.latest_s) == (440, None)
+    central = station_of(model, "Central")
+    assert (central.earliest_s, central.latest_s) == (None, None)
 
 
 def test_what_is_set_at_a_station_comes_back_from_the_file(model: WholeLines) -> None:
     market = station_of(model, "Market")
-    market.param.update(dwell_s=33.0, arrival="window", earliest_s=190.0, latest_s=205.5, given_s=201.0)
+    market.param.update(dwell_s=33.0, earliest_s=190.0, latest_s=205.5, given_s=201.0)
     model.edit({market.number: market.row})
     stations = {station.name: station for station in model.desk.scenario.edited.line.stations}
     told = stations["Market"].model_dump(exclude={"name", "position_m"})
     assert told == {"dwell_s": 33, "arrival_s": 201, "earliest_arrival_s": 190, "latest_arrival_s": 205.5}
-    market.arrival = "fixed"
-    market.arrival_s = 199.0
+    market.param.update(earliest_s=199.0, latest_s=199.0)
     model.edit({market.number: market.row})
     assert model.desk.scenario.edited.line.stations[2].window_s == (199, 199)
 
 
 def test_no_end_of_a_window_passes_the_other(model: WholeLines) -> None:
     market = station_of(model, "Market")
-    market.param.update(arrival="window", earliest_s=190.0, latest_s=205.5)
+    market.param.update(earliest_s=190.0, latest_s=205.5)
     with pytest.raises(ValueError, match=r"At most 205\.5\."):
         market.parse_or_none("earliest_s", "206")
     with pytest.raises(ValueError, match=r"At least 190\."):
         market.parse_or_none("latest_s", "3:09")
     assert market.parse_or_none("latest_s", " ") is None
     with pytest.raises(ValueError, match="not a time"):
-        market.parse_or_none("arrival_s", "")
-
-
-def test_a_window_that_is_typed_stays_one_while_its_ends_meet(model: WholeLines) -> None:
-    market = station_of(model, "Market")
-    market.param.update(arrival="window", earliest_s=200.0, latest_s=200.0)
-    model.edit({market.number: market.row})
-    model.take(model.desk.scenario.edited, keep_kind=True)
-    assert market.arrival == "window"
-    # as after undo, or in a link
-    model.take(model.desk.scenario.edited)
-    assert market.arrival == "fixed"
+        market.parse_or_none("dwell_s", "")
 
 
 def test_times_that_are_as_in_the_file_again_are_no_change(model: WholeLines) -> None:

@@ -64,7 +64,7 @@ def test_a_station_can_be_dragged_until_a_leg_beside_it_has_nothing_left(given: 
     grips = grip_columns(given)
     first, second = given.runs["given"].legs
     assert grips["name"] == ["<b>B</b>"]
-    assert grips["arrival"] == pytest.approx([90.0], abs=1e-4)
+    assert grips["time"] == pytest.approx([90.0], abs=1e-4)
     assert grips["low"] == pytest.approx([0.1])
     assert grips["high"] == pytest.approx([first.supplement_s + second.supplement_s - 0.1])
 
@@ -80,17 +80,17 @@ def test_what_the_browser_has_dragged_is_taken_and_a_drawing_meanwhile_leaves_it
     chart.show(lambda: chart.draw(given, "equal", 900.0))
     assert len(chart.sources["given"].data["top"]) == len(chart.sources["equal"].data["top"]) == 2
     top = chart.y_range.end
-    chart.sources["moved"].data = {"number": [0], "arrival": [92.5]}
+    chart.sources["moved"].data = {"number": [0], "time": [92.5]}
     assert moves == [(0, 92.5)]
     later = runs_with(arrival_s=105.0)
     chart.moving = True
     chart.draw(later, "equal", 900.0)
     assert chart.y_range.end == top
-    assert chart.sources["grips"].data["arrival"] == pytest.approx([90.0], abs=1e-4)
+    assert chart.sources["grips"].data["time"] == pytest.approx([90.0], abs=1e-4)
     chart.moving = False
     chart.draw(later, "equal", 900.0)
     assert chart.y_range.end > top
-    assert chart.sources["grips"].data["arrival"] == pytest.approx([105.0], abs=1e-4)
+    assert chart.sources["grips"].data["time"] == pytest.approx([105.0], abs=1e-4)
     # what is emptied is no move
     assert moves == [(0, 92.5)]
 
@@ -99,12 +99,12 @@ def test_the_verdict_has_the_figure_of_the_row_above_and_says_when_it_is_too_lit
     best, other = given.best.run.energy_kwh, given.runs["given"].run.energy_kwh
     assert (other / best - 1) < 0.01
     (sentence,) = sharing_words(given)
-    assert f"the given timetable costs {100 * (other / best - 1):.2f} % more: less than 1.0 %" in sentence
+    assert f"the present timetable costs {100 * (other / best - 1):.2f} % more: less than 1.0 %" in sentence
     far = runs_with(arrival_s=105.0)
     more = far.runs["given"].run.energy_kwh / far.best.run.energy_kwh - 1
     assert more > 0.05
     assert sharing_words(far) == [
-        f"Compared with the optimal supplement, the given timetable costs {100 * more:.1f} % more."
+        f"Compared with the optimal supplement, the present timetable costs {100 * more:.1f} % more."
     ]
     assert any(f">+{100 * more:.1f}<" in cell for cell in figure_cells(far))
 
@@ -114,7 +114,7 @@ def test_a_given_timetable_that_cannot_be_kept_is_told() -> None:
     assert "given" not in runs.runs
     verdict, refused = sharing_words(runs)
     assert " and " in verdict
-    assert refused.startswith("The given timetable is not shown. The arrival at <b>B</b> after 20.0 s must be later")
+    assert refused.startswith("The present timetable is not shown. The arrival at <b>B</b> after 20.0 s must be later")
 
 
 def test_a_window_that_a_rule_misses_is_told() -> None:
@@ -124,7 +124,7 @@ def test_a_window_that_a_rule_misses_is_told() -> None:
     assert [sentence.partition(":")[0] for sentence in told] == [
         "Proportional supplement",
         "Equal supplement",
-        "Given timetable",
+        "Present timetable",
     ]
     assert told[2].endswith("It arrives at <b>B</b> after 110.0 s, and was to arrive no earlier than 120.0 s.")
 

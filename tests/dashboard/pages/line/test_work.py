@@ -26,24 +26,27 @@ def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
     assert state.pages["Line"].runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh, rel=1e-9)
 
 
-def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
+def fix(station, arrival_s):
+    station.param.update(earliest_s=arrival_s, latest_s=arrival_s)
+
+
+def test_an_arrival_is_fixed_by_two_equal_times(state: Workbench) -> None:
     model = state.pages["Line"]
-    free = model.runs.best.run.energy_kwh
-    model.inner_stations[4].arrival = "fixed"
+    free, before = model.runs.best.run.energy_kwh, model.runs.best.legs[4].arrival_s
+    fix(model.inner_stations[4], round(before, 1))
     assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-6)
-    model.inner_stations[4].arrival_s = 510.0
+    fix(model.inner_stations[4], 510.0)
     assert model.runs.best.legs[4].arrival_s == pytest.approx(510, abs=1e-3)
     assert model.runs.best.run.energy_kwh > free
     central = state.scenario.scenario().line.stations[5]
     assert central.window_s == (510, 510)
 
 
-def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state: Workbench) -> None:
+def test_a_window_around_the_optimum_binds_once_it_is_moved(state: Workbench) -> None:
     model = state.pages["Line"]
     free, central = model.runs.best.run.energy_kwh, model.inner_stations[4]
     before = model.runs.best.legs[4].arrival_s
-    central.arrival = "window"
-    assert (central.earliest_s, central.latest_s) == (round(before - 5, 1), round(before + 5, 1))
+    central.param.update(earliest_s=round(before - 5, 1), latest_s=round(before + 5, 1))
     assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-9)
     central.earliest_s = None
     central.latest_s = before - 4.0
@@ -52,20 +55,19 @@ def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state:
     # a rule does not keep a window, and says so
     assert "was to arrive no later than" in " ".join(model.runs.missed["equal"])
     central.latest_s = None
-    assert central.arrival == "window"
     assert state.scenario.edits == {}
 
 
 def test_an_arrival_that_cannot_be_kept_is_told_and_the_last_runs_stay(state: Workbench) -> None:
     model = state.pages["Line"]
     before = model.runs
-    model.inner_stations[4].arrival = "fixed"
+    fix(model.inner_stations[4], 510.0)
     kept = model.runs
-    model.inner_stations[4].arrival_s = 100.0
+    fix(model.inner_stations[4], 100.0)
     assert isinstance(model.failure, ScenarioError)
     assert "Central" in str(model.failure)
     assert model.runs is kept
-    model.inner_stations[4].arrival = "free"
+    fix(model.inner_stations[4], None)
     assert model.failure is None
     assert model.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh)
 
@@ -159,7 +161,6 @@ def test_a_line_without_stations_has_an_example(state: Workbench) -> None:
 def test_an_edit_that_is_refused_is_shown_until_the_next_run(state: Workbench) -> None:
     page = state.pages["Line"]
     market = page.inner_stations[1]
-    market.arrival = "window"
     edits = state.scenario.edits
     market.param.update(earliest_s=300.0, latest_s=200.0)
     assert "lies before earliest_arrival_s" in str(page.failure)

@@ -27,6 +27,5 @@ def state(opened):
     opened.scenario.choose("ftorek-300s")
     opened.chosen = "enoc"
     opened.pages["Motor"].take(opened.scenario.base)
-    opened.pages["Motor"].detuning = None
     opened.scenario.edit(SHORT)
     opened.page = "Motor"

@@ -1,5 +1,3 @@
-from itertools import islice
-
 import numpy as np
 import pytest
 
@@ -8,7 +6,6 @@ from railjoule.dashboard.pages.motor.compute import (
     LoopRequest,
     LoopRivals,
     LoopRun,
-    compute_detuning,
     compute_loop_run,
     compute_ripple,
     compute_rivals,
@@ -68,14 +65,6 @@ def test_ripple_is_asked_for_within_the_run(loop: LoopRun) -> None:
     ripple = compute_ripple(loop.run, 1e6)
     assert np.all(np.isfinite(ripple.phase_current_a))
     assert ripple.time_s[0] <= loop.run.time_s[-1]
-
-
-def test_detuning_comes_step_by_step() -> None:
-    tables = list(islice(compute_detuning(LoopRequest(SUBURBAN, "enoc", {})), 3))
-    assert [table.done for table in tables] == [0, 1, 2]
-    # the right resistance comes first, and costs least
-    assert tables[0].rotor_resistance_factor[0] == 1.0
-    assert tables[2].energy_kwh[1] > tables[2].energy_kwh[0]
 
 
 def test_scenarios_without_a_machine_say_so() -> None:

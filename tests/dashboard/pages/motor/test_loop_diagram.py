@@ -4,24 +4,27 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from railjoule.dashboard.pages.motor.loop_diagram import BLOCKS, DRAWINGS, Drawing, diagram
+from railjoule.dashboard.pages.motor.loop_diagram import CHARTS, drawing
 from railjoule.dashboard.pages.motor.page import Motor
 
+WIDE, NARROW = ET.fromstring(f"<div>{drawing()}</div>")
 
-@pytest.mark.parametrize("drawing", DRAWINGS, ids=lambda drawing: drawing.kind)
-def test_each_block_can_be_reached_and_has_a_name(drawing: Drawing) -> None:
-    blocks = [shape for shape in ET.fromstring(diagram(drawing)).iter("g") if shape.get("data-block")]
-    assert [shape.get("data-block") for shape in blocks] == list(BLOCKS)
+
+@pytest.mark.parametrize("picture", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_each_block_can_be_reached_and_has_a_name(picture: ET.Element) -> None:
+    blocks = [shape for shape in picture.iter("g") if shape.get("data-block")]
+    assert [shape.get("data-block") for shape in blocks] == list(CHARTS)
     assert {shape.get("tabindex") for shape in blocks} == {"0"}
     assert blocks[1].get("aria-label", "").startswith("Pre-compensator leads the reference")
-    names = [shape.get("aria-label") for shape in blocks]
-    assert len(set(names)) == len(BLOCKS)
+    assert len({shape.get("aria-label") for shape in blocks}) == len(CHARTS)
 
 
-@pytest.mark.parametrize("drawing", DRAWINGS, ids=lambda drawing: drawing.kind)
-def test_blocks_lie_apart_and_inside(drawing: Drawing) -> None:
-    width, height = drawing.size
-    boxes = [(x, y, x + drawing.block_width, y + 44) for x, y in drawing.places.values()]
+@pytest.mark.parametrize("picture", [WIDE, NARROW], ids=["wide", "narrow"])
+def test_blocks_lie_apart_and_inside(picture: ET.Element) -> None:
+    _, _, width, height = (float(number) for number in picture.get("viewBox", "").split())
+    sides = [[float(rect.get(name, "")) for name in ("x", "y", "width", "height")] for rect in picture.iter("rect")]
+    boxes = [(x, y, x + wide, y + high) for x, y, wide, high in sides]
+    assert len(boxes) == len(CHARTS)
     assert all(left > 0 and right < width and top > 0 and bottom < height for left, top, right, bottom in boxes)
     for k, one in enumerate(boxes):
         for other in boxes[k + 1 :]:
@@ -29,5 +32,5 @@ def test_blocks_lie_apart_and_inside(drawing: Drawing) -> None:
 
 
 def test_every_figure_of_the_page_has_one_block() -> None:
-    explained = [name for block in BLOCKS.values() for name in block.charts]
+    explained = [name for names in CHARTS.values() for name in names]
     assert sorted(explained) == sorted(plot.name for plot in Motor.figures)

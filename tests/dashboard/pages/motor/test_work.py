@@ -36,14 +36,3 @@ def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(st
     state.scenario.edit({"drive.machine.max_phase_voltage_v": 1500.0})
     assert model.max_phase_voltage_v == 1500.0
     assert model.run.voltage_limit_v == pytest.approx(1500.0)
-
-
-def test_the_study_runs_when_it_is_asked_for(state: Workbench) -> None:
-    model = state.pages["Motor"]
-    assert model.detuning is None
-    model.param.trigger("start")
-    assert model.detuning is not None
-    assert not model.studying
-    # of another controller
-    model.bandwidth_rads = 8.0
-    assert model.detuning is None

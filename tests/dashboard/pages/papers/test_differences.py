@@ -7,7 +7,7 @@ import pytest
 
 from railjoule.core.validation import Row, Table, Validation
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.pages.papers.compute import AUTHORS, PaperTables, shipped_tables
+from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
 from railjoule.dashboard.pages.papers.differences import STYLES, TOLD, difference_figure, differences, scaled, tip
 
 ROWS = (
@@ -20,8 +20,8 @@ ROWS = (
 )
 
 
-def paper(name: str) -> PaperTables:
-    return PaperTables(name, Validation(name, "", (Table("Energies", ROWS),), ()), 1)
+def paper(name: str) -> Validation:
+    return Validation(name, "", (Table("Energies", ROWS),), ())
 
 
 def test_a_row_with_a_difference_is_a_dot() -> None:
@@ -46,9 +46,7 @@ def test_the_shipped_numbers_are_drawn_by_paper(dark: bool) -> None:
     papers = list(shipped_tables().papers.values())
     f, _ = difference_figure(papers, dark)
     compared = {
-        one.name: sum(
-            bool(row.source) and row.difference is not None for table in one.validation.tables for row in table.rows
-        )
+        one.paper: sum(bool(row.source) and row.difference is not None for table in one.tables for row in table.rows)
         for one in papers
     }
     drawn = [name for name, count in compared.items() if count]

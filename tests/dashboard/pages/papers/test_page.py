@@ -1,11 +1,10 @@
-"""The page Papers: what it compares on request, what it keeps until that is done, and the figures that it rebuilds."""
+"""The page Papers: what it shows of the shipped comparison, and the figures that it rebuilds."""
 
 from collections.abc import Iterator
 
 import numpy as np
+import panel as pn
 import pytest
-from panel.io.state import set_curdoc
-from turns import Page as Tab
 
 from railjoule.core import SolverError
 from railjoule.core.validation import COMPARISONS, Comparison, Row, Table, Validation
@@ -14,7 +13,7 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.pages.host import find_view, make_works
-from railjoule.dashboard.pages.papers.compute import PaperTables, ShippedTables
+from railjoule.dashboard.pages.papers.compute import ShippedTables
 from railjoule.dashboard.pages.papers.page import COMPUTED, COMPUTED_BEFORE, Papers
 from railjoule.dashboard.pages.papers.panels import draw_panel
 from railjoule.dashboard.state.workbench import Workbench
@@ -22,7 +21,7 @@ from railjoule.dashboard.state.workbench import Workbench
 # Panel warns once of how panel-material-ui calls it
 pytestmark = pytest.mark.filterwarnings("ignore::PendingDeprecationWarning")
 TABLE = Table("One table", (Row("case", "W", "Wh", 2.0, 2.1, "Because.", "case"),), "Table 1")
-SHIPPED = {"ftorek": PaperTables("ftorek", Validation("ftorek", "", (TABLE,), ()), 1)}
+SHIPPED = {"ftorek": Validation("ftorek", "", (TABLE,), ())}
 TIME_S = np.linspace(0.0, 300.0, 7)
 PANEL = Panel(
     "Time, s",
@@ -37,19 +36,16 @@ CHANGES = {"timetable.travel_time_s": 330.0}
 FIGURE = PaperFigure("Fig. 4", "Speed.", lambda: FigureData((PANEL, PANEL), "All agree."), "ftorek-300s", CHANGES)
 
 
-def fail() -> Table:
-    raise SolverError("It was not found.")
-
-
 @pytest.fixture
 def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
-    """The page in sight, with a paper of two tables and a figure that cost nothing; an earlier version is shipped."""
+    """The page in sight, with a paper of one table and a figure that costs nothing."""
     for name in list(COMPARISONS):
         monkeypatch.delitem(COMPARISONS, name)
     monkeypatch.setitem(
         COMPARISONS, "ftorek", lambda: Comparison("ftorek", "F", (lambda: TABLE, lambda: TABLE), (), (), (FIGURE,))
     )
-    ship(monkeypatch, is_current=True)
+    shipped = ShippedTables(SHIPPED, True)
+    monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: shipped)
     state = Workbench()
     works = make_works("Papers")(state)
     state.page = "Papers"
@@ -59,66 +55,12 @@ def papers(monkeypatch: pytest.MonkeyPatch) -> Iterator[Papers]:
     works.end()
 
 
-def ship(monkeypatch: pytest.MonkeyPatch, is_current: bool) -> None:
-    shipped = ShippedTables(SHIPPED, is_current)
-    monkeypatch.setattr("railjoule.dashboard.pages.papers.page.shipped_tables", lambda: shipped)
-
-
-def reopen(papers: Papers) -> None:
-    papers.desk.page = "Help"
-    papers.desk.page = "Papers"
-
-
-def test_what_is_shipped_is_shown_and_not_computed(papers: Papers) -> None:
-    assert papers.computed is None
-    assert papers.papers == SHIPPED
-    assert COMPUTED in papers.origin.object
+def test_what_is_shipped_is_shown(papers: Papers) -> None:
+    texts = " ".join(pane.object for pane in papers.host.view.select(pn.pane.HTML))
+    assert COMPUTED in texts
+    assert COMPUTED_BEFORE not in texts
     assert "One table" in papers.sections["ftorek"].tables.object
     assert len(papers.host.plots["differences"].figure.renderers) == 2
-
-
-def test_the_numbers_of_other_code_are_computed_again(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
-    ship(monkeypatch, is_current=False)
-    assert not papers.is_current
-    reopen(papers)
-    assert papers.papers["ftorek"] is papers.computed["ftorek"]
-    assert len(papers.papers["ftorek"].validation.tables) == 2
-    assert papers.is_current
-    assert not papers.computing
-
-
-def test_a_paper_stands_until_it_is_whole_again(papers: Papers) -> None:
-    shown: list[int] = []
-    papers.param.watch(lambda _: shown.append(len(papers.papers["ftorek"].validation.tables)), "computed")
-    papers.request_count = 1
-    assert shown[:3] == [1, 1, 2]
-    papers.desk.scenario.choose("liashenko-i")
-    assert papers.papers["ftorek"].step_count == 2
-
-
-def test_a_failure_is_shown_and_what_is_done_stands(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as broken:
-        broken.setitem(COMPARISONS, "rawicki", lambda: Comparison("rawicki", "R", (fail,), ()))
-        papers.request_count = 1
-    assert "It was not found." in papers.host.message.object
-    assert papers.papers["ftorek"].step_count == 2
-    assert not papers.computing
-    papers.request_count = 2
-    assert papers.failure is None
-
-
-def test_a_stopped_comparison_takes_nothing_more(papers: Papers, monkeypatch: pytest.MonkeyPatch) -> None:
-    ship(monkeypatch, is_current=False)
-    tab = Tab()
-    with set_curdoc(tab.document):
-        papers.request_count = 1
-        assert papers.busy.visible
-        assert COMPUTED_BEFORE in papers.origin.object
-        papers.computing = False
-    while tab.is_due:
-        tab.take_turn()
-    assert papers.computed is None
-    assert not papers.busy.visible
 
 
 @pytest.mark.parametrize("dark", [False, True])

@@ -1,14 +1,16 @@
 import csv
 from io import StringIO
 
+import pytest
+
 from railjoule.core.validation import Erratum, Row, Table, Validation
-from railjoule.dashboard.pages.papers.compute import PaperTables
 from railjoule.dashboard.pages.papers.tables import (
     errata_html,
     figure_cells,
     summary_words,
     table_html,
     tables_csv,
+    typeset,
 )
 
 TABLE = Table(
@@ -63,8 +65,20 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
     close, differs = Row("a", "W", "Wh", 2.0, 2.0, source="a"), Row("b", "W", "Wh", 2.0, 3.0, "Because.", "b")
     again = Row("a", "W by parts", "Wh", 2.0, 3.0, "Because.", "a")
     tables = (Table("One", (close, differs)), Table("Two", (again, Row("c", "W", "Wh", 2.0, 2.0))))
-    _, agree, explained, unexplained = figure_cells([PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)])
+    _, agree, explained, unexplained = figure_cells([Validation("ftorek", "", tables, ())])
     assert ">1<" in agree
     assert "of 2 printed numbers" in agree
     assert ">1<" in explained
     assert ">0<" in unexplained
+
+
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("T_m = 270 s", "T<sub>m</sub> = 270 s"),
+        ("g = 9.81 m/s2, -8.10 % and 10-20", "g = 9.81 m/s\u00b2, \u22128.10 % and 10-20"),
+        ("<b>", "&lt;b&gt;"),
+    ],
+)
+def test_signs_of_papers_are_typeset(text: str, html: str) -> None:
+    assert typeset(text) == html

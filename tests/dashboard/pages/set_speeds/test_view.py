@@ -1,4 +1,4 @@
-"""The page Speed limits without a browser: what its charts and numbers show."""
+"""The page Set speeds without a browser: what its charts and numbers show."""
 
 import numpy as np
 import pytest
@@ -10,28 +10,28 @@ from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import energy
 from railjoule.dashboard.pages.host import find_view
-from railjoule.dashboard.pages.speed_limits.compute import run_figures
-from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
-from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
-from railjoule.dashboard.pages.speed_limits.texts import rule_html
+from railjoule.dashboard.pages.set_speeds.charts import WITH_SET_SPEEDS
+from railjoule.dashboard.pages.set_speeds.compute import run_figures
+from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
+from railjoule.dashboard.pages.set_speeds.texts import rule_html
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture
-def view(state: Workbench) -> SpeedLimits:
+def view(state: Workbench) -> SetSpeeds:
     """The page with all its figures in sight."""
-    names = [plot.name for plot in SpeedLimits.figures]
-    find_view("Speed limits")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
-    page: SpeedLimits = state.pages["Speed limits"]
+    names = [plot.name for plot in SetSpeeds.figures]
+    find_view("Set speeds")(state, Browser(started=True, charts_in_sight=names), Palette(dark=False))
+    page: SetSpeeds = state.pages["Set speeds"]
     return page
 
 
-def test_all_charts_draw_the_run(view: SpeedLimits) -> None:
+def test_all_charts_draw_the_run(view: SetSpeeds) -> None:
     run = view.run
-    assert view.host.plots["limit_speed"].sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
-    assert view.host.plots["limit_speed"].sources["borders"].data["x"] == [1200.0]
-    assert len(sent(view.host.plots["limit_speed"], UNDER_LIMITS)[0]) == len(run.run.position_m)
-    assert sent(view.host.plots["limit_energy"], UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
+    assert view.host.plots["limit_speed"].sources["steps"].data["limit"] == pytest.approx(run.limits_kmh)
+    assert view.host.plots["limit_speed"].sources["steps"].data["right"] == [1200.0, 2400.0]
+    assert len(sent(view.host.plots["limit_speed"], WITH_SET_SPEEDS)[0]) == len(run.run.position_m)
+    assert sent(view.host.plots["limit_energy"], WITH_SET_SPEEDS)[1][-1] == pytest.approx(run.run.energy_kwh)
     assert len(view.host.plots["motor_map"].sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.host.plots["motor_map"].sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
     assert view.host.plots["storage"].sources["chosen"].data["x"] == pytest.approx([run.need.max_drop_kwh])
@@ -47,38 +47,21 @@ def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str
     assert other not in text
 
 
-def test_the_cursor_names_lines_as_their_ends_do(view: SpeedLimits) -> None:
+def test_the_cursor_names_lines_as_their_ends_do(view: SetSpeeds) -> None:
     for chart in (view.host.plots[name] for name in ("limit_speed", "limit_effort", "limit_energy")):
-        assert [one[0] for one in chart.told["sources"]] == ["optimal in the same time", UNDER_LIMITS]
+        assert [one[0] for one in chart.told["sources"]] == ["optimal in the same time", WITH_SET_SPEEDS]
 
 
-def test_the_search_ends_at_the_set_speeds_found(view: SpeedLimits) -> None:
-    path, plane = view.path, view.host.plots["search_plane"].sources
-    assert plane["ends"].data["x"][-1] == pytest.approx(path.limits_kmh[0])
-    in_time = [one for one in path.search.evaluations if np.isfinite(one.energy_j)]
-    assert len(plane["driven"].data["x"]) == len(in_time)
-    assert min(plane["driven"].data["energy"]) == pytest.approx(path.search.best.energy_j / 3.6e6)
-
-
-def test_pairs_of_sections_can_be_chosen(view: SpeedLimits) -> None:
-    assert not view.pairs.visible
-    view.section_count = 3
-    assert view.pairs.visible
-    assert list(view.pairs.options) == ["1 and 2", "2 and 3"]
-    view.pairs.value = 1
-    assert view.host.plots["search_plane"].sources["ends"].data["x"][-1] == pytest.approx(view.path.limits_kmh[1])
-
-
-def test_one_section_has_no_plane(view: SpeedLimits) -> None:
+def test_one_section_has_one_step_without_a_movable_end(view: SetSpeeds) -> None:
+    steps = view.host.plots["limit_speed"].sources["steps"]
+    assert steps.data["movable"] == [9, 0]
     view.desk.scenario.choose("liashenko-0")
-    assert view.host.plots["search_plane"].host.visible
     view.section_count = 1
     assert view.failure is None
-    assert not view.host.plots["search_plane"].host.visible
-    assert len(view.host.plots["limit_speed"].sources["sections"].data["limit"]) == 1
+    assert steps.data["movable"] == [0]
 
 
-def test_a_run_out_of_its_window_is_marked(view: SpeedLimits) -> None:
+def test_a_run_out_of_its_window_is_marked(view: SetSpeeds) -> None:
     assert "allowed 205.3 to" in view.host.figures.object
     view.sections[0].limit_kmh = 70.0
     assert "s too early" in view.host.figures.object
@@ -86,7 +69,7 @@ def test_a_run_out_of_its_window_is_marked(view: SpeedLimits) -> None:
     assert "s too late" in view.host.figures.object
 
 
-def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimits) -> None:
+def test_the_sentence_stands_where_the_map_is_missing(view: SetSpeeds) -> None:
     assert view.host.plots["motor_map"].host.visible
     assert view.no_map.object == ""
     view.desk.scenario.choose("liashenko-ii")
@@ -94,14 +77,14 @@ def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimits) -> None
     assert "there is no efficiency map" in view.no_map.object
 
 
-def test_the_losses_by_kind_stand_below_the_map(view: SpeedLimits) -> None:
+def test_the_losses_by_kind_stand_below_the_map(view: SetSpeeds) -> None:
     losses = view.run.run.energy.losses_j
     for kind in ("copper", "iron", "mechanical", "harmonics", "inverter", "gear"):
         assert f">{energy(losses[kind] / 3.6e6)}<" in view.losses.object
     assert "Brake resistors" not in view.losses.object
 
 
-def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimits) -> None:
+def test_the_motor_alone_is_better_than_with_its_inverter(view: SetSpeeds) -> None:
     drive = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
     view.whose.value = "motor"
     motor = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
@@ -110,7 +93,7 @@ def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimits) -> 
     assert motor[both].max() > drive[both].max()
 
 
-def test_inter_station_runs_stand_side_by_side(view: SpeedLimits) -> None:
+def test_inter_station_runs_stand_side_by_side(view: SetSpeeds) -> None:
     """The time of each run by itself is its share of the length, and both ways have the same sections."""
     state, model = view.desk, view
     assert not view.together.visible
@@ -127,10 +110,21 @@ def test_inter_station_runs_stand_side_by_side(view: SpeedLimits) -> None:
     assert "more than together" in view.runs.object
     model.inter_station_runs = "separate"
     assert len(model.path.search.runs) == 2
-    assert list(view.pairs.options) == ["1 and 2", "3 and 4"]
-    view.pairs.value = 1
-    assert view.host.plots["search_plane"].figure.xaxis[0].axis_label == "Section 3, km/h"
     assert model.comparison.runs["separate"] is model.path.run
     assert model.comparison.runs["together"].energy_kwh == pytest.approx(together.run.energy_kwh, rel=1e-6)
     state.scenario.choose("kharkiv-like-40kmh")
     assert view.runs.object == ""
+
+
+def test_what_a_storage_saves_is_one_sentence(view: SetSpeeds) -> None:
+    chosen = view.storage.chosen
+    saved = energy(chosen.with_resistors_kwh - chosen.energy_kwh)
+    assert f"saves {saved} kWh" in view.storage_text.object
+    assert f"The run needs {energy(view.run.need.max_drop_kwh)} kWh" in view.storage_text.object
+
+
+def test_other_sections_than_those_of_the_strategy_are_named(view: SetSpeeds) -> None:
+    assert "other pages" not in view.host.heading.object
+    view.desk.scenario.choose("metro-with-limit")
+    assert len(view.desk.scenario.scenario().line.sections) == 11
+    assert "the strategy Set speeds has 11 sections" in view.host.heading.object

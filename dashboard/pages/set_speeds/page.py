@@ -1,4 +1,4 @@
-"""Speed limits: a set speed for each section, its cost beside the optimum, losses and storage."""
+"""Set speeds: one for each section, their cost beside the optimum, losses and storage."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -6,7 +6,6 @@ from typing import Any, get_args
 
 import numpy as np
 import panel as pn
-import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -19,34 +18,33 @@ from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page import Own, Page, Request, Section, shows, work
 from railjoule.dashboard.pages.page import BODY_CSS
-from railjoule.dashboard.pages.speed_limits import texts
-from railjoule.dashboard.pages.speed_limits.compute import (
+from railjoule.dashboard.pages.set_speeds import texts
+from railjoule.dashboard.pages.set_speeds.charts import MAP, OTHERS, SAVED, SPEED, TRACK, both
+from railjoule.dashboard.pages.set_speeds.compute import (
     InterStationRuns,
     LimitRun,
     LimitsRequest,
     LimitTrip,
     MapRequest,
     StorageCurve,
-    StorageRequest,
     compute_inter_station_runs,
     compute_limit_run,
     compute_limit_trip,
     compute_map,
     compute_storage,
 )
-from railjoule.dashboard.pages.speed_limits.fields import list_sections, storage_fields
-from railjoule.dashboard.pages.speed_limits.limit_charts import MAP, OTHERS, PLANE, SAVED, SPEED, TRACK, both
-from railjoule.dashboard.pages.speed_limits.sections import (
+from railjoule.dashboard.pages.set_speeds.fields import list_sections, storage_fields
+from railjoule.dashboard.pages.set_speeds.sections import (
     FIRST_SECTIONS,
     LONGEST_M,
     SectionModel,
     even_borders,
     make_sections,
     sections_in_file,
+    sections_on_drive,
 )
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import box, buttons
-from railjoule.dashboard.parts.number_field import tie
+from railjoule.dashboard.parts.choices import box, button, buttons
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, core_bounds, keyed
 from railjoule.dashboard.state.page_model import result
 from railjoule.dashboard.state.page_work import Items
@@ -66,12 +64,12 @@ GAP_CSS = ":host { row-gap: 10px; }"
 NOTES_CSS = padded("0 20px 16px", "0 12px 16px")
 
 
-class SpeedLimits(Page):
+class SetSpeeds(Page):
     """Set speeds of sections, given or found by search."""
 
-    page = "Speed limits"
+    page = "Set speeds"
     kept = ("section_count", "sections", "found", *SEARCH, *STORAGE, "shown_map")
-    passing = ("moving", "pair")
+    passing = ("moving",)
     fields = (
         Section("Sections", "set speed and end of each"),
         Own(list_sections),
@@ -79,12 +77,12 @@ class SpeedLimits(Page):
         "section_count",
         "time_window_percent",
         "stop_deceleration_ms2",
-        Section("Storage on board", "as required at first"),
+        Section("On-board storage", "initially sized as required"),
         Own(storage_fields),
         "charging_percent",
         "discharging_percent",
     )
-    figures = (SPEED, TRACK, *OTHERS, PLANE, MAP, SAVED)
+    figures = (SPEED, TRACK, *OTHERS, MAP, SAVED)
 
     sections = param.List(default=[], item_type=SectionModel, doc="From the start to the end of the line.")
     found = param.Boolean(default=True, doc="Whether the search finds the set speeds, instead of given ones.")
@@ -109,7 +107,6 @@ class SpeedLimits(Page):
     charging_percent = TypedNumber("Charging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
     discharging_percent = TypedNumber("Discharging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
     shown_map = param.Selector(default="drive", objects=["drive", "motor"], doc="Which efficiency is shown.")
-    pair = param.Integer(default=0, doc="The sections of the figure of the search.")
 
     run = result(LimitRun, "The last good run.")
     path = result(LimitRun, "The last run with set speeds found by search.")
@@ -334,7 +331,7 @@ class SpeedLimits(Page):
         if self.run is None:
             return None
         efficiencies = self.charging_percent / 100, self.discharging_percent / 100
-        return compute_storage, StorageRequest(self.run, self.storage_size_kwh, self.storage_power_kw, *efficiencies)
+        return compute_storage, self.run, self.storage_size_kwh, self.storage_power_kw, *efficiencies
 
     @work("run", into="motor_map")
     def _map(self) -> Request:
@@ -351,30 +348,13 @@ class SpeedLimits(Page):
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.table, self.storage_text, self.no_map, self.notes, self.runs, self.losses = (
-            parts.html_pane() for _ in range(6)
-        )
+        self.storage_text, self.no_map, self.notes, self.runs, self.losses = (parts.html_pane() for _ in range(5))
         speed = self.host.plots[SPEED.name]
         speed.move, speed.release = self.move, self.release
         self.together = buttons(self, "inter_station_runs", texts.RUNS_WORDS, margin=(8, 4, 0, 16))
-        self.search = pmui.Button(
-            label="Search set speeds",
-            variant="outlined",
-            size="small",
-            margin=(8, 20, 0, 8),
-            height=28,
-            on_click=lambda _: setattr(self, "found", True),
+        self.search = button(
+            "Search set speeds", lambda _: setattr(self, "found", True), margin=(8, 20, 0, 8), height=28
         )
-        self.pairs = pmui.Select(
-            label="Sections",
-            options={"1 and 2": 0},
-            value=0,
-            size="small",
-            margin=(6, 0, 0, 46),
-            width=130,
-            visible=False,
-        )
-        tie(self.pairs, self, "pair")
         maps = {"Powertrain": "drive", "Motor": "motor"}
         self.whose = buttons(self, "shown_map", maps, margin=(6, 0, 0, 46), visible=False)
         tools = pn.FlexBox(
@@ -389,9 +369,8 @@ class SpeedLimits(Page):
         )
         hosts = {name: chart.host for name, chart in self.host.plots.items()}
         body = parts.stack(*(hosts[plot.name] for plot in (SPEED, TRACK, *OTHERS)), css=BODY_CSS)
-        left = parts.stack(self.runs, self.table, hosts[PLANE.name], self.pairs, css=GAP_CSS)
-        motors = self.no_map, hosts[MAP.name], self.whose, self.losses
-        right = parts.stack(*motors, hosts[SAVED.name], self.storage_text, css=GAP_CSS)
+        left = parts.stack(self.runs, hosts[SAVED.name], self.storage_text, css=GAP_CSS)
+        right = parts.stack(self.no_map, hosts[MAP.name], self.whose, self.losses, css=GAP_CSS)
         lower, notes = parts.stack(left, right, css=LOWER_CSS), parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.host.figures, tools, body, lower, notes)
 
@@ -418,9 +397,8 @@ class SpeedLimits(Page):
             "speed_limits", {"speed_limits": run.run}, None, False, narrow, width - (80 if narrow else 360)
         )
         host.draw([TRACK], scene)
-        host.heading.object = texts.heading(run)
+        host.heading.object = texts.heading(run, sections_on_drive(self.desk.scenario.scenario()))
         host.figures.object = parts.figures(texts.run_cells(run, self.window_s), self.failure is not None)
-        self.table.object = texts.sections_table(run)
         self.notes.object = texts.notes(run)
 
     @shows("found")
@@ -437,24 +415,6 @@ class SpeedLimits(Page):
         before = texts.run_cells(self.run, self.window_s) if self.run is not None else ()
         # were this row lower than the one before, the figure would move away under the mouse that drags its step
         self.host.figures.object = parts.figures_in_place(texts.trip_cells(self.trip, self.window_s), before)
-
-    @shows("path", "pair")
-    def _show_search(self) -> None:
-        if self.path is None:
-            return
-        whole = self.path.search
-        pairs = texts.section_pairs(whole)
-        options = {name: k for k, name in enumerate(pairs)}
-        if self.pairs.options != options:
-            self.pairs.param.update(options=options, value=0)
-        self.pairs.visible = len(pairs) > 1
-        # each of several inter-station runs that are searched separately has its own search
-        number, first, before = list(pairs.values())[self.pair]
-        search = whole.runs[number] if whole.runs else whole
-        has_pair = len(search.best.limits_ms) > 1
-        self.host.plots[PLANE.name].host.visible = has_pair
-        if has_pair:
-            self.host.draw([PLANE], search, first, before)
 
     @shows("comparison", "path")
     def _show_comparison(self) -> None:
@@ -488,4 +448,4 @@ class SpeedLimits(Page):
             "chosen": (np.array([chosen.storage.size_kwh]), np.array([chosen.saved_kwh])),
         }
         self.host.draw([SAVED], curves, {"needed": storage.need.max_drop_kwh})
-        self.storage_text.object = texts.storage_table(storage)
+        self.storage_text.object = texts.storage_words(storage)

@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.dashboard.pages.host import make_works
-from railjoule.dashboard.pages.speed_limits import page
+from railjoule.dashboard.pages.set_speeds import page
 from railjoule.dashboard.state.workbench import Workbench
 
 RUNS = {}
@@ -10,7 +10,7 @@ RUNS = {}
 
 @pytest.fixture
 def state(monkeypatch):
-    """A workbench whose page Speed limits is in sight; all work is done in the test's own turn."""
+    """A workbench whose page Set speeds is in sight; all work is done in the test's own turn."""
     compute = page.compute_limit_run
 
     def computed_once(request):
@@ -21,7 +21,7 @@ def state(monkeypatch):
 
     monkeypatch.setattr(page, "compute_limit_run", computed_once)
     state = Workbench()
-    make_works("Speed limits")(state)
+    make_works("Set speeds")(state)
     state.scenario.choose("kharkiv-like-40kmh")
-    state.page = "Speed limits"
+    state.page = "Set speeds"
     return state

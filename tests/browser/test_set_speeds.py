@@ -1,4 +1,4 @@
-"""Speed limits, as a user works with it."""
+"""Set speeds, as a user works with it."""
 
 from collections.abc import Iterator
 
@@ -19,7 +19,7 @@ LIMIT = "Section 1: set speed, km/h"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    address = f"{server.url}?v=1&page=Speed limits&preset=kharkiv-like-40kmh"
+    address = f"{server.url}?v=1&page=Set speeds&preset=kharkiv-like-40kmh"
     with User.on(window, address, on_drive=False) as someone:
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone

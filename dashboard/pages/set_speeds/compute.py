@@ -208,17 +208,6 @@ def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
 
 
 @dataclass(frozen=True, eq=False)
-class StorageRequest:
-    """A run, and the storage on board; what it does not name is as the run needs it."""
-
-    run: LimitRun
-    size_kwh: float | None
-    power_kw: float | None
-    charging_efficiency: float
-    discharging_efficiency: float
-
-
-@dataclass(frozen=True, eq=False)
 class StorageCurve:
     """What storages of one power save.
 
@@ -238,18 +227,29 @@ class StorageCurve:
     need: StorageNeed
 
 
-def compute_storage(request: StorageRequest) -> StorageCurve:
-    """Return what storages save over a run; raises ScenarioError if a size or power is negative."""
-    need = request.run.need
-    size = need.max_drop_kwh if request.size_kwh is None else request.size_kwh
-    power = max(need.charging_peak_kw, need.discharging_peak_kw) if request.power_kw is None else request.power_kw
-    efficiencies = request.charging_efficiency, request.discharging_efficiency
+def compute_storage(
+    run: LimitRun,
+    size_kwh: float | None,
+    power_kw: float | None,
+    charging_efficiency: float,
+    discharging_efficiency: float,
+) -> StorageCurve:
+    """Return what storages save over a run, with the size and power that it needs where none is named.
+
+    Raises
+    ------
+    ScenarioError
+        If a size or power is negative.
+    """
+    need, efficiencies = run.need, (charging_efficiency, discharging_efficiency)
+    size = need.max_drop_kwh if size_kwh is None else size_kwh
+    power = max(need.charging_peak_kw, need.discharging_peak_kw) if power_kw is None else power_kw
     # a run that never brakes needs no storage: the axis of sizes must still have a length
     sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.max_drop_kwh, 1.1 * size, 1e-3), SIZES)
     return StorageCurve(
         size_kwh=frozen_array(sizes),
-        saved_kwh=saving_over_size(request.run.run, sizes, power, *efficiencies),
-        chosen=with_storage(request.run.run, Storage(size, power, *efficiencies)),
+        saved_kwh=saving_over_size(run.run, sizes, power, *efficiencies),
+        chosen=with_storage(run.run, Storage(size, power, *efficiencies)),
         need=need,
     )
 

@@ -3,10 +3,9 @@ import pytest
 from set_speeds import drive_under_limits
 
 from railjoule.core import Scenario, ScenarioError, StrategyRefusedError, load_scenario
-from railjoule.dashboard.pages.speed_limits.compute import (
+from railjoule.dashboard.pages.set_speeds.compute import (
     LimitRun,
     LimitsRequest,
-    StorageRequest,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
@@ -62,7 +61,7 @@ def test_refusals_name_the_strategy() -> None:
 
 
 def test_storages_save_up_to_what_they_need(run: LimitRun) -> None:
-    curve = compute_storage(StorageRequest(run, None, None, 0.95, 0.95))
+    curve = compute_storage(run, None, None, 0.95, 0.95)
     assert curve.chosen.storage.size_kwh == run.need.max_drop_kwh
     assert np.all(np.diff(curve.saved_kwh) > -1e-9)
     assert curve.saved_kwh[0] == pytest.approx(0, abs=1e-9)
@@ -70,4 +69,4 @@ def test_storages_save_up_to_what_they_need(run: LimitRun) -> None:
     most = curve.chosen.with_resistors_kwh - curve.chosen.with_receptive_line_kwh
     assert curve.saved_kwh[-1] == pytest.approx(0.95**2 * most, rel=1e-6)
     with pytest.raises(ScenarioError, match=r"storage\.size_kwh = -1 must be"):
-        compute_storage(StorageRequest(run, -1.0, None, 0.95, 0.95))
+        compute_storage(run, -1.0, None, 0.95, 0.95)

@@ -1,4 +1,4 @@
-"""The page Speed limits."""
+"""The page Set speeds."""
 
 from railjoule.dashboard.page_entry import PageEntry
 

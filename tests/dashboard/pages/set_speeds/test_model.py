@@ -1,40 +1,40 @@
 import pytest
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.pages.speed_limits.page import SpeedLimits
-from railjoule.dashboard.pages.speed_limits.sections import even_borders
+from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
+from railjoule.dashboard.pages.set_speeds.sections import even_borders
 from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture
-def model() -> SpeedLimits:
-    model = SpeedLimits(Workbench())
+def model() -> SetSpeeds:
+    model = SetSpeeds(Workbench())
     model.take(load_scenario("kharkiv-like-40kmh"))
     return model
 
 
-def test_the_sections_of_a_file_are_taken_over(model: SpeedLimits) -> None:
+def test_the_sections_of_a_file_are_taken_over(model: SetSpeeds) -> None:
     assert model.borders_m == (1200.0,)
     assert model.found
     assert load_scenario("kharkiv-like-40kmh").replace(**model.changes) == load_scenario("kharkiv-like-40kmh")
 
 
 def test_a_scenario_without_borders_has_two_halves() -> None:
-    model = SpeedLimits(Workbench())
+    model = SetSpeeds(Workbench())
     model.take(load_scenario("liashenko-ii"))
     assert model.borders_m == (650.0,)
     assert model.limits_kmh == (80.0, 80.0)
 
 
 def test_given_limits_of_a_file_are_given() -> None:
-    model = SpeedLimits(Workbench())
+    model = SetSpeeds(Workbench())
     model.take(load_scenario("kharkiv-like-40kmh").replace(**{"search.limits_kmh": [50.0, 30.0]}))
     assert not model.found
     assert model.changes["search.limits_kmh"] == [50.0, 30.0]
 
 
 def test_given_limits_without_borders_are_those_of_the_line() -> None:
-    model = SpeedLimits(Workbench())
+    model = SetSpeeds(Workbench())
     scenario = load_scenario("liashenko-i").replace(**{"search.limits_kmh": [50.0] * 6})
     model.take(scenario)
     assert model.limits_kmh == (50.0,) * 6
@@ -43,7 +43,7 @@ def test_given_limits_without_borders_are_those_of_the_line() -> None:
         model.parse("section_count", "1")
 
 
-def test_a_cut_line_is_searched_anew(model: SpeedLimits) -> None:
+def test_a_cut_line_is_searched_anew(model: SetSpeeds) -> None:
     model.move([50.0, 40.0], [900.0])
     assert not model.found
     assert (model.limits_kmh, model.borders_m) == ((50.0, 40.0), (900.0,))
@@ -52,7 +52,7 @@ def test_a_cut_line_is_searched_anew(model: SpeedLimits) -> None:
     assert model.borders_m == (600.0, 1200.0, 1800.0)
 
 
-def test_limits_have_the_bounds_of_the_vehicle(model: SpeedLimits) -> None:
+def test_limits_have_the_bounds_of_the_vehicle(model: SetSpeeds) -> None:
     section = model.sections[0]
     assert section.parse("limit_kmh", "80") == 80.0
     with pytest.raises(ValueError, match="At most 80"):
@@ -78,7 +78,7 @@ def test_borders_are_whole_metres_where_sections_are_long(
 
 
 def test_a_line_with_stations_has_two_sections_for_each_run() -> None:
-    model = SpeedLimits(Workbench())
+    model = SetSpeeds(Workbench())
     model.take(load_scenario("metro-10-stations"))
     assert model.section_count == 18
     assert model.changes["search.inter_station_runs"] == "together"

@@ -6,7 +6,7 @@ from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_the_search_sets_the_limits(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     assert model.run is model.path
     assert model.limits_kmh == pytest.approx(model.run.limits_kmh)
     assert model.found
@@ -19,7 +19,7 @@ def test_the_search_sets_the_limits(state: Workbench) -> None:
 
 
 def test_a_typed_limit_is_driven_and_the_search_s_path_stays(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     path = model.path
     model.sections[1].limit_kmh = 40.0
     assert not model.found
@@ -31,7 +31,7 @@ def test_a_typed_limit_is_driven_and_the_search_s_path_stays(state: Workbench) -
 
 
 def test_a_step_that_moves_brings_trips_alone(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     before = model.run
     model.move([60.0, 30.0], [900.0])
     assert model.run is before
@@ -43,7 +43,7 @@ def test_a_step_that_moves_brings_trips_alone(state: Workbench) -> None:
 
 
 def test_another_count_of_sections_is_searched_anew(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     model.section_count = 3
     assert model.borders_m == (800.0, 1600.0)
     assert model.run is model.path
@@ -51,7 +51,7 @@ def test_another_count_of_sections_is_searched_anew(state: Workbench) -> None:
 
 
 def test_found_limits_follow_the_timetable_and_given_ones_stay(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     before = model.limits_kmh
     state.scenario.travel_time_s = 250.0
     assert model.limits_kmh != before
@@ -62,17 +62,17 @@ def test_found_limits_follow_the_timetable_and_given_ones_stay(state: Workbench)
 
 
 def test_free_borders_are_found_once(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     model.free_borders = True
     found = model.run
     assert model.borders_m == pytest.approx(found.borders_m)
     state.page = "Drive"
-    state.page = "Speed limits"
+    state.page = "Set speeds"
     assert model.run is found
 
 
 def test_bad_borders_are_told_and_the_last_run_stays(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     model.sections[0].limit_kmh = 50.0
     before = model.run
     model.sections[0].to_m = 5000.0
@@ -84,7 +84,7 @@ def test_bad_borders_are_told_and_the_last_run_stays(state: Workbench) -> None:
 
 
 def test_a_storage_that_is_named_counts(state: Workbench) -> None:
-    model = state.pages["Speed limits"]
+    model = state.pages["Set speeds"]
     most = model.storage.chosen.saved_kwh
     model.storage_size_kwh = 0.2
     assert model.storage.chosen.storage.size_kwh == 0.2

@@ -6,7 +6,7 @@ from typing import Any
 import panel as pn
 from panel.viewable import Viewable
 
-from railjoule.dashboard.pages.speed_limits.sections import SectionModel
+from railjoule.dashboard.pages.set_speeds.sections import SectionModel
 from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.parts.number_field import NumberField, number_fields
 
