@@ -1,14 +1,15 @@
 """The sidebar without a browser."""
 
+from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.keep.keeping import Keeping
-from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.shell.sidebar import Sidebar
 from railjoule.dashboard.state.workbench import Workbench
 
 
 def test_set_speeds_open_from_the_list_of_strategies() -> None:
     state = Workbench(page="Drive")
-    sidebar = Sidebar(state, Keeping(state, Lifeline()))
+    browser = Browser()
+    sidebar = Sidebar(state, browser, Keeping(state, browser))
     link = sidebar.strategy_part[-1]
     assert link.label == "Adjust set speeds"
     link.clicks += 1
