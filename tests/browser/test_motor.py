@@ -16,6 +16,8 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
         expect(someone.page.get_by_text("The page shows an example")).to_be_visible()
         someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
         expect(someone.figure_value("Tracking error")).not_to_be_empty()
+        # charts that are still to be drawn push the others down
+        someone.settled()
         yield someone
 
 
