@@ -24,7 +24,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 def test_blocks_and_figures_light_each_other(user: User) -> None:
     block = user.page.locator("svg.wide [data-block=motion_control]")
     lit = user.page.locator("svg.wide [data-block].lit")
-    chart = user.page.locator(".rj-chart-loop_speed:visible")
+    chart = user.page.locator(".rj-chart-tracking:visible")
     chart.scroll_into_view_if_needed()
     block.hover()
     expect(lit).to_have_count(1)
