@@ -5,6 +5,7 @@ from functools import partial
 from itertools import accumulate
 from typing import Any
 
+import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.look import words
@@ -52,7 +53,7 @@ class ShareOut:
         texts = PLAYED_TEXTS[field]
         self.head.object = framed(markup("<h2>{}</h2><p>{}</p>", texts["title"], texts["text"]))
         self._tell("Opening")
-        # as long as the bar above it: the library moves the ends of its rail inwards by 6 px
+        # as long as the bar above it: the library would move the ends of its rail inwards
         self.borders = pmui.RangeSlider(
             label="",
             show_value=False,
@@ -61,7 +62,8 @@ class ShareOut:
             value=(0, SLACK_S),
             step=1,
             size="small",
-            margin=(0, -6),
+            margin=(0, 0, 4, 0),
+            sx={"width": "100%", "mx": 0},
             sizing_mode="stretch_width",
         )
         self.borders.param.watch(self._move, "value")
@@ -69,7 +71,7 @@ class ShareOut:
         self.ask = pmui.Button(label=ASK, variant="contained", on_click=self._ask, **small)
         self.other = pmui.Button(label="", variant="outlined", on_click=self._turn, **small)
         self.open = pmui.Button(label=texts["open"], on_click=lambda _: self._hear("open", self.text), **small)
-        self.after = parts.stack(self.details, self.other, self.open, visible=False)
+        self.after = parts.stack(self.details, pn.Row(self.other, self.open, margin=0), visible=False)
         self.played = parts.stack(self.split, self.borders, self.stage, self.ask, self.after, visible=False)
         self.view = parts.stack(
             self.head, self.outcome, self.played, css=ROOM, css_classes=[f"rj-lesson-{field}"], name=texts["title"]
