@@ -46,21 +46,6 @@ class TableForm(Form):
         self.param.update(table=table, version=self.version + 1)
 
 
-class Disclosure(Form):
-    """A heading that opens and closes what stands beneath it."""
-
-    label = param.String(default="", doc="The heading.")
-    note = param.String(default="", doc="What is in it, in a few words.")
-    open = param.Boolean(default=False, doc="Whether it is open.")
-    changed = param.Boolean(default=False, doc="Whether anything in it was changed.")
-    level = param.Integer(default=3, bounds=(2, 6), doc="Its level among the headings of the page.")
-
-    _esm = module("disclosure")
-
-    def __init__(self, turn: Callable[[], None], **params: Any) -> None:
-        super().__init__(lambda _: turn(), **params)
-
-
 class EditorHead(Form):
     """The editor's title, the result, and the way out; it takes the focus in and gives it back."""
 

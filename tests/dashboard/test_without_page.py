@@ -45,7 +45,7 @@ def answers(*commands: list[str]) -> list[tuple[int, str, str]]:
 
 
 def test_the_packages_of_the_page_are_known() -> None:
-    assert {"bokeh", "jinja2", "panel", "panel_material_ui", "param", "plotly"} <= set(PAGE)
+    assert {"bokeh", "jinja2", "panel", "panel_material_ui", "param"} <= set(PAGE)
 
 
 def test_every_command_of_the_core_works(run_file: str) -> None:
