@@ -1,4 +1,4 @@
-"""Runs that Drive computes beside those of the strategies: the actual run, simpler advice, and tighter bounds."""
+"""Runs that Drive computes beside those of the strategies: the actual run, simple advice, and tighter bounds."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -50,7 +50,7 @@ def compute_actual(request: ActualRequest) -> ActualRun:
         return actual_run(scenario)
 
 
-# ---- simpler advice, and a moved instruction
+# ---- simple advice, and a moved instruction
 
 
 @dataclass(frozen=True, eq=False)
