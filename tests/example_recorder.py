@@ -12,8 +12,9 @@ import numpy as np
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import parse_scenario
-from railjoule.dashboard.pages.imports.brought import Brought
-from railjoule.dashboard.pages.imports.compute import Request, Stretch, examples, read_files, taken
+from railjoule.dashboard.pages.files.brought import Brought
+from railjoule.dashboard.pages.files.compute import Request, Stretch, read_files, taken
+from railjoule.dashboard.pages.files.page import EXAMPLE_LINE, sources
 from tests.recordings import samples
 
 TARGET = Path(__file__).parents[1] / "assets" / "imports" / "example-recorder.csv"
@@ -31,8 +32,8 @@ HEADINGS = (
 
 def table() -> str:
     """Return the rows of the recorder."""
-    brought = tuple(Brought.of(number, source) for number, source in enumerate(examples(), 1))
-    chosen = tuple(file.told("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
+    brought = tuple(Brought(number, one.name, one.content) for number, one in enumerate(sources(EXAMPLE_LINE), 1))
+    chosen = tuple(file.with_choice("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
     *_, reading = read_files(Request(chosen, Stretch(), load_scenario("metro-with-limit")))
     scenario = parse_scenario(taken(reading.offers[0], reading.offers[0].time_s))
     limits = [limit.model_dump() for limit in scenario.line.speed_limits]

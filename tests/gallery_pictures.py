@@ -13,7 +13,7 @@ PICTURES = ROOT / "assets" / "pictures"
 SHOWN = {
     "time": "Energy over travel time",
     "day": "What the day costs",
-    "slack": "Share out the slack of a line",
+    "supplement": "Distribute the running time supplement of a line",
 }
 """The examples that README shows, by the names of their pictures."""
 

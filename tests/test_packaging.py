@@ -61,8 +61,6 @@ def test_command_is_installed():
     assert callable(command.load())
 
 
-USED_BY_PANEL = {"plotly"}
-"""Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 COMMAND_LINE = (
     *(
@@ -111,7 +109,7 @@ def test_dependencies_are_those_that_the_core_and_the_command_line_use():
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
     paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK, CLUSTER}
-    assert declared(EXTRAS["page"]) == (imported_packages(paths) - DEPENDENCIES) | USED_BY_PANEL
+    assert declared(EXTRAS["page"]) == imported_packages(paths) - DEPENDENCIES
 
 
 def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import panel as pn
 from bokeh.models import GlyphRenderer, Image, Line, Step, Text
 from bokeh.plotting import figure
 
 from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.surface import Scene
 
 if TYPE_CHECKING:
     import pandas
@@ -34,10 +34,10 @@ def series(chart: Chart) -> tuple[list[tuple[str, Series]], dict[str, str]]:
     drawn: Any = chart.figure
     if isinstance(drawn, figure):
         return list(_bokeh_series(drawn)), _bokeh_headings(drawn, chart.caption or chart.title)
-    if isinstance(drawn, pn.pane.Plotly) and drawn.object:
-        axes = drawn.object["layout"]["scene"]
+    if isinstance(drawn, Scene) and drawn.traces:
+        axes = drawn.frame["scene"]
         headings = {axis: axes[f"{axis}axis"]["title"]["text"] for axis in "xy"}
-        return list(_plotly_series(drawn.object["data"])), {**headings, "z": chart.caption or chart.title}
+        return list(_scene_series(drawn.traces)), {**headings, "z": chart.caption or chart.title}
     return [], {}
 
 
@@ -98,7 +98,7 @@ def _cells(columns: Series) -> Series:
     return {"x": np.tile(x, rows), "y": np.repeat(y, wide), "value": values.ravel()}
 
 
-def _plotly_series(traces: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Series]]:
+def _scene_series(traces: Sequence[Mapping[str, Any]]) -> Iterator[tuple[str, Series]]:
     for number, trace in enumerate(traces, 1):
         x, y, z = (np.asarray(trace[axis], dtype=float) for axis in "xyz")
         if trace["type"] == "surface":

@@ -41,7 +41,7 @@ class RunScene:
     fastest : Trajectory or None
         The fastest run, drawn or not: the cursor tells its speed.
     variant : (str, Trajectory) or None
-        A run beside the chosen one, and its name at its line: simpler advice, or a moved instruction.
+        A run beside the chosen one, and its name at its line: simple advice, or a moved instruction.
     with_power : bool
         Power from the supply instead of current.
     """

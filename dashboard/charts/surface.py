@@ -1,11 +1,14 @@
 """What surfaces that can be turned are made of."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import panel as pn
+import param
+from panel.custom import JSComponent
 
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.tokens import FONT
 from railjoule.dashboard.look.words import slug
 
@@ -26,6 +29,7 @@ TALLEST = 3.2
 """The surface is cut off at this many times its least energy: where ramps nearly fill the time it rises without end."""
 CAMERA = {"eye": {"x": 1.52, "y": -1.36, "z": 0.72}, "center": {"x": 0.03, "y": 0.02, "z": -0.23}}
 NARROW_PX, NARROW_DISTANCE = 420, 1.35
+AXES = ("x", "y", "z")
 BUTTONS = [["toImage", "resetCameraDefault3d"]]
 LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9}
 
@@ -37,11 +41,33 @@ def round_step(least: float) -> float:
     return float(next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= least * (1 - 1e-9)))
 
 
-def surface_pane(height: int, name: str) -> pn.pane.Plotly:
-    """Return a pane for a surface of this name, with Plotly's buttons to turn it back and to save a picture."""
-    picture = {"filename": slug(name), "scale": 2}
-    config = {"responsive": True, "displaylogo": False, "modeBarButtons": BUTTONS, "toImageButtonOptions": picture}
-    return pn.pane.Plotly(config=config, sizing_mode="stretch_width", height=height, margin=0)
+class Scene(JSComponent):
+    """A scene that can be turned, with buttons to turn it back and to save a picture.
+
+    Parameters
+    ----------
+    height : int
+    name : str
+        What the picture is called.
+    """
+
+    traces = param.List(default=[], doc="What is drawn, as plotly.js takes it.")
+    frame = param.Dict(default={}, doc="Axes, camera and colours, as plotly.js takes them.")
+    options = param.Dict(default={}, doc="Buttons, as plotly.js takes them.")
+
+    _esm = module("scene")
+
+    def __init__(self, height: int, name: str) -> None:
+        picture = {"filename": slug(name), "scale": 2}
+        options = {"displaylogo": False, "modeBarButtons": BUTTONS, "toImageButtonOptions": picture}
+        super().__init__(options=options, sizing_mode="stretch_width", height=height, margin=0)
+
+    def draw(self, traces: Sequence[Mapping[str, Any]], frame: dict[str, Any]) -> None:
+        """Draw traces, whose arrays are sent as lists."""
+        plain = [
+            {name: np.asarray(one).tolist() if name in AXES else one for name, one in trace.items()} for trace in traces
+        ]
+        self.param.update(traces=plain, frame=frame)
 
 
 def scene_layout(
@@ -65,7 +91,6 @@ def scene_layout(
         }
 
     return {
-        "autosize": True,
         "margin": {"l": 0, "r": 0, "t": 0, "b": 2},
         "paper_bgcolor": tokens["surface"],
         "modebar": {"bgcolor": "rgba(0, 0, 0, 0)", "color": tokens["ink3"], "activecolor": tokens["ink2"]},

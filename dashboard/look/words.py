@@ -33,7 +33,7 @@ PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
 
 STRATEGY_WORDS: dict[str, str] = {name: strategy.label for name, strategy in STRATEGIES.items()}
 ADVISED = "advised"
-NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice", BY_HAND: "Driven by hand"}
+NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simple advice", BY_HAND: "Driven by hand"}
 """What runs are called that no strategy made."""
 REACTION_WORDS: dict[Reaction, str] = {
     "driver": "Driver",

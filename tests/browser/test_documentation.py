@@ -146,8 +146,9 @@ def test_no_link_is_dead_and_nothing_is_loaded_from_elsewhere(built: Built) -> N
                 assert anchor in pages[target].anchors, (path, link)
 
 
-@pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.nightly)])
-@pytest.mark.parametrize("width", [1280, pytest.param(390, marks=pytest.mark.nightly)])
+@pytest.mark.nightly
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
 def test_pages_are_read_in_any_window_under_the_content_policy(
     address: str, chromium: Browser, scheme: str, width: int
 ) -> None:

@@ -55,6 +55,7 @@ def test_by_mouse_to_drive(chromium: Browser, server: Server) -> None:
         expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict.bound_kwh:.2f}kWh")
 
 
+@pytest.mark.nightly
 def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
     with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
         keys, draw = user.page.keyboard, lesson(user.page)

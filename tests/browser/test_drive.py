@@ -176,7 +176,7 @@ def test_simpler_advice_by_mouse_from_start(user: User) -> None:
     expect(user.page.get_by_text("5 instructions instead of 8: +0.10 % energy.")).to_be_visible()
     expect(advice.locator("li:has(> b)")).to_have_count(5)
     user.page.get_by_role("button", name="Pin this advice", exact=True).click()
-    expect(user.page.get_by_text("Pinned: Simpler advice").first).to_be_visible()
+    expect(user.page.get_by_text("Pinned: Simple advice").first).to_be_visible()
     assert_nothing_grave(user)
     exact.click()
     # of the strategy that this scenario names

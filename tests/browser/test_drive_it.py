@@ -39,6 +39,7 @@ def test_by_mouse_from_the_front_page_to_drive(chromium: Browser, server: Server
         # nothing of the optimum before the first try has arrived
         expect(drive.get_by_text("best possible")).to_have_count(0)
         assert len(drive.inner_text().split()) <= MOST_WORDS
+        user.page.evaluate(HURRY)
         drive.get_by_role("button", name="10\u00d7").click()
         drive.get_by_role("button", name="Power").click()
         outcome = drive.locator(".outcome")

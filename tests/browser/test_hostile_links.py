@@ -52,6 +52,10 @@ SAID = {
 """What the page says of them; Bellman's refusal stands in the list of strategies."""
 
 
+GATE = ("a key of 50,000 parts", "a mesh of 0.05 m")
+"""One of each kind; the night tries all, of which Bellman computes for a minute of the processor."""
+
+
 @dataclass(frozen=True)
 class Cost:
     """What an open page took of the server, and how long another page waited for its moves meanwhile."""
@@ -115,8 +119,7 @@ async def opened(server: Server, link: str) -> Cost:
 
 @pytest.mark.parametrize(
     "name",
-    # Bellman computes for a minute of the processor
-    [pytest.param(name, marks=pytest.mark.nightly) if "Bellman" in name else name for name in HOSTILE],
+    [pytest.param(name, marks=[pytest.mark.nightly][: name not in GATE]) for name in HOSTILE],
 )
 def test_a_hostile_link_costs_hardly_more_than_a_plain_one(guarded: Server, plain: Cost, name: str) -> None:
     for _ in range(TRIES):

@@ -37,7 +37,7 @@ def bring(user: User, *paths: Path) -> None:
 def test_the_example_tells_what_could_be_saved(user: User) -> None:
     expect(user.page.get_by_text("CSV or XLSX with time and speed")).to_be_visible()
     press(user, "Try the example")
-    saved = user.figure_value("Could save")
+    saved = user.figure_value("Potential saving")
     # 9.26 kWh modelled, 7.61 the optimum: see test_work.py
     expect(saved).to_have_text(re.compile(r"17\.\d%"))
     expect(user.page.get_by_text("proven for the modelled train").first).to_be_visible()
@@ -78,7 +78,7 @@ def test_a_run_is_dropped_on_any_page_and_the_example_survives_a_reload(user: Us
     )
     expect(user.question("Files")).to_be_visible()
     expect(user.page.get_by_text("dropped.csv, run").first).to_be_visible()
-    expect(user.figure_value("Could save")).to_have_text(re.compile(r"17\.\d%"))
+    expect(user.figure_value("Potential saving")).to_have_text(re.compile(r"17\.\d%"))
     user.settled()
     user.page.reload()
     expect(user.question("Files")).to_be_visible()

@@ -12,18 +12,19 @@ from browser.user import User
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Motor")
+    with User.on(window, f"{server.url}?v=1&page=Motor", on_drive=False) as someone:
         expect(someone.page.get_by_text("The page shows an example")).to_be_visible()
         someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
         expect(someone.figure_value("Tracking error")).not_to_be_empty()
+        # charts that are still to be drawn push the others down
+        someone.settled()
         yield someone
 
 
 def test_blocks_and_figures_light_each_other(user: User) -> None:
     block = user.page.locator("svg.wide [data-block=motion_control]")
     lit = user.page.locator("svg.wide [data-block].lit")
-    chart = user.page.locator(".rj-chart-loop_speed:visible")
+    chart = user.page.locator(".rj-chart-tracking:visible")
     chart.scroll_into_view_if_needed()
     block.hover()
     expect(lit).to_have_count(1)

@@ -1,13 +1,29 @@
 """The field of a number by mouse, by keys and by touch, and what becomes of it in the meantime."""
 
 import re
+from collections.abc import Iterator
 
-from playwright.sync_api import Browser, Locator, expect
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User
 
 TIME, LOAD = "Travel time, s", "Load, % of capacity"
+
+
+@pytest.fixture(scope="module")
+def opened(server: Server, window: BrowserContext) -> Iterator[User]:
+    """A page that the tests of this file share."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
+
+
+@pytest.fixture
+def user(opened: User) -> User:
+    """A user before what a new page shows."""
+    opened.begin_anew()
+    return opened
 
 
 def text_of(user: User, name: str) -> Locator:
@@ -53,7 +69,7 @@ def test_keys_move_a_slider_to_its_ends_and_back(user: User) -> None:
         slider.press(key)
         expect(text).to_have_value(number)
         expect(slider).to_have_attribute("aria-valuetext", f"{number} %")
-    # a step back that comes at once is of what the slider was moved to
+    # a step back that comes immediately is of what the slider was moved to
     slider.press("ArrowLeft")
     slider.press("Control+z")
     expect(user.page).not_to_have_url(re.compile("load_percent=10"))

@@ -56,7 +56,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     user: User, spreadsheets: list[Path], recorder_file: Path, tmp_path: Path
 ) -> None:
     page, began = user.page, time.monotonic()
-    page.get_by_role("button", name="Bring your own line").click()
+    page.get_by_role("button", name="Import line or train").click()
     expect(user.question("Files")).to_be_visible()
     bring(user, *spreadsheets)
     for k, kind in enumerate(("Speed limits", "Gradients", "Curves")):
@@ -83,7 +83,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     bring(user, recorder_file)
     # the sum of current times voltage, and the model of the same train
     expect(user.figure_value("Measured")).not_to_have_text("\u2014")
-    expect(user.figure_value("Could save")).to_have_text(re.compile(r"1[5-9]\.\d%"))
+    expect(user.figure_value("Potential saving")).to_have_text(re.compile(r"1[5-9]\.\d%"))
     expect(page.get_by_text("The electric power is the line current times the line voltage")).to_be_visible()
     expect(page.get_by_text("proven for the modelled train").first).to_be_visible()
     measured = user.number("Measured")

@@ -68,7 +68,7 @@ CHANGES = {
     "Set speeds": Change(type_text("Section 1: set speed, km/h", "50"), chart="limit_speed"),
     "Motor": Change(type_text("Current, A", "300"), chart="loop_speed"),
     "Line": Change(type_text("Travel time, s", "1100"), chart="line_speed", first=press("Open Metro, ten stations")),
-    "Explore": Change(type_text("Runs", "77"), ':text("of 77 runs"):visible'),
+    "Explore": Change(type_text("Runs", "77"), ':text("The preview below shows"):visible'),
     "Learn": Change(press("This is my guess"), "main:visible", "lesson_coasting"),
     "Files": Change(press("Try the example"), "main:visible", "import_limits"),
     "Papers": Change(press("Draw the figures of Rawicki"), "main:visible"),

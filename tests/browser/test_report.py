@@ -48,10 +48,10 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return written(tmp_path_factory.mktemp("report"), load_scenario("metro-with-limit", changes), contents)
 
 
-@pytest.fixture
-def turned(chromium: Browser, tmp_path: Path) -> Iterator[Reader]:
+@pytest.fixture(scope="module")
+def turned(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Reader]:
     """A report with the surface of ENOC."""
-    path = written(tmp_path, load_scenario("ftorek-300s"), Contents(("trade-off",)))
+    path = written(tmp_path_factory.mktemp("turned"), load_scenario("ftorek-300s"), Contents(("trade-off",)))
     context = chromium.new_context(offline=True)
     someone = Reader(context.new_page(), path)
     yield someone

@@ -37,7 +37,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
         yield someone
 
 
-@pytest.mark.parametrize("colours", GROUNDS)
+@pytest.mark.parametrize("colours", ["light", pytest.param("dark", marks=pytest.mark.nightly)])
 def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> None:
     page = user.page
     user.prefer(colours)

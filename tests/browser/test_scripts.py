@@ -9,11 +9,10 @@ import pytest
 from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulation.manual import drive_manually, read_commands
-from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
 from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
-from railjoule.dashboard.pages.learn.slack import driven_line, line_tables
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -612,30 +611,6 @@ def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:
     found = run(page, "drive_it", code, given)
     assert [one["at"] for one in found] == pytest.approx([0, 2.5, 10, 20, 30])
     assert [one["speed"] for one in found] == pytest.approx([0, 5, 10, 10, 10])
-
-
-# --- a supplement that is distributed
-
-
-@pytest.mark.parametrize("name", ["uneven", "even"])
-def test_a_distribution_has_the_numbers_of_the_library(page: Page, name: str) -> None:
-    """Total energy and each leg's price, after seconds have moved to both sides and as far as they go."""
-    code = """
-      let seconds = [20, 20, 20];
-      return a.moves.map(([k, by]) => {
-        seconds = m.moved(seconds, k, by, a.line.min_s);
-        const prices = seconds.map((_, leg) => m.price_of(a.line, seconds, leg));
-        return {seconds, kwh: m.total_kwh(a.line, seconds), prices};
-      });
-    """
-    moves = [(0, -8), (1, 10), (1, -99), (0, 99)]
-    found = run(page, "share_out", code, {"line": line_tables(name), "moves": moves})
-    assert [one["seconds"] for one in found] == [[12, 28, 20], [12, 38, 10], [12, 1, 47], [12, 1, 47]]
-    for one in found:
-        line = driven_line(name, tuple(one["seconds"]))
-        assert one["kwh"] == pytest.approx(line.run.energy_kwh, rel=1e-6)
-        wanted = [leg.price_of_time_w / J_PER_WH for leg in line.legs]
-        assert one["prices"] == pytest.approx(wanted, rel=1e-5)
 
 
 def test_the_player_shows_the_run_at_a_time(page: Page) -> None:

@@ -45,6 +45,7 @@ def test_pages_work_below_a_path(below: Server, chromium: Browser) -> None:
         assert beside == []
 
 
+@pytest.mark.nightly
 def test_a_page_too_many_is_told_so_and_the_others_go_on(below: Server, chromium: Browser) -> None:
     with User.at(chromium, below.url, on_drive=False) as user:
         with User.at(chromium, below.url, on_drive=False):

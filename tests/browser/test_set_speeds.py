@@ -19,9 +19,8 @@ LIMIT = "Section 1: set speed, km/h"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
+    with User.on(window, f"{server.drive_url}&preset=kharkiv-like-40kmh") as someone:
         someone.page.get_by_role("button", name="Adjust set speeds").click()
-        someone.choose("Metro, set speeds, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
         yield someone
 

@@ -1,4 +1,4 @@
-"""Simpler advice is shown on Drive, and another scenario comes: all of the page is of that one."""
+"""Simple advice is shown on Drive, and another scenario comes: all of the page is of that one."""
 
 import re
 from collections.abc import Callable
@@ -16,14 +16,14 @@ from railjoule.dashboard.look import words
 
 @pytest.fixture
 def advised(user: User) -> User:
-    """A user with simpler advice before her."""
+    """A user with simple advice before her."""
     user.page.get_by_role("button", name="Simple", exact=True).click()
     see_sentence(user)
     return user
 
 
 def see_sentence(user: User) -> None:
-    """See the sentence on simpler advice once it is computed."""
+    """See the sentence on simple advice once it is computed."""
     expect(user.page.locator(".note.advised:visible")).to_have_text(re.compile("instructions"))
     user.settled()
 

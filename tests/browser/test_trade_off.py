@@ -12,13 +12,11 @@ from browser.user import User
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Trade-off")
+    with User.on(window, f"{server.url}?v=1&page=Trade-off&preset=ftorek-300s", on_drive=False) as someone:
         yield someone
 
 
 def test_frontier_surface_and_contours(user: User) -> None:
-    user.choose("Suburban, flat 5 km")
     # the true optimum at 300 s, and ENOC with its own best acceleration time (findings on Ftorek 2025)
     expect(user.figure_value("Optimum at 300.0 s")).to_have_text("4.181kWh")
     for chart in ("frontier", "share", "surface"):

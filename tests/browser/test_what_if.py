@@ -16,13 +16,11 @@ WORKED_MS = 60_000
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("What if")
+    with User.on(window, f"{server.url}?v=1&page=What if&preset=liashenko-ii", on_drive=False) as someone:
         yield someone
 
 
 def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
-    user.choose("Metro, profile II")
     # 0.5 s late at full load and +10 m, as `railjoule simulate` has it
     expect(user.figure_value("Load 100 %, +10 m")).to_have_text("0.5s late")
     expect(user.figure_value("Largest in table")).to_have_text("+34.9%")
@@ -111,7 +109,6 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
 
 
 def test_a_run_plays_and_its_events_are_kept(user: User) -> None:
-    user.choose("Metro, profile II")
     user.page.get_by_role("button", name="Events while the train drives").click()
     user.page.get_by_role("button", name="20\u00d7").click()
     user.settled()

@@ -211,8 +211,14 @@ class Teller:
         self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3], price=saved and saved[1])
 
 
-# one of each kind: all strategies, loss table without an early proof, gradients, stations, replanning
-SCENARIOS = ("ftorek-300s", "kharkiv-like-40kmh", "liashenko-ii", "metro-10-stations", "tram-950m-stop")
+# one of each kind: all strategies, loss table without an early proof, gradients, replanning, and at night stations
+SCENARIOS = (
+    "ftorek-300s",
+    "kharkiv-like-40kmh",
+    "liashenko-ii",
+    "tram-950m-stop",
+    pytest.param("metro-10-stations", marks=pytest.mark.nightly),
+)
 
 
 @pytest.fixture(scope="module", params=SCENARIOS)

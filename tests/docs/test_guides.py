@@ -5,8 +5,10 @@ Each guide is carried out on a copy of the sources. Nothing is compiled there: t
 
 import json
 import os
+import re
 import shutil
 import subprocess
+import tomllib
 from functools import partial
 from pathlib import Path
 from typing import Any, get_args
@@ -31,13 +33,17 @@ SHORT = {
 
 
 def carried_out(guide: str, root: Path) -> Path:
-    """Copy the sources to a folder, and change them by a guide: its new file, and its changes of others."""
+    """Copy the sources to a folder, and change them by a guide: its new files, and its changes of others."""
     for name in ("core", "dashboard", "assets", ".github"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "package" / "__init__.py", root)
+    shutil.copy(ROOT / "pyproject.toml", root)
     text = text_of(f"howto/{guide}")
-    (added,), changes = blocks(text, "python"), "".join(blocks(text, "diff"))
-    (root / added.splitlines()[0].removeprefix("# ")).write_text(added, encoding="utf-8")
+    for added in blocks(text, "python"):
+        path = root / added.splitlines()[0].removeprefix("# ")
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(added, encoding="utf-8")
+    changes = "".join(blocks(text, "diff"))
     for change in changes.split("--- ")[1:]:
         name, hunks = change.split("\n", 1)
         text = (root / name).read_text(encoding="utf-8")
@@ -62,6 +68,12 @@ def with_the_strategy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = carried_out("add_strategy", tmp_path_factory.mktemp("with-strategy") / "railjoule").parent
     (folder / "short.toml").write_text(tomli_w.dumps(change_document(PLAIN, SHORT)), encoding="utf-8")
     return folder
+
+
+@pytest.fixture(scope="module")
+def with_the_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the sources with the page of its guide."""
+    return carried_out("add_page", tmp_path_factory.mktemp("with-page") / "railjoule").parent
 
 
 def run_in(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -242,3 +254,54 @@ def test_the_drive_that_is_added_gives_its_derivatives() -> None:
             after, before = (power(1e4 + sign * df, 10.0 + sign * dv)[index] for sign in (1, -1))
             assert exact == pytest.approx((after - before) / (2 * (df + dv)), rel=1e-6)
         assert p_vv == 0
+
+
+COARSE_EDITS = {**SHORT, "solver.tolerance": 0.02}
+OPEN_THE_PAGE = """
+import json, sys
+from railjoule.core import load_scenario, solve
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.page_host import PageHost
+from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.workbench import Workbench
+edits = json.loads(sys.argv[1])
+short = {key: value for key, value in edits.items() if key != "line.sections"}
+desk = Workbench()
+page = desk.pages["Load"]
+PageWorks(desk.pages["Load"])
+view = PageHost(desk.pages["Load"], Browser(started=True, charts_in_sight=["load_energy"]), Palette(dark=False))
+desk.scenario.choose("tram-950m")
+desk.scenario.edit({"line": {"sections": edits["line.sections"]}, **short})
+page.count = 2
+desk.page = "Load"
+scenario = desk.scenario.scenario()
+loads = [solve(scenario.replace({"vehicle.load_factor": load}), "optimal").energy_kwh for load in (0.0, 1.0)]
+drawn = page.host.plots["load_energy"].sources["optimum"].data
+seen = [list(map(float, drawn["x"])), list(map(float, drawn["y"])), page.host.figures.object, view.message.visible]
+desk.scenario.edit({"timetable.travel_time_s": 20.0})
+print(json.dumps([loads, *seen, desk.models["load"].keep(), str(page.failure), view.message.visible]))
+"""
+
+
+def test_the_added_page_computes_draws_keeps_and_refuses(with_the_page: Path) -> None:
+    found = json.loads(answer(with_the_page, "-c", OPEN_THE_PAGE, json.dumps(COARSE_EDITS)))
+    energies, x, y, number, is_failed, kept, failure, is_failed_then = found
+    assert energies[1] > energies[0] > 0
+    assert x == [0.0, 100.0]
+    assert y == pytest.approx(energies)
+    assert f"{energies[1]:.3f}" in number
+    assert "data-term='load-factor'" in number
+    assert kept == {"count": 2}
+    assert not is_failed
+    assert is_failed_then
+    assert "shortest" in failure
+
+
+def test_the_added_page_is_listed_and_packed(with_the_page: Path) -> None:
+    listed = "import json; from railjoule.dashboard.page_list import PAGES; print(json.dumps(list(PAGES)))"
+    names = json.loads(answer(with_the_page, "-c", listed))
+    table = (with_the_page / "railjoule/assets/docs/howto/dashboard.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| (Papers|Load|Help) \|", table, re.MULTILINE) == names[-3:] == ["Papers", "Load", "Help"]
+    packed = tomllib.loads((with_the_page / "railjoule/pyproject.toml").read_text(encoding="utf-8"))
+    assert "railjoule.dashboard.pages.load" in packed["tool"]["setuptools"]["packages"]

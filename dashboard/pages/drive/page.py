@@ -87,7 +87,7 @@ MARGIN_PX, NARROW_MARGIN_PX, LEAST_WIDTH_PX = 400, 40, 300
 # the second column of LAYOUT_CSS, 330 px, and the gap of 20 px before it
 RAIL_PX = 350
 NO_CURRENT = "The current needs the voltage of the line: set it under Edit scenario, Vehicle."
-COMPUTING = "Computing simpler advice ..."
+COMPUTING = "Computing simple advice ..."
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) 330px; padding: 0 20px 12px 14px; column-gap: 20px; }
 @media (max-width: 1599px) { :host { grid-template-columns: minmax(0, 1fr); } }
@@ -145,7 +145,7 @@ class Drive(Page):
     proving_further = param.Boolean(default=False, doc="Whether the second stage is.")
     prove_further = param.Event(doc="The user starts the second stage.")
     actual = result(ActualRun, "The last good actual run.")
-    simple = result(Answer, "Simpler advice.")
+    simple = result(Answer, "Simple advice.")
     moved = result(Answer, "The run with a moved instruction.")
     baseline = result(Runs, "The run that a saving is against, where it is not drawn.")
     first_proof = result(Proven, "The last step of the first stage.")
@@ -384,7 +384,7 @@ class Drive(Page):
         if found is None or self.desk.runs is None or not same_plan(found.request, self.desk.runs.scenario):
             return run, COMPUTING, None
         if found.found is None:
-            return run, f"Simpler advice {found.refusal}", None
+            return run, f"Simple advice {found.refusal}", None
         simple, sentence = choose_simple(found.found)
         if simple is None:
             return run, sentence, None
@@ -428,10 +428,10 @@ class Drive(Page):
             host.draw([SANKEY], run, width_px - (RAIL_PX if window_px >= WIDE_PX else 0))
 
     def _variant(self, advised: Trajectory, simple: Any) -> tuple[str, Trajectory] | None:
-        """Return the run to draw beside the chosen one: with a moved instruction, or of simpler advice."""
+        """Return the run to draw beside the chosen one: with a moved instruction, or of simple advice."""
         if self.moved is not None and self.moved.found is not None and self.moved.request.run is self._movable:
             return "moved", self.moved.found
-        return None if simple is None else ("simpler advice", advised)
+        return None if simple is None else ("simple advice", advised)
 
     @shows("desk.runs", "desk.chosen", "desk.over_time", "desk.day.on", "actual", "simple", "advice", "player.wanted")
     def _show_player(self) -> None:
@@ -503,7 +503,7 @@ class Drive(Page):
             self.host.figures.object = texts.actual_figures(actual, runs, self.desk.run or run)
             self.causes.object = texts.causes_block(actual)
         advised, sentence, simple = self._advised(run)
-        note = parts.markup("{}{}", sentence, info("Simpler advice")) if sentence else ""
+        note = parts.markup("{}{}", sentence, info("Simple advice")) if sentence else ""
         self.advice_pane.object = parts.advice(advised, stale=sentence == COMPUTING, note=note)
         pinned = simple is not None and self.desk.pin_of(simple.run) is not None
         self.pin.param.update(

@@ -80,9 +80,9 @@ def figures(measured: Measured) -> Markup:
 
 def _saved(run: MeasuredRun, saving: Saving | None, refusal: str) -> Markup:
     if saving is None:
-        return parts.figure("Could save", words.UNKNOWN, "", refusal or "being computed", "main")
+        return parts.figure("Potential saving", words.UNKNOWN, "", refusal or "being computed", "main")
     if saving.doubt:
-        return parts.figure("Could save", words.UNKNOWN, "", saving.doubt, "main")
+        return parts.figure("Potential saving", words.UNKNOWN, "", saving.doubt, "main")
     modelled, optimum = run.modelled.energy_kwh, saving.optimum
     amount = comparisons.above(optimum.energy_kwh, modelled)
     low, high = (comparisons.above(modelled - end, modelled) for end in saving.interval_kwh)
@@ -94,7 +94,7 @@ def _saved(run: MeasuredRun, saving: Saving | None, refusal: str) -> Markup:
     less = f"{words.energy(saving.possible_kwh)} kWh less in {words.time(run.recording.duration_s)} s"
     detail = joined([interval, *proof, less], Markup("<br>"))
     whole = "Of the modelled energy: the same model tells both, so that most of its error cancels"
-    return parts.figure("Could save", amount.size, amount.unit, detail, "main", whole=whole)
+    return parts.figure("Potential saving", amount.size, amount.unit, detail, "main", whole=whole)
 
 
 def _energies(run: MeasuredRun, saving: Saving | None) -> list[Markup]:

@@ -19,8 +19,9 @@ from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Class
 from railjoule.dashboard.pages.learn.compute import compute_lessons
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
-from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, WORDS, begin_all, judge
+from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, begin_all, judge
 from railjoule.dashboard.pages.learn.verdict import Verdict
+from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import TypedNumber
@@ -137,12 +138,12 @@ class Learn(Page):
                 desk.pin_lesson(run, text, best_run(), Recipe(PRESET, None, dict(LESSON_CHANGES), "optimal"))
             else:
                 # as a file: an edit of the time would be rounded to what its slider shows
-                title = WORDS[field]["title"].partition(". ")[2].partition(":")[0]
+                title = PLAYED_TEXTS[field]["title"].partition(". ")[2].partition(":")[0]
                 desk.scenario.open(format_scenario(PLAYED[field].opened(text)), title)
         except RailjouleError as error:
             self.failure = error
             return
-        desk.page = WORDS[field]["page"]
+        desk.page = PLAYED_TEXTS[field]["page"]
 
     # ---- the class
 
@@ -209,20 +210,20 @@ class Learn(Page):
         self._watch_class()
         subtitle = "three to play, five to guess: then move a slider, the figures follow"
         self.host.heading.object = parts.heading(self.page, "Eight lessons", subtitle, "")
-        return parts.stack(self.classroom.view, *self.played.values(), *(lesson.view for lesson in self.guessed))
+        return parts.stack(self.classroom.view, *(lesson.view for lesson in (*self.played.values(), *self.guessed)))
 
     @shows("begun", "failure")
     def _show_failure(self) -> None:
         failure = self.failure or (self.begun and self.begun["refused"])
         self.host.tell(failure, LAST_POSITION if self.failure else "")
-        for lesson in self.played.values():
-            lesson.refusals += self.failure is not None
+        for lesson in self.played.values() if self.failure else ():
+            lesson.refuse()
 
     @shows("begun", "lesson")
     def _show_begun(self) -> None:
         for field, lesson in self.played.items():
             if self.begun is not None and field in self.begun and not lesson.given:
-                lesson.given = self.begun[field]
+                lesson.begin(self.begun[field])
         linked = next((field for field, text in self.linked.items() if text), "")
         self.played["driven"].lead = self.lesson or linked
 

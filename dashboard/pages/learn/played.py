@@ -14,13 +14,12 @@ from railjoule.dashboard.look.theme import played_css
 from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.learn import by_hand, drawing, slack
 from railjoule.dashboard.pages.learn.by_hand import TRIES
-from railjoule.dashboard.pages.learn.lessons import TEXTS
+from railjoule.dashboard.pages.learn.shared import ShareOut
 from railjoule.dashboard.pages.learn.verdict import Verdict
-from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS, best_try, details, outcome
 
 PLAYED: Mapping[str, Any] = {"driven": by_hand, "drawn": drawing, "shared": slack}
 """The modules that begin and judge, by the field of the page that holds the last play; the slowest is last."""
-WORDS = TEXTS["played"]
 Begun = dict[str, Any]
 
 
@@ -60,22 +59,35 @@ class Played(Form):
     lead = param.String(default="", doc="The lesson that a link leads to.")
 
     def __init__(self, field: str, hear: Callable[[str, str, str], None]) -> None:
-        given = WORDS[field]
+        texts = PLAYED_TEXTS[field]
         super().__init__(
             lambda message: hear(field, str(message.get("what", "")), str(message.get("text", ""))),
-            title=given["title"],
-            text=given["text"].replace("{target}", clock(drawing.TARGET_S)),
+            title=texts["title"],
+            text=texts["text"].replace("{target}", clock(drawing.TARGET_S)),
             css_classes=[f"rj-lesson-{field}"],
             stylesheets=[played_css()],
         )
+
+    @property
+    def view(self) -> "Played":
+        """What stands on the page."""
+        return self
+
+    def begin(self, given: Begun) -> None:
+        """Begin with what the module of the lesson returns."""
+        self.given = given
+
+    def refuse(self) -> None:
+        """Let one go on after something that could not be judged."""
+        self.refusals += 1
 
     def show(self, verdict: Verdict, tries: Sequence[Verdict]) -> None:
         """Show a verdict, beside the tries so far where they are counted."""
         best = best_try(tries)
         self.verdict = {
             **verdict.curves,
-            "head": str(verdict_head(verdict, tries)),
-            "details": str(verdict_details(verdict, tries)),
+            "head": str(outcome(verdict) + buttons(verdict, tries)),
+            "details": str(details(verdict, tries)),
             "tried": len(tries),
             "note": f"best of your tries {words.energy(best.kwh)}" if best else "",
             # the same may be judged twice, and only a difference is sent to the browser
@@ -89,93 +101,21 @@ class DriveIt(Played):
     _esm = module("drive_it")
 
 
-class ShareOut(Played):
-    """The lesson on the running-time supplement."""
-
-    _esm = module("share_out")
-
-
 class DrawSpeed(Played):
     """The lesson that is drawn."""
 
     _esm = module("draw_speed")
 
 
-COMPONENTS: Mapping[str, type[Played]] = {"driven": DriveIt, "shared": ShareOut, "drawn": DrawSpeed}
+COMPONENTS: Mapping[str, type[Played] | type[ShareOut]] = {"driven": DriveIt, "shared": ShareOut, "drawn": DrawSpeed}
 
 
-def best_try(tries: Sequence[Verdict]) -> Verdict | None:
-    """Return the try of least energy among those on time."""
-    return min((one for one in tries if one.counts), key=lambda one: one.kwh, default=None)
-
-
-# ---- the verdict in words
-
-
-def verdict_head(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
-    """Return the result in one line, its proof, and the buttons that lead on."""
-    given, digits = WORDS[verdict.field], 3 if verdict.field == "shared" else 2
-    outcome = given["outcome" if verdict.counts else "late"].format(
-        kwh=words.number(verdict.kwh, digits),
-        bound=words.number(verdict.bound_kwh, digits),
-        late=words.time(verdict.late_s),
-        allowed=clock(verdict.allowed_s),
-    )
-    more = f" \u00b7 {words.number(verdict.kwh - verdict.bound_kwh, digits)} kWh more than needed ("
-    above = f"{more}{words.share_difference(verdict.share)} %)." if verdict.counts else ""
-    colours = " Blue is the best run, the thinner line is yours." if "best_ms" in verdict.curves else ""
-    return markup(
-        "<h2 class=outcome tabindex=-1>{}</h2><p>{}{}{}</p><div class=row>{}</div>",
-        outcome,
-        parts.PROVEN if verdict.proven else "not proven",
-        above,
-        colours,
-        joined(
-            markup("<button type=button data-what={}{}>{}</button>", what, kind, label)
-            for what, label, kind in _buttons(verdict, tries)
-        ),
-    )
-
-
-def _buttons(verdict: Verdict, tries: Sequence[Verdict]) -> list[tuple[str, str, Markup]]:
+def buttons(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
+    """Return the buttons that lead on from a verdict."""
     plain, left = Markup(""), TRIES - len(tries)
-    open_it = ("open", WORDS[verdict.field]["open"], Markup(" class=main"))
-    if verdict.field == "driven":
-        again = f"Drive again ({left} left)" if left else "Begin again with three tries"
-        return [("again", again, plain), ("watch", "Watch your run", plain), open_it]
-    others = {"uneven": "Next: a line with legs alike", "even": "Back to the line with uneven legs"}
-    other = [("other", others[verdict.text.partition(":")[0]], plain)] if verdict.field == "shared" else []
-    return [("change", "Change it", plain), *other, open_it]
-
-
-def verdict_details(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
-    """Return the tries, sentences on the play, and a table of the extra energy."""
-    columns = []
-    if verdict.field == "driven":
-        best = best_try(tries)
-        rows = (
-            markup(
-                "<tr{}><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
-                Markup(" class=best") if one is best else "",
-                number,
-                words.number(one.kwh, 2),
-                # the bound holds only for runs on time
-                words.share_difference(one.share) if one.counts else words.UNKNOWN,
-                _arrival(one),
-            )
-            for number, one in enumerate(tries, 1)
-        )
-        head = "<tr><th>Try</th><th>kWh</th><th>above the bound, %</th><th>arrived</th></tr>"
-        columns.append(markup("<h3>Your tries</h3><table>{}{}</table>", Markup(head), joined(rows)))
-    if verdict.sentences:
-        items = joined(markup("<li>{}</li>", sentence) for sentence in verdict.sentences)
-        columns.append(markup("<h3>{}</h3><ul>{}</ul>", "What makes the difference", items))
-    if verdict.rows:
-        lost = (markup("<tr><td>{}</td><td>{}</td></tr>", word, words.signed(kwh, 2)) for word, kwh in verdict.rows)
-        columns.append(markup("<h3>{}</h3><table>{}</table>", WORDS[verdict.field]["extra"], joined(lost)))
-    return markup("<div class=results>{}</div>", joined(markup("<div>{}</div>", one) for one in columns))
-
-
-def _arrival(verdict: Verdict) -> Markup:
-    words_of = f"{words.time(abs(verdict.late_s))} s {'early' if verdict.counts else 'late'}"
-    return markup("<span{}>{}</span>", "" if verdict.counts else Markup(" class=late"), words_of)
+    again = f"Drive again ({left} left)" if left else "Begin again with three tries"
+    driven = [("again", again, plain), ("watch", "Watch your run", plain)]
+    made = driven if verdict.field == "driven" else [("change", "Change it", plain)]
+    made.append(("open", PLAYED_TEXTS[verdict.field]["open"], Markup(" class=main")))
+    pieces = (markup("<button type=button data-what={}{}>{}</button>", what, kind, label) for what, label, kind in made)
+    return markup("<div class=row>{}</div>", joined(pieces))

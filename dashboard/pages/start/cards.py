@@ -35,7 +35,7 @@ MORE = (
 )
 BUTTONS = Markup(
     '<div class="asks"><button type="button" class="text-button" data-ask="file">Open file</button>'
-    '<button type="button" class="text-button" data-open="Import">Import line or train</button></div>'
+    '<button type="button" class="text-button" data-open="Files">Import line or train</button></div>'
 )
 
 

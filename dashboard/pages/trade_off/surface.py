@@ -12,9 +12,9 @@ from railjoule.dashboard.charts.surface import (
     NARROW_DISTANCE,
     NARROW_PX,
     TALLEST,
+    Scene,
     round_step,
     scene_layout,
-    surface_pane,
 )
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -34,28 +34,28 @@ class SurfacePane(Chart):
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("surface", "ENOC: energy, kWh, as a surface (drag to turn)", height)
         self.palette = palette
-        self.pane: pn.pane.Plotly | None = None
+        self.scene: Scene | None = None
 
     def build(self) -> None:
         """Make the pane."""
-        self.pane = surface_pane(self.height, self.caption)
+        self.scene = Scene(self.height, self.caption)
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
         title = parts.markup('<div style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
-        self.content = parts.stack(pn.pane.HTML(str(title), margin=0, css_classes=["rj-caption"]), self.pane)
-        self.figure = self.pane
+        self.content = parts.stack(pn.pane.HTML(str(title), margin=0, css_classes=["rj-caption"]), self.scene)
+        self.figure = self.scene
 
     def draw(self, trade_off: TradeOff, now: EnocPoint | None) -> None:
         """Draw the surface, its valley, the present run and the printed ones."""
         enoc_map = trade_off.enoc_map
-        if self.pane is None or enoc_map is None:
+        if self.scene is None or enoc_map is None:
             return
         printed = trade_off.printed_points(everywhere=True)
         present = [(now.travel_time_s, now.acceleration_time_s, now.energy_kwh)] if now is not None else []
         bottom = float(np.nanmin(enoc_map.energy_kwh))
         top = min(float(np.nanmax(enoc_map.energy_kwh)), TALLEST * bottom)
-        self.pane.object = {
-            "data": [
+        self.scene.draw(
+            [
                 self._surface(enoc_map, bottom, top),
                 self._valley(enoc_map, bottom, top),
                 # above the cut it would float in the air
@@ -64,10 +64,8 @@ class SurfacePane(Chart):
                 ),
                 self._printed(enoc_map, printed, bottom, top),
             ],
-            "layout": scene_layout(
-                self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top, self.camera_distance
-            ),
-        }
+            scene_layout(self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top, self.camera_distance),
+        )
 
     @property
     def camera_distance(self) -> float:
@@ -90,7 +88,7 @@ class SurfacePane(Chart):
             "contours": {
                 "z": {
                     "show": True,
-                    "start": step * np.ceil(bottom / step),
+                    "start": float(step * np.ceil(bottom / step)),
                     "end": top,
                     "size": step,
                     "color": "rgba(255,255,255,0.45)",

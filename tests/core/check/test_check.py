@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import fields, replace
+from functools import cache
 from types import SimpleNamespace
 from typing import Any
 
@@ -55,6 +56,11 @@ def run() -> Trajectory:
     return solve(scenario_of("copper_loss"))
 
 
+@cache
+def solve_drive(drive: str, strategy: str) -> Trajectory:
+    return solve(scenario_of(drive), strategy)
+
+
 def broken(scenario: Scenario, run: Any) -> dict[str, Any]:
     return {check.name: check for check in check_run(scenario, run).broken}
 
@@ -62,8 +68,8 @@ def broken(scenario: Scenario, run: Any) -> dict[str, Any]:
 @pytest.mark.parametrize("strategy", ["optimal", "fastest"])
 @pytest.mark.parametrize("drive", DRIVES)
 def test_good_runs_keep_every_rule(drive, strategy):
-    scenario = scenario_of(drive)
-    result = check_run(scenario, solve(scenario, strategy))
+    run = solve_drive(drive, strategy)
+    result = check_run(run.scenario, run)
     assert not result.broken
     assert result.ok
     assert len(result.checks) > 30
@@ -348,7 +354,7 @@ def test_a_tunnel_that_the_run_does_not_know_breaks_the_balance_of_forces(run):
     ],
 )
 def test_other_induction_machines_break_the_rule(rule, changes):
-    run = solve(scenario_of("induction"), "fastest")
+    run = solve_drive("induction", "fastest")
     assert rule in broken(run.scenario.replace(**changes), run)
 
 
@@ -369,12 +375,12 @@ def test_other_induction_machines_break_the_rule(rule, changes):
     ],
 )
 def test_another_drive_breaks_the_line_power(drive, changes):
-    run = solve(scenario_of(drive), "fastest")
+    run = solve_drive(drive, "fastest")
     assert "line power" in broken(run.scenario.replace(**changes), run)
 
 
 def test_a_weaker_synchronous_motor_breaks_its_limit():
-    run = solve(scenario_of("synchronous"), "fastest")
+    run = solve_drive("synchronous", "fastest")
     assert "motors while driving" in broken(run.scenario.replace(**{"drive.max_current_a": 60.0}), run)
 
 

@@ -14,8 +14,8 @@ from tests.any_scenarios import MODELS
 from tests.core.check.any_runs import SEEDS, any_runs, clear_faults
 
 BATCH = 15
-GATE_SEEDS = 60
-"""The gate looks at the first ones: ten scenarios of every drive, and the night at all."""
+GATE_SEEDS = 30
+"""The gate looks at the first ones: five scenarios of every drive, and the night at all."""
 REFERENCE = Path(__file__).parents[4] / "shared" / "check" / "check.py"
 REFERENCE_SEEDS = range(1, SEEDS, 7)
 """About 25 of them, over all drives."""

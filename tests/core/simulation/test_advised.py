@@ -17,7 +17,9 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.simulation.advised import drive_advice
 from railjoule.core.strategies import compare, run_strategy
 
-SCENARIOS = preset_names("scenarios")
+LONG = "metro-10-stations"
+"""Its runs by all strategies take as long as those of the others together."""
+SCENARIOS = [pytest.param(name, marks=[pytest.mark.nightly][: name == LONG]) for name in preset_names("scenarios")]
 
 LATE_S, MORE_ENERGY, SPEED_ROUNDING_KMH = 3.0, 0.01, 0.05
 """The advice arrives within 3 s, takes the run's energy but for 1 %, and breaks no limit but by its own rounding."""

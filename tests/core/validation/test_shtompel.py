@@ -136,6 +136,7 @@ def test_full_power_decides_little_at_20_kmh(rows):
     assert 0 < rows[case, "more energy with half the power"] < 0.2
 
 
+@pytest.mark.nightly
 def test_a_heavier_train_moves_runs_and_no_map(rows, monkeypatch, forget_runs):
     """A tare that is 1 % larger moves what is recuperated; the map of the motor stays."""
     load = shtompel.load_scenario

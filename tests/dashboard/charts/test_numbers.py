@@ -1,13 +1,13 @@
 """The numbers of charts as tables."""
 
 import numpy as np
-import panel as pn
 from bokeh.plotting import figure
 
 from railjoule.core.csv_text import csv_of_table
 from railjoule.dashboard.charts.chart import Axis, DistanceChart
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.numbers import series, table
+from railjoule.dashboard.charts.surface import Scene
 from railjoule.dashboard.look.paint import Palette
 
 
@@ -61,7 +61,9 @@ def test_a_surface_has_its_nodes() -> None:
     chart = LoneChart("surface", "Energy, kWh", 200, Palette(dark=False))
     axes = {f"{axis}axis": {"title": {"text": words}} for axis, words in (("x", "Load, %"), ("y", "Time, s"))}
     trace = {"type": "surface", "x": [0, 1], "y": [5], "z": [[2, np.nan]]}
-    chart.figure = pn.pane.Plotly({"data": [trace], "layout": {"scene": axes}})
+    scene = Scene(200, "Energy, kWh")
+    scene.draw([trace], {"scene": axes})
+    chart.figure = scene
     header, *rows = text(chart).splitlines()
     assert header == 'series,"Load, %","Time, s","Energy, kWh"'
     assert rows == ["surface,0.0,5.0,2.0", "surface,1.0,5.0,"]

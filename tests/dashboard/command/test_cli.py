@@ -12,7 +12,7 @@ from railjoule.dashboard.command import commands, values
 from railjoule.dashboard.command.cli import BAD_INPUT, BROKEN_PIPE, INTERRUPTED, OK, main
 
 COMMAND = [sys.executable, "-m", "railjoule.dashboard"]
-ON_SCREEN = ("panel", "panel_material_ui", "param", "bokeh", "holoviews", "plotly", "pandas", "casadi", "pyarrow")
+ON_SCREEN = ("panel", "panel_material_ui", "param", "bokeh", "holoviews", "pandas", "casadi", "pyarrow")
 CHANGES = ["vehicle.load_factor=0.3", "line.reverse=true", "title=night"]
 
 

@@ -7,6 +7,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from documents import blocks, text_of
 
 import railjoule.dashboard
 from railjoule.dashboard.look import words
@@ -47,9 +48,8 @@ def head_numbers(modules: Iterable[ast.Module]) -> Iterator[tuple[str, list[str]
 
 
 def the_added_page() -> Iterator[ast.Module]:
-    """Yield the modules of the page that CONTRIBUTING.md adds."""
-    guide = (Path(__file__).parents[3] / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    for block in re.findall(r"^```python\n(.*?)^```$", guide, re.MULTILINE | re.DOTALL):
+    """Yield the modules of the page that a guide adds."""
+    for block in blocks(text_of("howto/add_page"), "python"):
         yield ast.parse(block)
 
 

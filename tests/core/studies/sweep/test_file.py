@@ -15,7 +15,8 @@ OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (50.0, 200
 
 
 def study(**changes):
-    return make_study(changes.pop("scenario", plain_scenario()), **{"over": OVER, "sample": 300, **changes})
+    scenario = changes.pop("scenario", plain_scenario({"solver.mesh_m": 50.0}))
+    return make_study(scenario, **{"over": OVER, "sample": 300, **changes})
 
 
 def same(one, other):
@@ -128,14 +129,14 @@ def test_two_processes_do_not_go_on_with_one_study(tmp_path):
 
 
 def test_a_full_disk_is_told_and_costs_nothing_that_is_kept(tmp_path):
-    kept = SweepFile.create(tmp_path / "a.runs", study(sample=400))
+    kept = SweepFile.create(tmp_path / "a.runs", study(sample=200))
     [(pages,)] = kept._connection.execute("PRAGMA page_count").fetchall()
     # SQLite's own bound stands for that of a disk: it answers in the same words
     kept._connection.execute(f"PRAGMA max_page_count = {pages + 4}")
     with pytest.raises(StudyFileError, match="cannot be written: the disk is full"):
         run_study(kept)
     done = kept.done
-    assert 0 < done < 400
+    assert 0 < done < 200
     kept._connection.execute("PRAGMA max_page_count = 100000")
     run_study(kept)
-    same(kept.to_table(), made(tmp_path / "b.runs", study(sample=400)).to_table())
+    same(kept.to_table(), made(tmp_path / "b.runs", study(sample=200)).to_table())

@@ -27,7 +27,7 @@ def samples_of(table):
 
 
 def hills():
-    return plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0})
+    return plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0, "solver.mesh_m": 25.0})
 
 
 def test_neither_order_nor_number_of_workers_changes_a_table():
@@ -107,13 +107,13 @@ class TwoChunks(threading.Event):
 
 def test_a_stopped_study_goes_on_to_the_same_table():
     over = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (120.0, 200.0)}
-    study, stop = make_study(hills(), over, 700, "halton", seed=3), TwoChunks()
+    study, stop = make_study(hills(), over, 300, "halton", seed=3), TwoChunks()
     results = MemoryResults(study)
     run_study(results, progress=stop.told.append, stop=stop)
     assert 0 < results.done < study.sample
     part = results.to_table()
     run_study(results)
-    whole, other = results.to_table(), sweep(hills(), over, 700, "halton", seed=3)
+    whole, other = results.to_table(), sweep(hills(), over, 300, "halton", seed=3)
     for name, values in whole.columns.items():
         assert np.array_equal(values, other.columns[name], equal_nan=True)
         assert np.array_equal(part.columns[name], values[part.index], equal_nan=True)

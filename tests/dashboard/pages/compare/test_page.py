@@ -11,6 +11,7 @@ from bokeh.document import Document
 from lines import sent
 from panel.io.state import set_curdoc
 
+from railjoule.core.bounds import ProofStep
 from railjoule.core.trajectory import Bound
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.app import Session
@@ -18,6 +19,7 @@ from railjoule.dashboard.keep.link import read_link
 from railjoule.dashboard.keep.snapshot import lay
 from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.compare.page import REST_MS, Compare
+from railjoule.dashboard.pages.drive.compute import Proven
 from railjoule.dashboard.shell.strategies import strategy_numbers
 from railjoule.dashboard.workbench import Workbench
 
@@ -159,8 +161,8 @@ def test_a_greater_bound_reaches_the_runs_of_all_strategies(session: Session, pa
     bound = state.runs.best.bound
     assert isinstance(bound, Bound)
     greater = replace(bound, energy_j=bound.energy_j * (1 + 1e-9))
-    step = type("Step", (), {"bound": greater, "budget": 1})()
-    state.proof.remember(state.runs.scenario, step, done=False)
+    step = ProofStep(greater, 1, 1, reached=False, exhausted=False)
+    state.proof.remember(Proven(state.runs.scenario, greater, step))
     state.take_bound(state.runs.scenario, greater)
     assert page.compared is before
     bellman = next(one.run for one in page.among if one.key == "bellman")

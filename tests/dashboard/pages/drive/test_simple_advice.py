@@ -1,4 +1,4 @@
-"""Simpler advice on Drive: nothing before it is asked for, and never that of another plan."""
+"""Simple advice on Drive: nothing before it is asked for, and never that of another plan."""
 
 import re
 import threading
@@ -107,7 +107,7 @@ def test_another_travel_time_shows_the_optimum_until_its_advice_is_there(desk: D
     desk.page.advice = "simple"
     time_s = desk.state.scenario.travel_time_s + 10
     desk.state.runs = runs_in(time_s)
-    assert "Computing simpler advice" in desk.text
+    assert "Computing simple advice" in desk.text
     assert "stale" in desk.page.advice_pane.object
     desk.state.scenario.travel_time_s = time_s
     assert searcher.asked == [time_s - 10, time_s]
@@ -125,7 +125,7 @@ def test_another_scenario_has_advice_of_its_own(desk: Desk, searcher: Searcher) 
 def test_a_refusal_is_a_sentence(desk: Desk, searcher: Searcher) -> None:
     searcher.refusal = StrategyRefusedError("finds no run with at most 9 changes of regime that is in time.")
     desk.page.advice = "simple"
-    assert "Simpler advice finds no run with at most 9 changes of regime that is in time." in desk.text
+    assert "Simple advice finds no run with at most 9 changes of regime that is in time." in desk.text
     assert not desk.page.pin.visible
     assert desk.page.failure is None
 
@@ -137,7 +137,7 @@ def test_the_chosen_run_is_pinned_and_run_again_from_an_address(desk: Desk) -> N
     desk.page.pin.clicks += 1
     (pin,) = desk.state.pins
     assert pin.trajectory is chosen.run
-    assert pin.name.startswith("Simpler advice, ")
+    assert pin.name.startswith("Simple advice, ")
     assert pin.name.endswith(f", {chosen.changes} changes")
     assert desk.page.pin.disabled
     desk.page.pin.clicks += 1

@@ -14,7 +14,7 @@ LOAD = {"vehicle.load_factor": (0.0, 1.0)}
 
 
 def sweep_of(runs: int = 40) -> MemoryResults:
-    return MemoryResults(make_study(plain_scenario(), LOAD, runs))
+    return MemoryResults(make_study(plain_scenario({"solver.mesh_m": 50.0}), LOAD, runs))
 
 
 def last_step(sweep: MemoryResults) -> Step:
@@ -69,6 +69,7 @@ def test_whatever_fails_is_said_in_a_sentence(monkeypatch: pytest.MonkeyPatch, e
         assert found.message == LOST
 
 
+@pytest.mark.nightly
 def test_a_dead_worker_loses_nothing_that_was_done(monkeypatch: pytest.MonkeyPatch) -> None:
     """Worker processes of the server: one of them is killed in the middle, and others do the rest."""
     monkeypatch.setattr(running, "STEP_S", 0.05)

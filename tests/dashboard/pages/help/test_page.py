@@ -1,5 +1,6 @@
 """The page Help without a browser."""
 
+from html import unescape
 from pathlib import Path
 
 import pytest
@@ -22,7 +23,7 @@ DOCS = Path(__file__).resolve().parents[4] / "assets" / "docs" / "limits.md"
 
 
 def test_the_page_the_terminal_and_the_docs_list_each_limit(capsys):
-    printed, page = answer(capsys, "limits"), help_html()
+    printed, page = answer(capsys, "limits"), unescape(help_html())
     for limit in limits():
         assert f"<td>{limit.of}</td><td>{limit.page}</td><td>{limit.library}</td>" in page
         assert any(line.split("  ")[0] == limit.of and limit.page in line for line in printed.splitlines())

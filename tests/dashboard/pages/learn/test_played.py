@@ -11,7 +11,7 @@ from railjoule.core.simulation.manual import require_drivable
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.pages.learn.by_hand import PRESET, best_run, driven_run, judge
-from railjoule.dashboard.pages.learn.played import best_try, verdict_details, verdict_head
+from railjoule.dashboard.pages.learn.verdict_words import best_try, details, outcome
 from railjoule.dashboard.state.pins import KeptPin
 
 POWER, COMMANDS, LATE = "p0", "p0c300p600", "p0c60"
@@ -53,10 +53,10 @@ def test_a_late_try_is_called_late_and_has_no_share_of_the_bound() -> None:
     early, late = judge(COMMANDS), judge(LATE)
     assert early.counts
     assert not late.counts
-    head, details = verdict_head(late, [early, late]), verdict_details(late, [early, late])
+    head, told = outcome(late), details(late, [early, late])
     assert re.search(r"You are \d+\.\d s late: this try does not count\. On time, nobody can use less than 7\.81", head)
     assert "more than needed" not in head
-    shares = re.findall(r"<tr[^>]*><td>\d</td><td>[\d.]+</td><td>([^<]*)</td>", details)
+    shares = re.findall(r"<tr[^>]*><td>\d</td><td>[\d.]+</td><td>([^<]*)</td>", told)
     assert shares[0].startswith("+")
     assert shares[1] == "\u2013"
     assert best_try([late]) is None
@@ -115,7 +115,7 @@ def test_a_wrong_link_is_refused_and_the_lesson_begins_all_the_same(field: str, 
     right = {"driven": COMMANDS, "shared": "even:19,21,20", "drawn": EVEN}[field]
     learn.hear(field, "done", right)
     assert getattr(learn, field) == right
-    assert learn.played[field].verdict["head"]
+    assert (learn.verdict.field, learn.verdict.text) == (field, right)
 
 
 def test_what_cannot_be_judged_is_refused_and_lets_one_go_on(learn: Any) -> None:

@@ -4,7 +4,9 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.pages.learn.slack import begin, judge, line_tables, opened, read_sharing
+from railjoule.core.units import J_PER_WH
+from railjoule.dashboard.pages.learn.shared import ShareOut, prices_of, total_kwh
+from railjoule.dashboard.pages.learn.slack import begin, driven_line, judge, line_tables, opened, read_sharing
 from railjoule.dashboard.workbench import Workbench
 
 WRONG = ("", "uneven", "uneven:20,20,21", "uneven:0,30,30", "odd:20,20,20", "even:20,20,20,0", "even:-1,31,30")
@@ -44,3 +46,39 @@ def test_a_distribution_opens_as_the_given_timetable() -> None:
     shortest = [leg["shortest_s"] for leg in line_tables("uneven")["legs"]]
     assert first.arrival_s == pytest.approx(shortest[0] + 12)
     assert second.arrival_s == pytest.approx(shortest[0] + 12 + 25 + shortest[1] + 30)
+
+
+@pytest.mark.parametrize("name", ["uneven", "even"])
+def test_tables_have_the_numbers_of_the_library(name: str) -> None:
+    """Total energy and each leg's price, at seconds far from equal ones too."""
+    table = line_tables(name)
+    for seconds in ((12, 28, 20), (12, 38, 10), (12, 1, 47)):
+        line = driven_line(name, seconds)
+        assert total_kwh(table, seconds) == pytest.approx(line.run.energy_kwh, rel=1e-6)
+        wanted = [leg.price_of_time_w / J_PER_WH for leg in line.legs]
+        assert prices_of(table, seconds) == pytest.approx(wanted, rel=1e-5)
+
+
+def test_borders_leave_each_leg_a_second_and_a_verdict_belongs_to_its_distribution() -> None:
+    told: list[tuple[str, str, str]] = []
+    lesson = ShareOut("shared", lambda *message: told.append(message))
+    lesson.begin(begin(""))
+    assert "16.267 kWh" in str(lesson.stage.object)
+    for borders, seconds in (((12, 40), (12, 28, 20)), ((0, 40), (1, 39, 20)), ((60, 60), (58, 1, 1))):
+        lesson.borders.value = borders
+        assert lesson.seconds == seconds
+        first, middle, _ = seconds
+        assert lesson.borders.value == (first, first + middle)
+    lesson.borders.value = (12, 40)
+    lesson.ask.param.trigger("clicks")
+    assert told == [("shared", "done", "uneven:12,28,20")]
+    verdict = judge("uneven:12,28,20")
+    lesson.borders.value = (13, 40)
+    lesson.show(verdict, ())
+    assert "outcome" not in str(lesson.outcome.object)
+    lesson.borders.value = (12, 40)
+    lesson.show(verdict, ())
+    assert "class=outcome" in str(lesson.outcome.object)
+    assert str(lesson.split.object).count("class=best") == 2
+    lesson.other.param.trigger("clicks")
+    assert (lesson.text, lesson.after.visible) == ("even:20,20,20", False)
