@@ -292,10 +292,11 @@ def make_turns(document: Document) -> Callable[[Callable[[], None]], object]:
     it holds, it replaces their list, and a callback that a thread adds then is lost. So the event loop adds it. To
     be called in the loop; without one, the callback is added directly.
     """
+    # a document that is destroyed no longer knows its session
+    context = document.session_context
 
     def ask(turn: Callable[[], None]) -> None:
         # a page may be closed before the loop gets here, and its document then takes no callbacks
-        context = document.session_context
         if context is None or not context.destroyed:
             document.add_next_tick_callback(turn)
 

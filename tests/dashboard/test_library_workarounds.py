@@ -220,10 +220,12 @@ def test_a_message_that_came_while_another_was_written_is_written_too(monkeypatc
 
 
 def test_a_closed_page_takes_no_turn() -> None:
-    document = Document()
+    document, context = Document(), SimpleNamespace(destroyed=False)
+    document._session_context = lambda: context
     turn = make_turns(document)
     turn(lambda: None)
     assert len(document.session_callbacks) == 1
-    document._session_context = lambda: SimpleNamespace(destroyed=True)
+    # as `panel.io.document._destroy_document` does
+    context.destroyed, document._session_context = True, None
     turn(lambda: None)
     assert len(document.session_callbacks) == 1

@@ -10,6 +10,7 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core import Scenario, TimetableError, Trajectory
+from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.plot import AxisPlot, Plot
@@ -537,6 +538,9 @@ class Drive(Page):
             end = texts.EXHAUSTED if known.step.boxes else ""
         elif own and self.failure is not None:
             end = f"The proof has ended: {self.failure}"
+        # the plan of an actual run has a looser bound of its own, where it keeps to a braking curve
+        best = runs.best.bound
+        run = run if actual is None or best is None else with_tighter_bound(run, best)
         self.proof.object = texts.proof_block(run, end, parts.note_paragraphs(run.all_notes))
         self.prove.visible = own and (not complete or busy)
         self.prove.label = "Stop" if self.proving_further else "Prove further"

@@ -124,7 +124,7 @@ class Look:
         By column.
     medians : Medians or None
     ranked : array
-        Places in the table of the runs with the lowest, the median and the highest energy.
+        Places in the table of the runs with the lowest and the highest energy.
     chosen : int
         Number of selected runs.
     listed : array
@@ -175,7 +175,7 @@ def compute_look(table: RunTable, asked: LookRequest) -> Look:
         None if len(rows) <= MAX_POINTS else raster(x, y, colour, held, (ends[asked.x], ends[asked.y]), RASTER_PX),
         {name: histogram(column, held, ends[name]) for name, column in values.items()},
         medians(table, asked.map_x, asked.map_y),
-        by_energy[[0, (len(rows) - 1) // 2, -1]],
+        by_energy[[0, -1]],
         len(chosen),
         chosen[: asked.listed],
         middles,

@@ -54,7 +54,7 @@ OTHERS_CSS = """
   padding: 4px 20px 0 14px; align-items: start; }
 @media (max-width: 899px) { :host { padding: 4px 12px 0; } }
 """
-ENDS_CSS = ":host { display: grid; grid-template-columns: repeat(auto-fit, minmax(180px, 1fr)); gap: 0 12px; }"
+ENDS_CSS = ":host { display: grid; grid-template-columns: repeat(auto-fit, minmax(180px, 260px)); gap: 0 12px; }"
 ROWS_CSS = ":host { padding: 14px 20px 20px; } @media (max-width: 899px) { :host { padding: 12px 14px 20px; } }"
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0), "sizing_mode": "stretch_width", "min_width": 120}
 # the name of a quantity is shown whole
@@ -154,7 +154,7 @@ class Explore(Studies):
             margin=0,
             on_click=lambda _: self.param.update(listed=self.listed + ROWS_AT_ONCE),
         )
-        self.opening = pn.Row(self.chosen_run, self.open_button, margin=(0, 0, 8, 0))
+        self.opening = pn.FlexBox(self.chosen_run, self.open_button, gap="8px", margin=(0, 0, 8, 0))
         return parts.stack(self.opening, self.list, self.more, css=ROWS_CSS)
 
     # ---- what the user asks for

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from railjoule.dashboard.charts.sketches import shapes
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
@@ -65,16 +67,17 @@ def number_figures(look: Look, shares: Shares | None) -> list[Markup]:
     feasible = parts.figure("Feasible", share, "%", f"{count} of {words.number(table.done, 0)}", whole=table.reason)
     if not len(table.rows):
         return [feasible]
-    lowest, median, highest = look.ranked
+    lowest, highest = look.ranked
 
-    def of(place: int, detail: str = "") -> tuple[str, str, str]:
-        number = energy.show(table.values[table.answer][place])
-        return number, energy.unit, detail or inputs_words(table, place, fields)
+    values = table.values[table.answer]
+
+    def of(place: int) -> tuple[str, str, str]:
+        return energy.show(values[place]), energy.unit, inputs_words(table, place, fields)
 
     return [
         *([] if shares is None else [_decides(shares, table.columns)]),
         parts.figure("Lowest", *of(lowest)),
-        parts.figure("Median", *of(median, f"of {count} runs")),
+        parts.figure("Median", energy.show(float(np.median(values))), energy.unit, f"of {count} runs"),
         parts.figure("Highest", *of(highest)),
         feasible,
     ]
@@ -172,7 +175,8 @@ def rows_html(look: Look) -> Markup:
         for name, (held, every) in look.middles.items()
     )
     return markup(
-        '<div class="titled"><h2>{} <span class="muted">{}</span></h2></div>{}{}',
+        '<div class="titled"><h2>{} <span class="muted">{}</span></h2></div>{}'
+        '<div class="wide-table" tabindex="0" role="region" aria-label="Runs">{}</div>',
         title,
         note,
         parts.note_paragraphs([f"Medians of these: {medians}."] if medians else []),

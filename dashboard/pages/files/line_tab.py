@@ -201,7 +201,13 @@ class LineTab(Page):
         if offer.failure:
             return parts.html_pane(markup("<b>{}</b>{}", label, parts.refusal(offer.failure)))
         small: dict[str, Any] = {"size": "small", "margin": (8, 10, 0, 0)}
-        time = pmui.TextInput(label="Travel time, s", value=f"{offer.time_s:g}", max_length=40, width=130, **small)
+        time = pmui.TextInput(
+            label="Travel time, s",
+            value=f"{offer.time_s:g}",
+            max_length=40,
+            width=130,
+            **{**small, "margin": (14, 10, 0, 0)},
+        )
 
         def button(words_of_it: str, variant: str, **more: Any) -> pmui.Button:
             return pmui.Button(
@@ -216,6 +222,7 @@ class LineTab(Page):
         note = f"Shortest possible: {words.time(offer.shortest_s)} s; proposed: {offer.why}. {about}"
         reason = parts.refusal(offer.waiting) if waits else ""
         text = parts.html_pane(markup("{}<p class=note>{}</p>", reason, note))
+        text.stylesheets = [*text.stylesheets, ".message { margin: 8px 0 0; }"]
         return parts.stack(pn.FlexBox(*row, time, align_items="center", margin=0), text)
 
 

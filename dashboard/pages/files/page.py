@@ -204,5 +204,5 @@ class Files(RunsTab):
         self.refused.visible = bool(self.refusal)
         self.refused.object = parts.refusal(self.refusal) if self.refusal else ""
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])
-        text = markup("<p class=note role=status>{}</p>", texts.INVITATION[self.tab]) if is_empty else Markup("")
+        text = markup("<p class=note>{}</p>", texts.INVITATION[self.tab]) if is_empty else Markup("")
         self.invitation.object = text

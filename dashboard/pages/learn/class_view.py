@@ -42,7 +42,7 @@ CLASS_RUNS = Plot(
 )
 CLASS_GUESSES = Plot(
     "class_guesses",
-    "Guesses of the class, \u2013; blue: the answer",
+    "Guesses of the class; blue: the answer",
     {"guesses": Stroke("driven", {"line_width": 1.8})},
     (200, 240, 190),
     x_title="Guess, %",

@@ -134,8 +134,8 @@ OF_RUN = (
 OF_TRACKING = (
     RunPlot(
         "tracking",
-        Quantity("tracking", "Tracking error, m", "m", 3, read("tracking_error_m")),
-        {"without pre-compensator": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
+        Quantity("tracking", "Tracking error with and without pre-compensator, m", "m", 3, read("tracking_error_m")),
+        {"without": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
         (120, 140, 120),
     ),
     # beside the error without a pre-compensator, that with one is a line at zero

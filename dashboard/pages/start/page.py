@@ -39,9 +39,9 @@ h2.begin span { margin-left: 8px; font-size: 13px; font-weight: 400; }
 }
 .cards { display: grid; grid-template-columns: repeat(auto-fill, minmax(236px, 1fr)); gap: 0 24px;
   padding: 4px 20px 24px; align-items: stretch; }
-summary h2.begin { display: inline-block; }
-summary { padding-left: 20px; cursor: pointer; }
-summary h2.begin { padding-left: 4px; }
+/* in line, for the mark of the summary is before its first line */
+summary h2.begin { display: inline; padding: 0 0 0 4px; }
+summary { padding: 16px 20px 4px; cursor: pointer; }
 .hero .asks { padding: 6px 0 0; margin-left: -8px; }
 .card { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }
 .card button { display: block; min-height: 24px; padding: 0; border: 0; background: none; text-align: left;
@@ -52,7 +52,7 @@ summary h2.begin { padding-left: 4px; }
 .card p { font-size: 12px; color: var(--rj-ink3); }
 .card p.for { color: var(--rj-ink2); min-height: 34px; text-wrap: pretty; }
 .card svg { display: block; width: 100%; height: 54px; margin: 8px 0 2px; }
-@media (max-width: 899px) { .cards { padding: 4px 14px 24px; } summary { padding-left: 14px; } }
+@media (max-width: 899px) { .cards { padding: 4px 14px 24px; } summary { padding-left: 14px; padding-right: 14px; } }
 """
 FOLDED = "From the papers"
 """The group of cards that is folded at first."""

@@ -37,9 +37,11 @@ def test_the_runs_are_listed_by_their_energy(table: SweepTable) -> None:
     energy = table.columns[ENERGY]
     assert (look.table.done, len(look.table.rows), look.chosen) == (200, 200, 200)
     assert energy[look.listed].tolist() == sorted(energy)[:10]
-    lowest, median, highest = look.ranked
+    lowest, highest = look.ranked
     assert (lowest, highest) == (int(np.argmin(energy)), int(np.argmax(energy)))
-    assert energy[median] == sorted(energy)[99]
+    # between the two in the middle, as the figure has it
+    middle = f"{np.median(energy):.3f}"
+    assert f">{middle}<" in number_figures(look, None)[1]
 
 
 def test_a_selection_holds_what_lies_within_all_of_its_bounds(table: SweepTable) -> None:
