@@ -40,7 +40,7 @@ BUTTONS = Markup(
     '<button type="button" class="text-button" data-ask="save_scenario">Save scenario</button></div>'
 )
 SELECT_CSS = """
-select.bk-input { height: 40px; color: var(--rj-ink); background-color: transparent; }
+select.bk-input { height: 40px; color: var(--rj-ink); background: transparent !important; appearance: auto !important; }
 select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
 """
 PLAN = '<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'
