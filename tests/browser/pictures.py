@@ -1,12 +1,16 @@
 """`python -m tests.browser.pictures` makes README's pictures from the running dashboard, in light and dark colours."""
 
+import sys
 from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from tests.browser.chromium import ARGUMENTS, browser_path
-from tests.browser.server import serving
-from tests.browser.user import User
+# as pytest finds them
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from browser.chromium import ARGUMENTS, browser_path
+from browser.server import serving
+from browser.user import User
 
 FOLDER = Path(__file__).parents[2] / "assets" / "pictures"
 PAGES = ("Drive", "Motor")
