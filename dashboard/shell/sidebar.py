@@ -41,8 +41,10 @@ BUTTONS = Markup(
     '<button type="button" class="text-button" data-ask="save_scenario">Save scenario</button></div>'
 )
 SELECT_CSS = """
-select.bk-input { height: 40px; padding-right: 30px; text-overflow: ellipsis; color: var(--rj-ink);
-  background-color: transparent; }
+select:not([multiple]).bk-input { height: 40px; padding-right: 30px; text-overflow: ellipsis; color: var(--rj-ink);
+  /* Bokeh's own mark of a menu is black, in the dark theme too */
+  background: linear-gradient(45deg, transparent 50%, var(--rj-ink) 50%) right 15px center / 5px 5px no-repeat,
+  linear-gradient(-45deg, transparent 50%, var(--rj-ink) 50%) right 10px center / 5px 5px no-repeat; }
 select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
 """
 PLAN = '<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'
