@@ -19,7 +19,7 @@ from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Class
 from railjoule.dashboard.pages.learn.compute import compute_lessons
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
-from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, begin_all, judge
+from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, Played, begin_all, judge
 from railjoule.dashboard.pages.learn.verdict import Verdict
 from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS
 from railjoule.dashboard.parts import html as parts
@@ -225,7 +225,9 @@ class Learn(Page):
             if self.begun is not None and field in self.begun and not lesson.given:
                 lesson.begin(self.begun[field])
         linked = next((field for field, text in self.linked.items() if text), "")
-        self.played["driven"].lead = self.lesson or linked
+        driven = self.played["driven"]
+        if isinstance(driven, Played):
+            driven.lead = self.lesson or linked
 
     @shows("verdict")
     def _show_verdict(self) -> None:
