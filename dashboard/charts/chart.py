@@ -8,6 +8,7 @@ import numpy as np
 import panel as pn
 from bokeh.core.properties import value
 from bokeh.core.property.singletons import Undefined
+from bokeh.events import Tap
 from bokeh.layouts import column
 from bokeh.models import (
     BasicTicker,
@@ -146,6 +147,10 @@ class Axis:
         self.range.tags = [self._settled, unit, self._end]
 
 
+Layer = Callable[[Any], Any]
+"""Adds to a chart what it draws: a function of the chart, or `methodcaller` with one of the methods of `Chart`."""
+
+
 # Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines anew, this 0.7 ms
 class Chart:
     """A figure with a caption above it; a grey sketch stands in its place until it is drawn for the first time.
@@ -163,7 +168,7 @@ class Chart:
     kind: SketchKind = "lines"
     """What its sketch looks like."""
     title = ""
-    """What the figure is called where it has no caption."""
+    """What the figure is called where it has no caption, or one that changes."""
     stepped = False
     unit = ""
     digits = 1
@@ -179,7 +184,7 @@ class Chart:
             sizing_mode="stretch_width",
             height=self._tall,
             margin=0,
-            stylesheets=[PLACE_CSS + sketch_css(self.kind, caption, caption or self.title or name)],
+            stylesheets=[PLACE_CSS + sketch_css(self.kind, caption, caption or self.spoken)],
         )
         self.visible = False
         self.width_px = USUAL_WIDTH_PX
@@ -198,6 +203,11 @@ class Chart:
     @property
     def _classes(self) -> list[str]:
         return [name for name in self.host.css_classes if name not in {UNDRAWN, COMPUTED}]
+
+    @property
+    def spoken(self) -> str:
+        """The name of the figure for screen readers: Bokeh 3.9.2 fails in the browser where it changes later."""
+        return self.title or self.caption or self.name
 
     @property
     def is_drawn(self) -> bool:
@@ -238,7 +248,7 @@ class Chart:
         else:
             draw()
         if isinstance(self.figure, figure):
-            name_picture(self.figure, self.scenario_title, self.caption or self.title or self.name)
+            name_picture(self.figure, self.scenario_title, self.caption or self.spoken)
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
             self.host.css_classes = self._classes
@@ -260,11 +270,26 @@ class Chart:
         self.host.css_classes = self._classes
         self.host[:] = [parts.html_pane(not_drawn(self.caption, self.height))]
 
-    def build(self) -> None:
-        """Make `figure` and `content`; subclasses add what they draw."""
+    look: Mapping[str, Any] = {}
+    """What `frame` is given."""
+    layers: tuple[Layer, ...] = ()
+    """What is drawn, from back to front."""
+
+    def frame(self, *args: Any, **look: Any) -> figure:
+        """Return the empty figure, and put it under its caption."""
         raise NotImplementedError
 
+    def build(self) -> None:
+        """Make `figure` and `content`."""
+        self.frame(**self.look)
+        self.add(*self.layers)
+
     # ---- what is drawn in a figure
+
+    def add(self, *layers: Layer) -> None:
+        """Let the figure draw layers, each above those before."""
+        for layer in layers:
+            layer(self)
 
     def source(self, name: str, *columns: str) -> ColumnDataSource:
         """Return a new, empty source with these columns, or with those of a line."""
@@ -409,9 +434,13 @@ class DistanceChart(Chart):
         super().__init__(name, caption, height)
         self.axis, self.palette, self.left = axis, palette, left
         self.y_range = Range1d(0, 1)
+        self.press: Callable[[float], None] = lambda _: None
+        """Called with the place of a press [m]."""
 
-    def frame(self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0) -> figure:
-        """Return the empty figure, and put it under its caption."""
+    def frame(
+        self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0, x_title: str = ""
+    ) -> figure:
+        """Return the empty figure, and put it under its caption; a title makes the x axis visible."""
         f = figure(
             height=self.height,
             sizing_mode="stretch_width",
@@ -425,10 +454,10 @@ class DistanceChart(Chart):
             min_border_top=2,
             min_border_bottom=7,
             # Bokeh itself gives a canvas neither a role nor a name
-            html_attributes={"role": "figure", "aria-label": self.caption or self.name},
+            html_attributes={"role": "figure", "aria-label": self.spoken},
         )
         dress(f, self.palette, ticks, digits)
-        f.xaxis.visible = with_axis
+        f.xaxis.update(visible=with_axis or bool(x_title), axis_label=x_title or None)
         if zoom:
             # only the width: all charts share this axis, and each has a y axis of its own
             box = BoxZoomTool(dimensions="width")
@@ -438,7 +467,7 @@ class DistanceChart(Chart):
             f.toolbar.active_drag = box
             f.toolbar.active_scroll = wheel
         f.add_tools(CrosshairTool(overlay=self.axis.cursor))
-        add_tools(f, self.caption or self.name, self.palette)
+        add_tools(f, self.spoken, self.palette)
         f.js_on_event("mousemove", self.axis.follow)
         f.js_on_event("mouseleave", self.axis.follow)
         self.figure = f
@@ -473,6 +502,18 @@ class DistanceChart(Chart):
         self.axis.add(self.name, self.told)
         return f
 
+    over_time = False
+    """Whether it lies over time."""
+
+    def take_presses(self) -> None:
+        """Tell where the line is pressed; over time the axis has no places."""
+        assert self.figure is not None
+        self.figure.on_event(Tap, self._press)
+
+    def _press(self, event: Any) -> None:
+        if event.x is not None and not self.over_time and 0 < event.x < self.axis.end:
+            self.press(float(event.x))
+
     def set_cursor_sources(self, *names: str) -> None:
         """Let the cursor read the lines of these sources."""
         self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
@@ -482,13 +523,11 @@ class DistanceChart(Chart):
         self.told["sources"] = [["", self.sources[name], "x", "y"]]
 
     def rename(self, caption: str) -> None:
-        """Give the chart another caption."""
+        """Give the chart another caption; its `title` names the figure for screen readers."""
         self.caption = self.told["words"] = caption
         above = self.told["caption"]
         if isinstance(above, Div) and above.text != caption:
             above.text = caption
-        if self.figure is not None:
-            self.figure.html_attributes = {"role": "figure", "aria-label": caption}
 
     @property
     def frame_now(self) -> Frame:
@@ -503,6 +542,24 @@ class DistanceChart(Chart):
             x_axis.bounds = (0, self.axis.end)
         if (self.y_range.start, self.y_range.end) != (low, high):
             self.y_range.update(start=low, end=high)
+
+
+def zero_line(chart: Chart) -> None:
+    """Let a chart draw the line at zero."""
+    assert chart.figure is not None
+    add_zero(chart.figure, chart.palette)
+
+
+def axis_line(chart: Chart) -> None:
+    """Let a chart draw the line of its x axis."""
+    assert chart.figure is not None
+    chart.palette.paint(chart.figure.xaxis[0], axis_line_color="line2")
+
+
+def no_grid(chart: Chart) -> None:
+    """Take the grid off a chart."""
+    assert chart.figure is not None
+    chart.figure.ygrid.visible = False
 
 
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:

@@ -101,7 +101,7 @@ class LoneChart(Chart):
     def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
         """Return the empty figure, and put it under its caption."""
         f = empty_figure(
-            self.height, self.x_range, self.y_range, self.caption, self.palette, ticks, digits, x_title, y_title
+            self.height, self.x_range, self.y_range, self.spoken, self.palette, ticks, digits, x_title, y_title
         )
         self.figure, self.content = f, captioned(self.caption, f)
         return f

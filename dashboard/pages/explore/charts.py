@@ -73,15 +73,6 @@ class SelectingChart(LoneChart):
     columns: tuple[str, str] = ("", "")
     dimensions = "both"
 
-    def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
-        """Return the empty figure, with its title as its name for screen readers.
-
-        The name stays as it is: Bokeh 3.9.2 fails in the browser where it changes before the figure is drawn.
-        """
-        f = super().frame(ticks, digits, x_title, y_title)
-        f.html_attributes = {"role": "figure", "aria-label": self.title}
-        return f
-
     def let_select(self, f: figure) -> None:
         """Give the figure its tool, and the box that shows the selection."""
         self.box = BoxAnnotation(visible=False, fill_alpha=0.12, line_alpha=0.9, line_width=1.5)

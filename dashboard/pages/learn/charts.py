@@ -6,17 +6,26 @@ from typing import Any
 
 import numpy as np
 from bokeh.models import Span
-from bokeh.plotting import figure
 
 from railjoule.core.studies.steady import SteadySpeeds
 from railjoule.core.studies.tradeoff import Frontier
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, columns, nice_range, points, text_style, xy
+from railjoule.dashboard.charts.chart import axis_line, columns, nice_range, points, text_style, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.plot import AnyPlot, AxisPlot, Ends, Plot, Stroke
+from railjoule.dashboard.charts.plot import (
+    DRIVEN_DASH,
+    AnyPlot,
+    Curve,
+    Ends,
+    Line,
+    Plot,
+    RunLines,
+    RunPlot,
+    Stroke,
+    ends_of,
+)
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Form, Line, RunLines, ends_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
@@ -35,34 +44,22 @@ TIME_TITLE = "Travel time, s"
 HEADROOM = 1.12
 
 
-class LessonSpeedChart(RunLines):
-    """Speeds of two runs, over an axis of their own."""
+def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) -> None:
+    """Draw both runs, or the second alone as long as the first is to be guessed."""
+    names = dict(zip(("first", "second"), result.runs, strict=False))
+    if not revealed:
+        del names["first"]
+    runs = {line: result.runs[name] for line, name in names.items()}
+    chart.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
+    _, high = ends_of(chart.fill(runs).values())
+    chart.set_range(0, HEADROOM * high)
+    chart.told["sources"] = [chart.read(line, name) for line, name in names.items()]
 
-    def __init__(self, lesson: Lesson, height: int, axis: Axis, palette: Palette) -> None:
-        form = Form(last=True)
-        super().__init__(f"lesson_{lesson.name}", SPEED, LINES, height, axis, palette, lesson.lines, form)
 
-    def frame(self, *args: Any, **style: Any) -> figure:
-        """Return the empty figure, which stands alone and has no zoom."""
-        f = super().frame(*args, **{**style, "zoom": False})
-        self.palette.paint(f.xaxis[0], axis_line_color="line2")
-        return f
-
-    def draw(self, result: LessonResult, revealed: bool = True) -> None:
-        """Draw both runs, or the second alone as long as the first is to be guessed."""
-        names = dict(zip(("first", "second"), result.runs, strict=False))
-        if not revealed:
-            del names["first"]
-        runs = {line: result.runs[name] for line, name in names.items()}
-        self.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
-        _, high = ends_of(self.fill(runs).values())
-        self.set_range(0, HEADROOM * high)
-        self.told["sources"] = [self.read(line, name) for line, name in names.items()]
-
-    def forget(self) -> None:
-        """Have nothing of any run on the page."""
-        for line in self.lines:
-            self.axis.columns(line).forget()
+def speeds_of(lesson: Lesson) -> RunPlot:
+    """Return the figure of the speeds of two runs, over an axis of its own."""
+    look: dict[str, Any] = {"last": True, "zoom": False, "beneath": (axis_line,), "draws": draw_speeds}
+    return RunPlot(f"lesson_{lesson.name}", SPEED, LINES, (200, 250, 190), lesson.lines, axis=lesson.name, **look)
 
 
 PRICE = Plot(
@@ -175,7 +172,7 @@ class PhasePlaneChart(LoneChart):
 
 FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
     lesson.name: (
-        AxisPlot(f"lesson_{lesson.name}", partial(LessonSpeedChart, lesson), (200, 250, 190), lesson.name),
+        speeds_of(lesson),
         *([PRICE] if lesson.name == "multiplier" else ()),
         *(
             [Plot(f"plane_{lesson.name}", "", heights=(250, 300, 240), chart=partial(PhasePlaneChart, lesson.name))]

@@ -17,9 +17,8 @@ from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.charts.plot import DASHED, SOLID, Plot, RunPlot, Stroke
+from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Line, Plot, RowPlot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
-from railjoule.dashboard.charts.run_lines import Line
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
 from railjoule.dashboard.page import Hint, Page, Request, Section, shows, study, work
@@ -90,7 +89,7 @@ ENERGY = Quantity(
     "loop_energy", "Energy at the motors so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)
 )
 OF_RUN = (
-    RunPlot(
+    RowPlot(
         "loop_speed",
         SPEED,
         {
@@ -100,7 +99,7 @@ OF_RUN = (
         (200, 250, 180),
         ticks=5,
     ),
-    RunPlot(
+    RowPlot(
         "loop_currents",
         Quantity("loop_currents", "Currents of one motor, A", "A", 1, read("torque_current_a")),
         {
@@ -109,7 +108,7 @@ OF_RUN = (
         },
         (170, 200, 160),
     ),
-    RunPlot(
+    RowPlot(
         "loop_voltage",
         Quantity("loop_voltage", "Phase voltage of one motor, V", "V", 0, read("phase_voltage_v")),
         {
@@ -118,7 +117,7 @@ OF_RUN = (
         },
         (130, 150, 120),
     ),
-    RunPlot(
+    RowPlot(
         "loop_flux",
         Quantity("loop_flux", "Rotor flux, V s", "V s", 3, read("rotor_flux_vs")),
         {"": Line("accent", SOLID, "run")},
@@ -126,7 +125,7 @@ OF_RUN = (
         ticks=3,
         digits=1,
     ),
-    RunPlot(
+    RowPlot(
         "loop_energy",
         ENERGY,
         {
@@ -139,14 +138,14 @@ OF_RUN = (
     ),
 )
 OF_TRACKING = (
-    RunPlot(
+    RowPlot(
         "tracking",
         Quantity("tracking", "Tracking error, m", "m", 3, read("tracking_error_m")),
         {"without pre-compensator": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
         (120, 140, 120),
     ),
     # beside the error without a pre-compensator, that with one is a line at zero
-    RunPlot(
+    RowPlot(
         "tracking_fine",
         Quantity(
             "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
@@ -157,20 +156,20 @@ OF_TRACKING = (
     ),
 )
 OF_RIVALS = (
-    RunPlot(
+    RowPlot(
         "rival_speed",
         replace(SPEED, name="rival_speed", words="EOC and ENOC: speed, km/h"),
         of_rivals(quantities.SPEED),
         (180, 210, 170),
         ticks=5,
     ),
-    RunPlot(
+    RowPlot(
         "rival_current",
         Quantity("rival_current", "Torque current of one motor, A", "A", 1, read("torque_current_a")),
         of_rivals(TORQUE_CURRENT),
         (140, 160, 130),
     ),
-    RunPlot(
+    RowPlot(
         "rival_energy",
         replace(ENERGY, name="rival_energy"),
         of_rivals(INPUT_ENERGY),
@@ -414,7 +413,7 @@ class Motor(Page):
             parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
         )
 
-    def _hosts(self, *plots: Plot | RunPlot) -> list[Viewable]:
+    def _hosts(self, *plots: AnyPlot) -> list[Viewable]:
         return [self.host.plots[plot.name].host for plot in plots]
 
     def _left(self) -> Viewable:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from bokeh.events import PanEnd
 from bokeh.models import LinearColorMapper
-from bokeh.plotting import figure
 from bokeh.transform import transform
 
 from railjoule.core import Trajectory
@@ -21,21 +20,11 @@ from railjoule.dashboard.charts.chart import Axis, columns, dragged, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
+from railjoule.dashboard.charts.plot import DRIVEN_DASH, AxisPlot, Curve, Line, Plot, RunLines, RunPlot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import (
-    DRIVEN_DASH,
-    Curve,
-    FittedRunLines,
-    Form,
-    Line,
-    RunLines,
-    add_limits,
-    draw_limits,
-    limits_of,
-)
 from railjoule.dashboard.charts.surface import CIVIDIS
+from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip
 
@@ -66,21 +55,16 @@ class LimitSpeedChart(RunLines):
     release: Callable[[], None]
     """Called when the step is released."""
 
+    _drawing = False
+
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         lines = {**LINES, UNDER_LIMITS: replace(LINES[UNDER_LIMITS], of=TRIP)}
-        caption = "Speed, km/h; drag a set speed or its end"
-        super().__init__("limit_speed", quantities.SPEED, lines, height, axis, palette, caption, Form(ticks=5))
-        self._drawing = False
+        caption, heights = "Speed, km/h; drag a set speed or its end", (height, height, height)
+        # it has no zoom, as a drag moves a step
+        look: dict[str, Any] = {"ticks": 5, "zoom": False, "beneath": (add_limits,), "above": (self.add_steps,)}
+        super().__init__(RunPlot("limit_speed", quantities.SPEED, lines, heights, caption, **look), axis, palette)
 
-    def frame(self, *args: Any, **style: Any) -> figure:
-        """Return the empty figure; it has no zoom, as a drag moves a step."""
-        return super().frame(*args, **{**style, "zoom": False})
-
-    def beneath(self) -> None:
-        """Draw the limits of the line, and tint the speeds above them."""
-        add_limits(self)
-
-    def above(self) -> None:
+    def add_steps(self, _: Any) -> None:
         """Draw the steps with their handles and numbers, and let the browser drag them."""
         f = self.figure
         assert f is not None
@@ -230,20 +214,8 @@ class SearchPlaneChart(LoneChart):
 SPEED = AxisPlot("limit_speed", LimitSpeedChart, (290, 360, 240))
 TRACK = AxisPlot("line", LineStrip, (104, 112, 98))
 OTHERS = (
-    AxisPlot(
-        "limit_effort",
-        lambda height, axis, palette: FittedRunLines(
-            "limit_effort", EFFORT, LINES, height, axis, palette, form=Form(ticks=3, zero=True, room=0.08)
-        ),
-        (104, 120, 96),
-    ),
-    AxisPlot(
-        "limit_energy",
-        lambda height, axis, palette: FittedRunLines(
-            "limit_energy", ENERGY, LINES, height, axis, palette, form=Form(ticks=3, zero=True, last=True, room=0.08)
-        ),
-        (130, 150, 120),
-    ),
+    RunPlot("limit_effort", EFFORT, LINES, (104, 120, 96), ticks=3, zero=True, room=0.08),
+    RunPlot("limit_energy", ENERGY, LINES, (130, 150, 120), ticks=3, zero=True, room=0.08, last=True),
 )
 PLANE = Plot("search_plane", "", heights=(280, 330, 260), chart=SearchPlaneChart)
 MAP = Plot("motor_map", "", heights=(300, 360, 280), chart=MotorMapChart)
