@@ -5,8 +5,9 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.simulation.following import Following, stop_positions_m
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.chart import Chart, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import (
     DRIVEN_DASH,
     NAMES,

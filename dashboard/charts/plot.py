@@ -14,17 +14,10 @@ import numpy as np
 from bokeh.models import GlyphRenderer
 
 from railjoule.core.arrays import FloatArray
-from railjoule.dashboard.charts.chart import (
-    Axis,
-    Chart,
-    DistanceChart,
-    Layer,
-    nice_range,
-    xy,
-    zero_line,
-)
-from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import Axis, nice_range, xy
+from railjoule.dashboard.charts.chart import Chart, Layer, zero_line
+from railjoule.dashboard.charts.figures import DistanceChart, LoneChart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.quantities import TIME, Quantity, along
 from railjoule.dashboard.charts.sketches import SketchKind
 from railjoule.dashboard.look.paint import Palette

@@ -12,8 +12,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.physics.adhesion import driven_adhesion_n
 from railjoule.core.units import N_PER_KN
-from railjoule.dashboard.charts.chart import Layer, axis_line, columns, nice_range, no_grid, text_style, xy, zero_line
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import columns, nice_range, xy
+from railjoule.dashboard.charts.chart import Layer, axis_line, no_grid, zero_line
+from railjoule.dashboard.charts.dress import text_style
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import Curve
 from railjoule.dashboard.charts.quantities import (
     EFFORT,

@@ -11,7 +11,10 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, Layer, columns, style_of
+from railjoule.dashboard.charts.axis import Axis, columns
+from railjoule.dashboard.charts.chart import Chart, Layer
+from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.plot import Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.charts.quantities import Quantity, along
 from railjoule.dashboard.look import words

@@ -8,9 +8,9 @@ import numpy as np
 
 from railjoule.core.motion.line_profile import neutral_stretches, section_borders
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.chart import Layer, xy
-from railjoule.dashboard.charts.label_places import Box, text_width_px
-from railjoule.dashboard.charts.line_names import Frame, Name
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import Box, Frame, Name, text_width_px
 from railjoule.dashboard.charts.plot import NAMES, Curve
 from railjoule.dashboard.charts.quantities import SPEED, along
 from railjoule.dashboard.charts.scene import ACTUAL, BORDERS, RunChart, RunScene, line_words

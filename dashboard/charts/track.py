@@ -8,8 +8,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import limit_steps, neutral_stretches
 from railjoule.core.scenario import Line as ScenarioLine
 from railjoule.core.scenario import Scenario
-from railjoule.dashboard.charts.chart import Chart, columns, xy
-from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.axis import columns, xy
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import Curve
 from railjoule.dashboard.look import words
 
@@ -25,7 +26,7 @@ NEUTRAL_SHARE, NEUTRAL_LIFT_PX, NEUTRAL_WORD = 0.05, 2, "neutral"
 """Height of a band over that of the axis, its word, and how far above the band that stands."""
 
 
-# under this name, as under "borders", charts/numbers.py leaves a source out of saved tables
+# under this name, as under "borders", charts/download.py leaves a source out of saved tables
 def add_tint(chart: Chart, name: str = "forbidden") -> None:
     """Let a chart tint what lies above limits."""
     sides = ("left", "right", "bottom", FAR_ABOVE)

@@ -8,7 +8,9 @@ from bokeh.models import CustomJS
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, dragged, text_style
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.dress import dragged, text_style
+from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.look.paint import Palette
 
 # the bound of `gradient_permille` in core/scenario/line.py

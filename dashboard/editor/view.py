@@ -11,7 +11,8 @@ from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import one_message
-from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
 from railjoule.dashboard.editor.forms import EditorHead, TableForm

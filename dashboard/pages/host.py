@@ -9,7 +9,8 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.plot import AnyPlot
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import markup

@@ -11,9 +11,12 @@ from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, axis_line, nice_range, points, same, style_of, xy
+from railjoule.dashboard.charts.axis import Axis, nice_range, points, same, xy
+from railjoule.dashboard.charts.chart import axis_line
+from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.driven import EFFORTS, SPEEDS
-from railjoule.dashboard.charts.line_names import Name, placed_names
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import Name, placed_names
 from railjoule.dashboard.charts.plot import NAMES, RunLines
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,

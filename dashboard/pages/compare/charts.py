@@ -10,8 +10,9 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, style_of, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import Axis, xy
+from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import NAMES, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, along
 from railjoule.dashboard.charts.track import as_steps, limits_of

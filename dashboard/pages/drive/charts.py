@@ -12,7 +12,8 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.bellman import ControlLaw
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, no_grid, xy, zero_line
+from railjoule.dashboard.charts.axis import Axis, xy
+from railjoule.dashboard.charts.chart import no_grid, zero_line
 from railjoule.dashboard.charts.plot import Curve
 from railjoule.dashboard.charts.quantities import POSITION, SPEED
 from railjoule.dashboard.charts.run_charts import LineStrip

@@ -20,7 +20,8 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from railjoule.core.arrays import FloatArray
-from railjoule.dashboard.charts.figures import LoneChart, ink_on
+from railjoule.dashboard.charts.dress import ink_on
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words

@@ -11,8 +11,9 @@ import numpy as np
 from railjoule.core.imports import ImportedLine, ImportedTable
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Layer, columns, xy
-from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.axis import columns, xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import Curve, Heights, RunLines, RunPlot
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.track import as_steps

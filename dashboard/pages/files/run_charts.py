@@ -10,9 +10,9 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.measured import MeasuredRun, Saving
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import Layer, columns, xy
-from railjoule.dashboard.charts.label_places import Box, text_width_px
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import columns, xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import Box, Name, text_width_px
 from railjoule.dashboard.charts.plot import NAMES, AxisPlot, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED, along
 from railjoule.dashboard.charts.run_charts import LineStrip

@@ -10,9 +10,11 @@ from bokeh.models import Span
 from railjoule.core.studies.steady import SteadySpeeds
 from railjoule.core.studies.tradeoff import Frontier
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import axis_line, columns, nice_range, points, text_style, xy
+from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
+from railjoule.dashboard.charts.chart import axis_line
+from railjoule.dashboard.charts.dress import text_style
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import (
     DRIVEN_DASH,
     AnyPlot,

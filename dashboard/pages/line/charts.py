@@ -12,8 +12,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, dragged, nice_range, text_style, xy
-from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.axis import Axis, columns, nice_range, xy
+from railjoule.dashboard.charts.dress import add_zero, dragged, text_style
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip

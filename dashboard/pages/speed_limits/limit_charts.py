@@ -16,10 +16,11 @@ from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.chart import Axis, columns, dragged, xy
+from railjoule.dashboard.charts.axis import Axis, columns, xy
+from railjoule.dashboard.charts.dress import dragged
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import DRIVEN_DASH, AxisPlot, Curve, Line, Plot, RunLines, RunPlot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip

@@ -11,10 +11,10 @@ from bokeh.plotting.contour import contour_data
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts.chart import columns, nice_range, points, style_of, xy
-from railjoule.dashboard.charts.figures import LoneChart, ink_on
-from railjoule.dashboard.charts.label_places import Box
-from railjoule.dashboard.charts.line_names import Name, clear_of
+from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
+from railjoule.dashboard.charts.dress import ink_on, style_of
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.names import Box, Name, clear_of
 from railjoule.dashboard.charts.surface import CIVIDIS, round_step
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette

@@ -9,7 +9,7 @@ from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.validation.ftorek_runs import TABLE_3_COPPER_WEIGHT
-from railjoule.dashboard.charts.chart import style_of
+from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX

@@ -12,8 +12,8 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY, Candidate, DrawnRuns, RobustPlan
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.chart import nice_range, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import nice_range, xy
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import NAMES, CurveChart, Line, Plot, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.quantities import SPEED
 from railjoule.dashboard.look import comparisons, words

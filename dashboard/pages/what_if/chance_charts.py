@@ -8,9 +8,9 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.chart import Layer, nice_range, no_grid, xy
-from railjoule.dashboard.charts.label_places import text_width_px
-from railjoule.dashboard.charts.line_names import rows_of
+from railjoule.dashboard.charts.axis import nice_range, xy
+from railjoule.dashboard.charts.chart import Layer, no_grid
+from railjoule.dashboard.charts.names import rows_of, text_width_px
 from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.what_if.draws import RESULTS

@@ -14,8 +14,9 @@ from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.leg import Leg
 from railjoule.core.simulation.live import LiveEvent, LiveRun
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import DistanceChart, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import DRIVEN_DASH, NAMES, AxisPlot, Curve
 from railjoule.dashboard.charts.quantities import SPEED
 from railjoule.dashboard.charts.track import add_limits, add_stations, draw_limits, draw_stations, limits_of

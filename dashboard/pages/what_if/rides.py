@@ -8,8 +8,8 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts.chart import nice_range
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import nice_range
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import DRIVEN_DASH, NAMES, Curve, Line, Plot, RunLines, RunPlot, Stroke, ends_of
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED
 from railjoule.dashboard.charts.track import add_limits, add_tint, draw_limits, limits_of

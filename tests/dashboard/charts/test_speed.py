@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import Trajectory, load_scenario, solve
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.charts.speed import BRAKING, BRAKING_WORDS, SpeedChart
 from railjoule.dashboard.look.paint import Palette

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.charts import PRICE, PhasePlaneChart, price_curves, speeds_of

@@ -4,7 +4,7 @@ import pytest
 from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.line.charts import (

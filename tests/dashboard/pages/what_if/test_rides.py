@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
