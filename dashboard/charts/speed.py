@@ -133,12 +133,10 @@ class SpeedChart(RunChart):
         x = scene.x_of_place(places)
         self.top = HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values()))
         self.set_range(0, self.top)
-        self._limits = draw_limits(self, x, limits)
-        of_run = ""
-        if scene.over_time and len(scene.named()) > 1:
-            # other runs pass the places of the limits at other times, and keep them
-            self.clear("forbidden")
-            of_run = f" for {line_words(scene.chosen, scene)}"
+        # other runs pass the places of the limits at other times, and keep them
+        of_one = scene.over_time and len(scene.named()) > 1
+        self._limits = draw_limits(self, x, limits, tinted=not of_one)
+        of_run = f" for {line_words(scene.chosen, scene)}" if of_one else ""
         texts = [f"limit {words.number(limit, 0)}{of_run}" for limit in limits]
         room = np.diff(self.frame_now.x_px(x))
         fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])

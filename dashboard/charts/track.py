@@ -52,10 +52,14 @@ def as_steps(borders: FloatArray, levels: FloatArray) -> Curve:
     return np.repeat(borders, 2)[1:-1], np.repeat(levels, 2)
 
 
-def draw_limits(chart: Chart, borders: FloatArray, limits: FloatArray) -> Curve:
-    """Draw the limits between borders, in the units of the axes; return their line."""
+def draw_limits(chart: Chart, borders: FloatArray, limits: FloatArray, tinted: bool = True) -> Curve:
+    """Draw the limits between borders, in the units of the axes, and what lies above them; return their line."""
     steps = as_steps(borders, limits)
-    chart.put("forbidden", **columns(left=borders[:-1], right=borders[1:], bottom=limits))
+    # once: columns that change twice within a message reach the browser with unlike lengths between
+    if tinted:
+        chart.put("forbidden", **columns(left=borders[:-1], right=borders[1:], bottom=limits))
+    else:
+        chart.clear("forbidden")
     if "limit" in chart.sources:
         chart.put("limit", **xy(*steps))
     return steps
