@@ -111,36 +111,28 @@ class Axis:
         self._charts: dict[str, dict[str, object]] = {}
         self._kind = kind
         self._runs: dict[str, RunColumns] = {}
-        self._extent = (0.0, 1.0)
-        self._end = 1.0
+        self.extent = (0.0, 1.0)
+        """The ends of the whole axis, the room for labels included."""
+        self.end = 1.0
+        """Where the longest run ends: no ticks lie beyond it."""
         self._settled = 0
         self.range.js_on_change("tags", self.follow)
         palette.paint(self.cursor, line_color="ink")
 
     def fit(self, end: float, roomy: bool) -> None:
         """Show everything up to `end`, unless that is what the axis already spans: then its zoom stays."""
-        self._end = end
+        self.end = end
         extent = (0.0, end * (1 + END_LABEL_SHARE) if roomy else end)
         # up to rounding: the end is computed anew with each run
-        if np.allclose(extent, self._extent, rtol=1e-9):
+        if np.allclose(extent, self.extent, rtol=1e-9):
             return
-        self._extent = extent
+        self.extent = extent
         # bounds first: the browser clips the ends to the bounds that it knows
         self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
 
     def add(self, name: str, chart: dict[str, object]) -> None:
         """Let the cursor write into one more chart's caption, once `settle` is called."""
         self._charts[name] = chart
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        """The ends of the whole axis, the room for labels included."""
-        return self._extent
-
-    @property
-    def end(self) -> float:
-        """Where the longest run ends: no ticks lie beyond it."""
-        return self._end
 
     def columns(self, run: str) -> RunColumns:
         """Return the columns of the run of a name, which all charts over this axis share."""
@@ -150,10 +142,7 @@ class Axis:
 
     def settle_over(self, time: bool) -> None:
         """Settle an axis of times [s] or of places [m]."""
-        if time:
-            self.settle("s", 1)
-        else:
-            self.settle("m", 0)
+        self.settle(*("s", 1) if time else ("m", 0))
 
     def settle(self, unit: str, digits: int) -> None:
         """Send the columns that charts have taken; tell the cursor all charts, and the unit of its place.
@@ -172,7 +161,7 @@ class Axis:
         else:
             # a change of the range paints all its figures again; a chart that has just come needs it for no other
             self._settled += 1
-        self.range.tags = [self._settled, unit, self._end]
+        self.range.tags = [self._settled, unit, self.end]
 
 
 def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:

@@ -1,7 +1,7 @@
-"""What all charts have in common: a place with a sketch until they are drawn, sources, glyphs, names."""
+"""The base of all charts: a place with a sketch until they are drawn, sources, glyphs, names."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import panel as pn
 from bokeh.models import (
@@ -83,7 +83,8 @@ class Chart:
         """The title of the scenario, for the names of saved pictures."""
         self.figure: figure | None = None
         self.content: Viewable | None = None
-        self.queue: Queue = AT_ONCE
+        self.enqueue: Callable[[Chart], None] = Chart.settle
+        """Called when the chart has something to draw: it draws immediately, unless a page has a queue for it."""
         self.waiting: Callable[[], None] | None = None
 
     @property
@@ -120,7 +121,7 @@ class Chart:
     def show(self, draw: Callable[[], None]) -> None:
         """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
         self.waiting = draw
-        self.queue.add(self)
+        self.enqueue(self)
 
     def settle(self) -> None:
         """Draw what waits; the chart takes the place of its sketch once it is drawn without an error."""
@@ -161,9 +162,9 @@ class Chart:
         self.host[:] = [parts.html_pane(not_drawn(self.caption, self.height))]
 
     look: Mapping[str, Any] = {}
-    """What `frame` is given."""
+    """Arguments of `frame`."""
     layers: tuple[Layer, ...] = ()
-    """What is drawn, from back to front."""
+    """Its layers, from back to front."""
 
     def frame(self, *args: Any, **look: Any) -> figure:
         """Return the empty figure, and put it under its caption."""
@@ -271,24 +272,6 @@ class Chart:
         """Empty the sources of these names; of all where none is named."""
         for name in names or self.sources:
             clear(self.sources[name])
-
-
-class Queue(Protocol):
-    """Decides when charts draw."""
-
-    def add(self, chart: Chart) -> None:
-        """Let a chart draw what waits, now or later."""
-
-
-class AtOnce:
-    """Draws at once: for charts that no page leads."""
-
-    def add(self, chart: Chart) -> None:
-        """Draw."""
-        chart.settle()
-
-
-AT_ONCE = AtOnce()
 
 
 def zero_line(chart: Chart) -> None:

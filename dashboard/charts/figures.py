@@ -37,9 +37,7 @@ class DistanceChart(Chart):
         self.press: Callable[[float], None] = lambda _: None
         """Called with the place of a press [m]."""
 
-    def frame(
-        self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0, x_title: str = ""
-    ) -> figure:
+    def frame(self, zoom: bool = True, ticks: int = 4, digits: int = 0, x_title: str = "") -> figure:
         """Return the empty figure, and put it under its caption; a title makes the x axis visible."""
         f = figure(
             height=self.height,
@@ -57,7 +55,7 @@ class DistanceChart(Chart):
             html_attributes={"role": "figure", "aria-label": self.spoken},
         )
         dress(f, self.palette, ticks, digits)
-        f.xaxis.update(visible=with_axis or bool(x_title), axis_label=x_title or None)
+        f.xaxis.update(visible=bool(x_title), axis_label=x_title or None)
         if zoom:
             # only the width: all charts share this axis, and each has a y axis of its own
             box = BoxZoomTool(dimensions="width")
@@ -161,13 +159,11 @@ class LoneChart(Chart):
     name, caption, height
         As in `Chart`.
     palette : Palette
-    x_range : Range1d or None
-        That of another chart, where it shares it.
     """
 
-    def __init__(self, name: str, caption: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
+    def __init__(self, name: str, caption: str, height: int, palette: Palette) -> None:
         super().__init__(name, caption, height)
-        self.palette, self.x_range, self.y_range = palette, x_range or Range1d(0, 1), Range1d(0, 1)
+        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
         """Return the empty figure, and put it under its caption."""

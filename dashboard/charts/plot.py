@@ -110,11 +110,11 @@ class Plot:
     room : float
         Share of the values' range that is left free above and below.
     sketch : str
-        What its sketch looks like.
+        Kind of its sketch.
     layers : tuple of callable
-        What is drawn above the curves, from back to front.
+        Layers above the curves, from back to front.
     draws : callable, optional
-        Draws contents in its chart, where these are not curves alone.
+        Draws contents in its chart, where these are not only curves.
     chart : callable, optional
         Makes its chart from height and palette, where it is none of curves and layers.
     """
@@ -156,7 +156,7 @@ class RunPlot:
         From back to front, by their names in the figure; one without a name is the only one.
     heights : tuple of int
     caption : str
-        Where it is not that of the quantity.
+        Caption, if it is not that of the quantity.
     ticks, digits, zero, room
         As in `Plot`.
     last : bool
@@ -167,8 +167,8 @@ class RunPlot:
         Whether a drag zooms.
     axis : str
         The name of the axis, where a page has several.
-    beneath, above : tuple of callable
-        Layers beneath and above the lines.
+    below, above : tuple of callable
+        Layers below and above the lines.
     draws : callable
         Draws contents in its chart.
     """
@@ -186,7 +186,7 @@ class RunPlot:
     over_time: bool = False
     zoom: bool = True
     axis: str = ""
-    beneath: tuple[Layer, ...] = ()
+    below: tuple[Layer, ...] = ()
     above: tuple[Layer, ...] = ()
     draws: Callable[..., None] = lambda chart, *drawn, **more: chart.draw_fitted(*drawn, **more)
 
@@ -246,7 +246,7 @@ class CurveChart(LoneChart):
             self.add_names(size=11)
 
     def draw(self, *drawn: Any, **more: Any) -> None:
-        """Draw what the plot draws: curves, as `draw_curves`, unless it says otherwise."""
+        """Draw what the plot draws: curves, as `draw_curves`, unless it has a function of its own."""
         if self.plot.draws is None:
             self.draw_curves(*drawn, **more)
         else:
@@ -307,7 +307,7 @@ class RunLines(DistanceChart):
         plot = self.plot
         self._over = along(plot.over_time)
         self.frame(zoom=plot.zoom, ticks=plot.ticks, digits=plot.digits, x_title=self._over.words if plot.last else "")
-        self.add(*plot.beneath)
+        self.add(*plot.below)
         if plot.zero:
             zero_line(self)
         self.add_lines()
@@ -439,7 +439,7 @@ RowPlot = partial(
     RunPlot,
     zero=True,
     over_time=True,
-    beneath=(BANDS,),
+    below=(BANDS,),
     above=(methodcaller("coloured_signs", "names", 12, text_baseline="top", y_offset=2),),
     draws=draw_in_row,
 )

@@ -1,4 +1,4 @@
-"""The charts beneath the speed: phases, line, energy, difference, effort, current, power."""
+"""The charts below the speed: phases, line, energy, difference, effort, current, power."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -182,9 +182,9 @@ def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
 class EnergyChart(RunChart):
     """Energy from the supply so far."""
 
-    quantity, names_in = ENERGY, "ends"
-    # beneath all else what the actual run takes more
-    beneath = (methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}), BORDERS)
+    quantity = ENERGY
+    # below all else what the actual run takes more
+    below = (methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}), BORDERS)
     above = (methodcaller("add_names", "ends"),)
 
     def alternative(self, scene: RunScene) -> str:

@@ -113,7 +113,7 @@ def draw_borders(chart: Chart, scene: RunScene) -> None:
 
 
 STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
-"""The pinned run beneath, the optimum above all other strategies, what was driven on top."""
+"""The pinned run below, the optimum above all other strategies, what was driven on top."""
 
 
 BORDERS: Layer = methodcaller("hairlines", "borders", "line2", line_alpha=0.55, level="underlay")
@@ -125,10 +125,6 @@ class SceneChart(DistanceChart):
 
     called = "", ""
     """Its name and its caption."""
-    fits = False
-    """Whether its axis follows its lines, so that a report must fit it anew where they move."""
-    names_in = "names"
-    """The source of the names at its lines."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(*self.called, height, axis, palette)
@@ -149,14 +145,13 @@ class RunChart(RunLines, SceneChart):
     quantity: Quantity
     look: Mapping[str, Any] = {}
     """How its plot differs from others."""
-    fits = True
     with_fastest = False
     """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
-    beneath: tuple[Layer, ...] = (BORDERS,)
+    below: tuple[Layer, ...] = (BORDERS,)
     above: tuple[Layer, ...] = ()
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        layers: dict[str, Any] = {"beneath": self.beneath, "above": self.above}
+        layers: dict[str, Any] = {"below": self.below, "above": self.above}
         plot = RunPlot(self.quantity.name, self.quantity, STROKES, (height, height, height), **layers, **self.look)
         RunLines.__init__(self, plot, axis, palette)
 

@@ -43,9 +43,9 @@ SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3, PASSES: PASS_LIFT_PX, NEUTRA
 class SpeedChart(RunChart):
     """Speed of all runs under the limits."""
 
-    quantity, fits, with_fastest = SPEED, False, True
+    quantity, with_fastest = SPEED, True
     look: Mapping[str, Any] = {"ticks": 5}
-    beneath = (
+    below = (
         add_limits,
         methodcaller("line", BRAKING, "limit", line_width=1, line_dash=[4, 2]),
         add_neutral_sections,

@@ -1,4 +1,4 @@
-"""What charts draw beside the lines of runs: limits, stations, neutral sections, passing points."""
+"""Layers beside the lines of runs: limits, stations, neutral sections, passing points."""
 
 from collections.abc import Callable, Sequence
 

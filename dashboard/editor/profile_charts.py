@@ -97,8 +97,7 @@ class LimitStepsChart(DraggedChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(with_axis=True, zoom=False, ticks=3)
-        f.xaxis.axis_label = "Distance, m"
+        self.frame(zoom=False, ticks=3, x_title="Distance, m")
         steps = self.source("steps", "left", "right", "limit", "middle", "text", "movable")
         red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
         self.glyphs("segment", "steps", "left", "limit", "right", "limit", paint=red, line_width=2.4)

@@ -63,7 +63,7 @@ class ComparedChart(RunLines):
 
     def __init__(self, plot: ComparedPlot, axis: Axis, palette: Palette) -> None:
         limit = (methodcaller("line", "limit", "limit", line_width=1.2),) if plot.has_limits else ()
-        super().__init__(replace(plot, beneath=limit, above=(NAMES,) if plot.names else ()), axis, palette)
+        super().__init__(replace(plot, below=limit, above=(NAMES,) if plot.names else ()), axis, palette)
         self._reference: Trajectory | None = None
         self._over_time = False
 

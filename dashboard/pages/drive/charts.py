@@ -1,4 +1,4 @@
-"""Charts of Drive alone: speeds with a train that plays, the price of force, and Bellman's law."""
+"""Charts that only Drive has: speeds with a train that plays, the price of force, and Bellman's law."""
 
 from collections.abc import Callable, Mapping
 from operator import methodcaller

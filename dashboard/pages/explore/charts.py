@@ -4,8 +4,9 @@ A rectangle that is dragged over any of them selects runs in all. Bokeh's own se
 `link_selections`: measured on a scatter with two histograms, that takes 0.3 to 0.7 s of the server for each selection.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from railjoule.core.arrays import FloatArray
+from railjoule.dashboard.charts.chart import no_grid
 from railjoule.dashboard.charts.dress import ink_on
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.plot import Plot
@@ -294,17 +296,21 @@ class MapChart(SelectingChart):
     kind = "map"
     title = "Median energy over two inputs"
 
+    look: Mapping[str, Any] = {"x_title": " ", "y_title": " "}
+    layers = (
+        no_grid,
+        methodcaller("source", "cells", "left", "right", "bottom", "top", "fill", "kwh"),
+        methodcaller(
+            *("glyphs", "quad", "cells", "left", "right", "bottom", "top"),
+            paint={"line_color": "surface"},
+            fill_color="fill",
+            line_width=2,
+        ),
+        methodcaller("coloured_signs", "signs", 12, text_align="center", text_baseline="middle"),
+    )
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__(MAP, "", height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(x_title=" ", y_title=" ")
-        f.ygrid.visible = False
-        self.source("cells", "left", "right", "bottom", "top", "fill", "kwh")
-        paint = {"line_color": "surface"}
-        self.glyphs("quad", "cells", "left", "right", "bottom", "top", paint=paint, fill_color="fill", line_width=2)
-        self.coloured_signs("signs", 12, text_align="center", text_baseline="middle")
 
     def draw(self, look: Look) -> None:
         """Draw the medians, in equal steps: the numbers at the axes say where the cells lie."""

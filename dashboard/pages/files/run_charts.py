@@ -145,7 +145,7 @@ SPEEDS = RunPlot(
     *("measured_speed", SPEED, LINES, (270, 340, 220)),
     ticks=5,
     axis="runs",
-    beneath=(add_limits,),
+    below=(add_limits,),
     above=(methodcaller("signs", "signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFT_PX), DOTS, NAMES),
     draws=draw_speeds,
 )
@@ -155,7 +155,7 @@ ENERGIES = RunPlot(
     digits=1,
     last=True,
     axis="runs",
-    beneath=(methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}),),
+    below=(methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}),),
     above=(DOTS, NAMES),
     draws=draw_energies,
 )

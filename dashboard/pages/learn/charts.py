@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -58,9 +59,9 @@ def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) ->
     chart.told["sources"] = [chart.read(line, name) for line, name in names.items()]
 
 
-def speeds_of(lesson: Lesson) -> RunPlot:
+def make_speed_plot(lesson: Lesson) -> RunPlot:
     """Return the figure of the speeds of two runs, over an axis of its own."""
-    look: dict[str, Any] = {"last": True, "zoom": False, "beneath": (axis_line,), "draws": draw_speeds}
+    look: dict[str, Any] = {"last": True, "zoom": False, "below": (axis_line,), "draws": draw_speeds}
     return RunPlot(f"lesson_{lesson.name}", SPEED, LINES, (200, 250, 190), lesson.lines, axis=lesson.name, **look)
 
 
@@ -97,6 +98,30 @@ class PhasePlaneChart(LoneChart):
     """What a joule of motion is worth over speed: above, between and below two lines the driver does other things."""
 
     kind = "map"
+    look: Mapping[str, Any] = {"ticks": 4, "digits": 1, "x_title": SPEED.words, "y_title": "Worth, J"}
+    layers = (
+        methodcaller("source", "bands", "bottom", "top", "fill"),
+        methodcaller(
+            # wider than any zoom: the regions have no ends along the speed
+            *("glyphs", "quad", "bands", -10, 1e3, "top", "bottom"),
+            paint={},
+            fill_color="fill",
+            fill_alpha=0.35,
+            line_color=None,
+        ),
+        methodcaller("source", "regions", "y", "text", "ink"),
+        methodcaller(
+            *("glyphs", "text", "regions", MOST_KMH - 1, "y", "text"),
+            paint={},
+            text_color="ink",
+            text_align="right",
+            text_baseline="middle",
+            **text_style(11),
+        ),
+        methodcaller("line", "run", "optimal", line_width=2.6),
+        methodcaller("dots", "marks", size=8, line_width=2),
+        methodcaller("add_names", size=11),
+    )
 
     def __init__(self, lesson: str, height: int, palette: Palette) -> None:
         caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
@@ -106,20 +131,11 @@ class PhasePlaneChart(LoneChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=4, digits=1, x_title=SPEED.words, y_title="Worth, J")
-        # wider than any zoom: the regions have no ends along the speed
-        sides = (-10, 1e3, "top", "bottom")
-        self.source("bands", "bottom", "top", "fill")
-        self.glyphs("quad", "bands", *sides, paint={}, fill_color="fill", fill_alpha=0.35, line_color=None)
-        self.source("regions", "y", "text", "ink")
-        right = {"text_align": "right", "text_baseline": "middle", **text_style(11)}
-        self.glyphs("text", "regions", MOST_KMH - 1, "y", "text", paint={}, text_color="ink", **right)
+        super().build()
+        assert self.figure is not None
         for span in (self.driving, self.braking):
             self.palette.paint(span, line_color="ink3")
-            f.add_layout(span)
-        self.line("run", "optimal", line_width=2.6)
-        self.dots("marks", size=8, line_width=2)
-        self.add_names(size=11)
+            self.figure.add_layout(span)
 
     def draw(self, result: LessonResult) -> None:
         """Draw the three regions and the run through them."""
@@ -174,7 +190,7 @@ class PhasePlaneChart(LoneChart):
 
 FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
     lesson.name: (
-        speeds_of(lesson),
+        make_speed_plot(lesson),
         *([PRICE] if lesson.name == "multiplier" else ()),
         *(
             [Plot(f"plane_{lesson.name}", "", heights=(250, 300, 240), chart=partial(PhasePlaneChart, lesson.name))]

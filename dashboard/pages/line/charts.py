@@ -13,7 +13,8 @@ from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.axis import Axis, columns, nice_range, xy
-from railjoule.dashboard.charts.dress import add_zero, dragged, text_style
+from railjoule.dashboard.charts.chart import zero_line
+from railjoule.dashboard.charts.dress import dragged, text_style
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot, Line, RunLines, RunPlot, ends_of
@@ -129,20 +130,21 @@ class LegBars(DistanceChart):
         last: bool = False,
     ) -> None:
         super().__init__(name, caption, height, axis, palette)
-        self.value, self.show_value, self.last = value, show, last
+        self.value, self.show_value = value, show
+        self.look = {"zoom": self.zoom, "ticks": 3, "x_title": POSITION.words if last else ""}
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=self.last, zoom=self.zoom, ticks=3)
-        add_stations(self)
-        add_zero(f, self.palette)
-        for sharing, token in SHARING_TOKENS.items():
-            sides = ("left", "right", 0, "top")
-            self.glyphs("quad", sharing, *sides, paint={"fill_color": token}, line_color=None)
+    layers = (
+        add_stations,
+        zero_line,
+        *(
+            methodcaller(
+                *("glyphs", "quad", sharing, "left", "right", 0, "top"), paint={"fill_color": token}, line_color=None
+            )
+            for sharing, token in SHARING_TOKENS.items()
+        ),
         # to the left of the bar's right end: to the right the next bar of the leg may be taller
-        self.grounded_signs("signs", SHARING_TOKENS["optimum"], SIGN_PX, text_align="right", y_offset=-2)
-        if self.last:
-            f.xaxis.axis_label = POSITION.words
+        methodcaller(*("grounded_signs", "signs", SHARING_TOKENS["optimum"], SIGN_PX), text_align="right", y_offset=-2),
+    )
 
     def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
         """Draw the bars of the optimum and of another way of sharing."""
@@ -316,7 +318,7 @@ def fitting(stops: Sequence[tuple[float, str]], m_per_px: float) -> list[tuple[f
 SPEED = RunPlot(
     *("line_speed", quantities.SPEED, LINES, (230, 290, 210)),
     ticks=5,
-    beneath=(add_limits, add_neutral_sections, add_stations),
+    below=(add_limits, add_neutral_sections, add_stations),
     above=(
         methodcaller("source", "names", "x", "y", "text", "align"),
         methodcaller("signs", "names", "ink2", text_align="align", text_baseline="top", y_offset=2),
@@ -325,7 +327,7 @@ SPEED = RunPlot(
     draws=draw_speeds,
 )
 TRACK = AxisPlot("line", LineStrip, (98, 106, 94))
-PATH = RunPlot("line_path", quantities.PATH, LINES, (180, 230, 170), ticks=5, beneath=(add_stations,), draws=draw_paths)
+PATH = RunPlot("line_path", quantities.PATH, LINES, (180, 230, 170), ticks=5, below=(add_stations,), draws=draw_paths)
 SUPPLEMENTS = AxisPlot("supplements", SlackChart, (140, 170, 140))
 PRICE = AxisPlot(
     "leg_price",

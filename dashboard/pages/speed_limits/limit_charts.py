@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -62,7 +63,7 @@ class LimitSpeedChart(RunLines):
         lines = {**LINES, UNDER_LIMITS: replace(LINES[UNDER_LIMITS], of=TRIP)}
         caption, heights = "Speed, km/h; drag a set speed or its end", (height, height, height)
         # it has no zoom, as a drag moves a step
-        look: dict[str, Any] = {"ticks": 5, "zoom": False, "beneath": (add_limits,), "above": (self.add_steps,)}
+        look: dict[str, Any] = {"ticks": 5, "zoom": False, "below": (add_limits,), "above": (self.add_steps,)}
         super().__init__(RunPlot("limit_speed", quantities.SPEED, lines, heights, caption, **look), axis, palette)
 
     def add_steps(self, _: Any) -> None:
@@ -153,27 +154,23 @@ class SearchPlaneChart(LoneChart):
     """Limits of two neighbouring sections, as the search drew them and as it drove them."""
 
     kind = "map"
+    look: Mapping[str, Any] = {"ticks": 5}
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("search_plane", "Search: set speeds tried, km/h; blue: less energy", height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        self.frame(ticks=5)
-        edge = {"line_color": "ink3"}
-        self.glyphs(
-            "scatter", "asked", "x", "y", paint={"line_color": "groundline"}, size=4, fill_color=None, line_width=1
-        )
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
-        self.source("driven", "x", "y", "energy")
-        by_energy = transform("energy", self.mapper)
-        dots = self.glyphs("scatter", "driven", "x", "y", paint=edge, size=6.5, fill_color=by_energy)
-        # the cheapest would vanish in the dark
-        dots.glyph.line_width = 0.7
-        self.line("path", "ink3", line_width=1)
-        self.source("ends", "x", "y", "marker")
-        self.dots("ends", "speed_limits", marker="marker", size=11, line_width=2)
-        self.add_names(size=11)
+        # the cheapest would vanish in the dark without an edge
+        driven = {"size": 6.5, "fill_color": transform("energy", self.mapper), "line_width": 0.7}
+        tried = {"size": 4, "fill_color": None, "line_width": 1}
+        self.layers = (
+            methodcaller("glyphs", "scatter", "asked", "x", "y", paint={"line_color": "groundline"}, **tried),
+            methodcaller("source", "driven", "x", "y", "energy"),
+            methodcaller("glyphs", "scatter", "driven", "x", "y", paint={"line_color": "ink3"}, **driven),
+            methodcaller("line", "path", "ink3", line_width=1),
+            methodcaller("source", "ends", "x", "y", "marker"),
+            methodcaller("dots", "ends", "speed_limits", marker="marker", size=11, line_width=2),
+            methodcaller("add_names", size=11),
+        )
 
     def draw(self, search: LimitSearch, first: int, before: int = 0) -> None:
         """Draw the search in the limits of a section and the next one.

@@ -89,7 +89,7 @@ SPEEDS = RunPlot(
     *("ride_speed", SPEED, LINES, (300, 380, 240)),
     ticks=5,
     axis=RIDES,
-    beneath=(
+    below=(
         add_limits,
         methodcaller("source", "limits", "left", "right", "bottom"),
         partial(add_tint, name="limits"),

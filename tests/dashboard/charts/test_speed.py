@@ -73,7 +73,7 @@ def test_neutral_sections_lie_where_the_front_has_no_power_and_passing_points_on
     assert list(passes["y"]) == [32.5, 45.0]
 
 
-def test_the_tint_above_the_limits_of_several_runs_goes_at_once_over_time() -> None:
+def test_the_tint_above_the_limits_of_several_runs_is_sent_once_over_time() -> None:
     """Bokeh sends columns as they are at the end of a message: a second change would meet columns of other lengths."""
     scenario = load_scenario("metro-with-limit")
     runs = {name: solve(scenario, name) for name in ("optimal", "fastest")}
@@ -82,12 +82,12 @@ def test_the_tint_above_the_limits_of_several_runs_goes_at_once_over_time() -> N
     chart.axis.fit(scene.end, roomy=True)
     chart.show(lambda: chart.draw(scene))
     assert len(chart.sources["forbidden"].data["left"]) == 3
-    document, told = Document(), []
+    document, events = Document(), []
     document.add_root(chart.content.object)
-    document.on_change(told.append)
+    document.on_change(events.append)
     chart.draw(replace(scene, over_time=True))
     assert len(chart.sources["forbidden"].data["left"]) == 0
-    assert sum(getattr(event, "model", None) is chart.sources["forbidden"] for event in told) == 1
+    assert sum(getattr(event, "model", None) is chart.sources["forbidden"] for event in events) == 1
 
 
 def test_a_line_without_neutral_sections_has_no_band() -> None:
