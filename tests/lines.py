@@ -3,7 +3,7 @@
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.dashboard.charts.plot import RunLines
+from railjoule.dashboard.charts.run_lines import RunLines
 
 
 def sent(chart: RunLines, line: str) -> tuple[FloatArray, FloatArray]:

@@ -8,18 +8,9 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.axis import xy
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import (
-    DRIVEN_DASH,
-    NAMES,
-    CurveChart,
-    Line,
-    Plot,
-    RunLines,
-    RunPlot,
-    Stroke,
-    ends_of,
-)
+from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.look import words
 
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0

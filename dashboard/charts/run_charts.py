@@ -16,7 +16,6 @@ from railjoule.dashboard.charts.axis import columns, nice_range, xy
 from railjoule.dashboard.charts.chart import Layer, axis_line, no_grid, zero_line
 from railjoule.dashboard.charts.dress import text_style
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import Curve
 from railjoule.dashboard.charts.quantities import (
     EFFORT,
     ENERGY,
@@ -27,6 +26,7 @@ from railjoule.dashboard.charts.quantities import (
     SUPPLY_CURRENT,
     along,
 )
+from railjoule.dashboard.charts.run_lines import Curve
 from railjoule.dashboard.charts.scene import (
     ACTUAL,
     BORDERS,
@@ -62,8 +62,10 @@ class PhaseStrip(SceneChart):
 
     called, kind, title = ("phases", ""), "strip", "phases of the run"
     look: Mapping[str, Any] = {"zoom": False}
-    layers = (
+    layers: tuple[Layer, ...] = (
         no_grid,
+        # it has room for the numbers of an axis, as the charts around it
+        lambda chart: chart.figure.yaxis[0].update(major_label_text_alpha=0),
         methodcaller("source", "phases", "left", "right", "middle", "text", "fill", "ink"),
         methodcaller(
             *("glyphs", "quad", "phases", "left", "right", 0.04, 0.96),
@@ -78,12 +80,6 @@ class PhaseStrip(SceneChart):
             **CENTRED,
         ),
     )
-
-    def build(self) -> None:
-        """Make the figure; it has room for the numbers of an axis, as the charts around it."""
-        super().build()
-        assert self.figure is not None
-        self.figure.yaxis.major_label_text_alpha = 0
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""

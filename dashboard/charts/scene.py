@@ -15,8 +15,8 @@ from railjoule.dashboard.charts.axis import Axis, columns
 from railjoule.dashboard.charts.chart import Chart, Layer
 from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.figures import DistanceChart
-from railjoule.dashboard.charts.plot import Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.charts.quantities import Quantity, along
+from railjoule.dashboard.charts.run_lines import Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 

@@ -11,8 +11,8 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.axis import xy
 from railjoule.dashboard.charts.chart import Layer
 from railjoule.dashboard.charts.names import Box, Frame, Name, text_width_px
-from railjoule.dashboard.charts.plot import NAMES, Curve
 from railjoule.dashboard.charts.quantities import SPEED, along
+from railjoule.dashboard.charts.run_lines import NAMES, Curve
 from railjoule.dashboard.charts.scene import ACTUAL, BORDERS, RunChart, RunScene, line_words
 from railjoule.dashboard.charts.track import (
     NEUTRAL_LIFT_PX,

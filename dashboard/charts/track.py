@@ -11,7 +11,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.dashboard.charts.axis import columns, xy
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.names import text_width_px
-from railjoule.dashboard.charts.plot import Curve
+from railjoule.dashboard.charts.run_lines import Curve
 from railjoule.dashboard.look import words
 
 FAR_ABOVE = 9e3

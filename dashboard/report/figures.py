@@ -17,7 +17,6 @@ from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.driven import EFFORTS, SPEEDS
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import Name, placed_names
-from railjoule.dashboard.charts.plot import NAMES, RunLines
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
     EffortChart,
@@ -26,6 +25,7 @@ from railjoule.dashboard.charts.run_charts import (
     PhaseStrip,
     PowerChart,
 )
+from railjoule.dashboard.charts.run_lines import NAMES, RunLines
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.library_workarounds import document_json

@@ -13,8 +13,8 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.axis import Axis, xy
 from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import NAMES, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, along
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette

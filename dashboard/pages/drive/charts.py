@@ -14,9 +14,9 @@ from railjoule.core.strategies.bellman import ControlLaw
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.axis import Axis, xy
 from railjoule.dashboard.charts.chart import no_grid, zero_line
-from railjoule.dashboard.charts.plot import Curve
 from railjoule.dashboard.charts.quantities import POSITION, SPEED
 from railjoule.dashboard.charts.run_charts import LineStrip
+from railjoule.dashboard.charts.run_lines import Curve
 from railjoule.dashboard.charts.scene import BORDERS, VARIANT, RunScene, SceneChart, draw_borders
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look.paint import Palette

@@ -309,9 +309,6 @@ class MapChart(SelectingChart):
         methodcaller("coloured_signs", "signs", 12, text_align="center", text_baseline="middle"),
     )
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__(MAP, "", height, palette)
-
     def draw(self, look: Look) -> None:
         """Draw the medians, in equal steps: the numbers at the axes say where the cells lie."""
         f, found, columns = self.figure, look.medians, look.table.columns
@@ -370,7 +367,7 @@ PLOTS = (
         heights=(400, 470, 300),
         chart=partial(HistogramChart, ALONG_Y, "Histogram of the vertical axis", "beside"),
     ),
-    Plot(MAP, "", heights=(260, 300, 240), chart=MapChart),
+    Plot(MAP, heights=(260, 300, 240), chart=partial(MapChart, MAP, "")),
 )
 
 

@@ -14,8 +14,8 @@ from railjoule.core.scenario import Line
 from railjoule.dashboard.charts.axis import columns, xy
 from railjoule.dashboard.charts.chart import Layer
 from railjoule.dashboard.charts.names import text_width_px
-from railjoule.dashboard.charts.plot import Curve, Heights, RunLines, RunPlot
 from railjoule.dashboard.charts.quantities import POSITION
+from railjoule.dashboard.charts.run_lines import Curve, Heights, RunLines, RunPlot
 from railjoule.dashboard.charts.track import as_steps
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.compute import Reading

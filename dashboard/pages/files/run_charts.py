@@ -13,9 +13,10 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import columns, xy
 from railjoule.dashboard.charts.chart import Layer
 from railjoule.dashboard.charts.names import Box, Name, text_width_px
-from railjoule.dashboard.charts.plot import NAMES, AxisPlot, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED, along
 from railjoule.dashboard.charts.run_charts import LineStrip
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.files.measured import energy_so_far

@@ -16,19 +16,9 @@ from railjoule.dashboard.charts.chart import axis_line
 from railjoule.dashboard.charts.dress import text_style
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import (
-    DRIVEN_DASH,
-    AnyPlot,
-    Curve,
-    Ends,
-    Line,
-    Plot,
-    RunLines,
-    RunPlot,
-    Stroke,
-    ends_of,
-)
+from railjoule.dashboard.charts.plot import AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult

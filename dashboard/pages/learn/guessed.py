@@ -6,7 +6,7 @@ import panel_material_ui as pmui
 
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.charts.plot import RunLines
+from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css

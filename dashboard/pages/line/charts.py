@@ -17,9 +17,10 @@ from railjoule.dashboard.charts.chart import zero_line
 from railjoule.dashboard.charts.dress import dragged, text_style
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import text_width_px
-from railjoule.dashboard.charts.plot import AxisPlot, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
+from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.track import (
     add_limits,
     add_neutral_sections,

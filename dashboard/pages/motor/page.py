@@ -17,8 +17,9 @@ from railjoule.core.studies.table import StudyTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Line, Plot, RowPlot, Stroke
+from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION, Quantity, read
+from railjoule.dashboard.charts.run_lines import Line, RowPlot
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
 from railjoule.dashboard.page import Hint, Page, Request, Section, shows, study, work

@@ -22,9 +22,10 @@ from railjoule.dashboard.charts.dress import dragged
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import DRIVEN_DASH, AxisPlot, Curve, Line, Plot, RunLines, RunPlot, Stroke
+from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look.paint import Palette
@@ -116,9 +117,7 @@ class LimitSpeedChart(RunLines):
             for data, column in ((steps, ("middle", "limit")), (self.sources["handles"].data, ("x", "y")))
             for x, y in zip(frame.x_px(data[column[0]]), frame.y_px(data[column[1]]), strict=True)
         ]
-        tokens = self.palette.tokens
-        names = [Name(name, name, tokens[LINES[name].token]) for name in reversed(list(curves))]
-        self.place_names({**curves, "steps": ends, "line": line}, names, [*signs, *grips])
+        self.name_lines(curves, {"steps": ends, "line": line}, [*signs, *grips])
 
     def _draw_steps(self, limits_kmh: Sequence[float], ends_m: Sequence[float], most: float) -> None:
         left, right, limits = list(ends_m[:-1]), list(ends_m[1:]), [float(limit) for limit in limits_kmh]

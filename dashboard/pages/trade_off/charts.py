@@ -17,10 +17,9 @@ from railjoule.dashboard.charts.chart import no_grid
 from railjoule.dashboard.charts.dress import ink_on, style_of
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.names import Box, Name, clear_of
-from railjoule.dashboard.charts.plot import NAMES
+from railjoule.dashboard.charts.run_lines import NAMES
 from railjoule.dashboard.charts.surface import CIVIDIS, round_step
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, EnocPoint, TradeOff
 
 TIME_TITLE = "Travel time, s"
@@ -70,9 +69,6 @@ class FrontierChart(LoneChart):
         methodcaller("dots", "point", size=11, line_width=2),
         NAMES,
     )
-
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("frontier", "Net energy, kWh, over travel time, s", height, palette)
 
     def build(self) -> None:
         """Make the figure."""
@@ -178,9 +174,6 @@ class ContourChart(LoneChart):
             **WHITE_LINE,
         ),
     )
-
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, as contours", height, palette)
 
     def build(self) -> None:
         """Make the figure."""

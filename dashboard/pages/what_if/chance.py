@@ -14,8 +14,9 @@ from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBA
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.axis import nice_range, xy
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import NAMES, CurveChart, Line, Plot, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import NAMES, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.page import Page, Request, shows, study

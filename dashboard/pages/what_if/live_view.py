@@ -17,8 +17,9 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.charts.axis import xy
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import DRIVEN_DASH, NAMES, AxisPlot, Curve
+from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve
 from railjoule.dashboard.charts.track import add_limits, add_stations, draw_limits, draw_stations, limits_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import padded

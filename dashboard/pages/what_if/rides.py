@@ -9,9 +9,9 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.axis import nice_range
-from railjoule.dashboard.charts.names import Name
-from railjoule.dashboard.charts.plot import DRIVEN_DASH, NAMES, Curve, Line, Plot, RunLines, RunPlot, Stroke, ends_of
+from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.charts.track import add_limits, add_tint, draw_limits, limits_of
 from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
@@ -77,11 +77,7 @@ def _draw_names(chart: RunLines, lines: Mapping[str, Curve], limit: Mapping[str,
         frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
         for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
     ]
-    names = [
-        Name(name, name, chart.palette.tokens[NAME_TOKENS.get(name, LINES[name].token)])
-        for name in reversed(list(lines))
-    ]
-    chart.place_names({**lines, **limit, **borders, **upright}, names, taken)
+    chart.name_lines(lines, {**limit, **borders, **upright}, taken, NAME_TOKENS)
 
 
 RIDES = "events"

@@ -12,8 +12,8 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import LINE_HEIGHT, Box, Frame, text_width_px
-from railjoule.dashboard.charts.plot import RunLines
 from railjoule.dashboard.charts.run_charts import EnergyChart
+from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.charts.scene import RunChart, RunScene
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look.paint import Palette
