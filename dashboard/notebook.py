@@ -13,7 +13,8 @@ import numpy as np
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
-from railjoule.dashboard.charts.chart import add_zero, dress, nice_range, style_of
+from railjoule.dashboard.charts.axis import nice_range
+from railjoule.dashboard.charts.dress import add_zero, dress, style_of
 from railjoule.dashboard.charts.elements import dress_legends
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION, SPEED, Quantity
 from railjoule.dashboard.look.paint import Palette

@@ -9,7 +9,8 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser, unfrozen
-from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.download import SavedNumbers
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.plot import AnyPlot

@@ -1,47 +1,31 @@
-"""The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
+"""The base of all charts: a place with a sketch until they are drawn, sources, glyphs, names."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import cache
-from typing import Any, Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
-import numpy as np
 import panel as pn
-from bokeh.core.properties import value
-from bokeh.core.property.singletons import Undefined
-from bokeh.layouts import column
 from bokeh.models import (
-    BasicTicker,
-    BoxZoomTool,
     ColumnDataSource,
-    CrosshairTool,
-    CustomJS,
-    CustomJSTickFormatter,
-    Div,
-    EditTool,
     GlyphRenderer,
-    PanTool,
-    Range1d,
-    ResetTool,
-    Span,
-    WheelZoomTool,
 )
 from bokeh.plotting import figure
 from panel.viewable import Viewable
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.energy import SMALL_ENERGY_KWH
-from railjoule.dashboard.charts.label_places import Box
-from railjoule.dashboard.charts.line_names import COLUMNS, Frame, Name, placed_names
-from railjoule.dashboard.charts.run_columns import SHORT_COLUMN, RunColumns
+from railjoule.dashboard.charts.axis import clear, same
+from railjoule.dashboard.charts.dress import (
+    RIGHT_BORDER_PX,
+    add_zero,
+    check_complete,
+    lighten,
+    name_picture,
+    text_style,
+)
+from railjoule.dashboard.charts.names import COLUMNS, Box, Frame, Name, placed_names
 from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch_css
-from railjoule.dashboard.charts.tools import add_tools, name_picture
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.scripts import function
-from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
 from railjoule.dashboard.parts import html as parts
 
-TICKS = function("ticks", "tick_words(tick, digits)")
 CAPTION_PX = 21
 # assets/scripts/browser.js does not watch places of this class, which have nothing yet
 UNDRAWN, COMPUTED = "rj-undrawn", "rj-computing"
@@ -50,116 +34,11 @@ PLACE_CSS = """
 @media (max-width: 899px) { :host(:not(.rj-undrawn)) { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""
-HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
-"""What the library says over a figure, it would write on white in dark colours too."""
 USUAL_WIDTH_PX = 640.0
-RIGHT_BORDER_PX = 30
-"""The toolbar stands in it, and below it half of the last number of an axis."""
 RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
 """What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
-# Bokeh paints nothing beyond the frame of a figure, so that the room must be within it
-END_LABEL_SHARE = 0.125
-"""Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
-
-
-class Axis:
-    """The x axis that all charts of a page share: its range, its cursor and the columns of the runs over it.
-
-    Parameters
-    ----------
-    palette : Palette
-    kind : type
-        In which numbers the columns are sent.
-    """
-
-    def __init__(self, palette: Palette, kind: type[np.floating[Any]] = np.float32) -> None:
-        # with bounds, so that neither a pan nor a zoom leads away from the line
-        self.range = Range1d(0, 1, bounds=(0, 1))
-        self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
-        self.follow = CustomJS(
-            args={"captions": [], "sources": {}, "range": self.range},
-            code=function("cursor", "follow({captions, sources, range}, cb_obj)"),
-        )
-        self._charts: dict[str, dict[str, Any]] = {}
-        self._sources: dict[str, ColumnDataSource] = {}
-        self._kind = kind
-        self._runs: dict[str, RunColumns] = {}
-        self._extent = (0.0, 1.0)
-        self._end = 1.0
-        self._settled = 0
-        self.range.js_on_change("tags", self.follow)
-        palette.paint(self.cursor, line_color="ink")
-
-    def fit(self, end: float, roomy: bool) -> None:
-        """Show everything up to `end`, unless that is what the axis already spans: then its zoom stays."""
-        self._end = end
-        extent = (0.0, end * (1 + END_LABEL_SHARE) if roomy else end)
-        # up to rounding: the end is computed anew with each run
-        if np.allclose(extent, self._extent, rtol=1e-9):
-            return
-        self._extent = extent
-        # bounds first: the browser clips the ends to the bounds that it knows
-        self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
-
-    def add(self, name: str, chart: dict[str, Any]) -> None:
-        """Let the cursor write into one more chart's caption, once `settle` is called."""
-        self._charts[name] = chart
-
-    @property
-    def extent(self) -> tuple[float, float]:
-        """The ends of the whole axis, the room for labels included."""
-        return self._extent
-
-    @property
-    def end(self) -> float:
-        """Where the longest run ends: no ticks lie beyond it."""
-        return self._end
-
-    def columns(self, run: str) -> RunColumns:
-        """Return the columns of the run of a name, which all charts over this axis share."""
-        if run not in self._runs:
-            self._runs[run] = RunColumns(self._kind)
-        return self._runs[run]
-
-    def settle_over(self, time: bool) -> None:
-        """Settle an axis of times [s] or of places [m]."""
-        if time:
-            self.settle("s", 1)
-        else:
-            self.settle("m", 0)
-
-    def settle(self, unit: str, digits: int) -> None:
-        """Send the columns that charts have taken; tell the cursor all charts, and the unit of its place.
-
-        To be called last within a batch of changes: each column goes once for all charts, and the browser must know all
-        charts by then. The tags of the range (a count, the unit, the end of the ticks) are what assets/scripts reads:
-        a changed tag calls the cursor, and a saved table has its unit from there.
-        """
-        for run in self._runs.values():
-            run.send()
-        captions = [chart["caption"] for chart in self._charts.values()]
-        for index, chart in enumerate(self._charts.values()):
-            self._describe(chart, place=None if index else [unit, digits])
-        args = {"captions": captions, "sources": dict(self._sources), "range": self.range}
-        # the browser compiles the callback anew whenever its arguments are set, and Bokeh searches the whole document
-        if args != self.follow.args:
-            self.follow.args = args
-        else:
-            # a change of the range paints all its figures again; a chart that has just come needs it for no other
-            self._settled += 1
-        self.range.tags = [self._settled, unit, self._end]
-
-    def _describe(self, chart: Mapping[str, Any], place: list[Any] | None) -> None:
-        """Write what the cursor reads in a chart into the tags of its caption: words and numbers, no models.
-
-        A source is named there by its id. The callback keeps each source that was ever read, so that its arguments
-        stay the same when a run comes or goes.
-        """
-        self._sources |= {source.id: source for _, source, *_ in chart["sources"]}
-        read = [[word, source.id, *rest] for word, source, *rest in chart["sources"]]
-        described = {key: value for key, value in chart.items() if key != "caption"} | {"sources": read, "place": place}
-        if chart["caption"].tags != [described]:
-            chart["caption"].tags = [described]
+Layer = Callable[[Any], Any]
+"""Adds to a chart what it draws: a function of the chart, or `methodcaller` with one of the methods of `Chart`."""
 
 
 # Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines anew, this 0.7 ms
@@ -179,7 +58,7 @@ class Chart:
     kind: SketchKind = "lines"
     """What its sketch looks like."""
     title = ""
-    """What the figure is called where it has no caption."""
+    """What the figure is called where it has no caption, or one that changes."""
     stepped = False
     unit = ""
     digits = 1
@@ -195,7 +74,7 @@ class Chart:
             sizing_mode="stretch_width",
             height=self._tall,
             margin=0,
-            stylesheets=[PLACE_CSS + sketch_css(self.kind, caption, caption or self.title or name)],
+            stylesheets=[PLACE_CSS + sketch_css(self.kind, caption, caption or self.spoken)],
         )
         self.visible = False
         self.width_px = USUAL_WIDTH_PX
@@ -204,7 +83,8 @@ class Chart:
         """The title of the scenario, for the names of saved pictures."""
         self.figure: figure | None = None
         self.content: Viewable | None = None
-        self.queue: Queue = AT_ONCE
+        self.enqueue: Callable[[Chart], None] = Chart.settle
+        """Called when the chart has something to draw: it draws immediately, unless a page has a queue for it."""
         self.waiting: Callable[[], None] | None = None
 
     @property
@@ -214,6 +94,11 @@ class Chart:
     @property
     def _classes(self) -> list[str]:
         return [name for name in self.host.css_classes if name not in {UNDRAWN, COMPUTED}]
+
+    @property
+    def spoken(self) -> str:
+        """The name of the figure for screen readers: Bokeh 3.9.2 fails in the browser where it changes later."""
+        return self.title or self.caption or self.name
 
     @property
     def is_drawn(self) -> bool:
@@ -236,7 +121,7 @@ class Chart:
     def show(self, draw: Callable[[], None]) -> None:
         """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
         self.waiting = draw
-        self.queue.add(self)
+        self.enqueue(self)
 
     def settle(self) -> None:
         """Draw what waits; the chart takes the place of its sketch once it is drawn without an error."""
@@ -254,7 +139,7 @@ class Chart:
         else:
             draw()
         if isinstance(self.figure, figure):
-            name_picture(self.figure, self.scenario_title, self.caption or self.title or self.name)
+            name_picture(self.figure, self.scenario_title, self.caption or self.spoken)
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
             self.host.css_classes = self._classes
@@ -276,11 +161,26 @@ class Chart:
         self.host.css_classes = self._classes
         self.host[:] = [parts.html_pane(not_drawn(self.caption, self.height))]
 
-    def build(self) -> None:
-        """Make `figure` and `content`; subclasses add what they draw."""
+    look: Mapping[str, Any] = {}
+    """Arguments of `frame`."""
+    layers: tuple[Layer, ...] = ()
+    """Its layers, from back to front."""
+
+    def frame(self, *args: Any, **look: Any) -> figure:
+        """Return the empty figure, and put it under its caption."""
         raise NotImplementedError
 
+    def build(self) -> None:
+        """Make `figure` and `content`."""
+        self.frame(**self.look)
+        self.add(*self.layers)
+
     # ---- what is drawn in a figure
+
+    def add(self, *layers: Layer) -> None:
+        """Let the figure draw layers, each above those before."""
+        for layer in layers:
+            layer(self)
 
     def source(self, name: str, *columns: str) -> ColumnDataSource:
         """Return a new, empty source with these columns, or with those of a line."""
@@ -374,247 +274,19 @@ class Chart:
             clear(self.sources[name])
 
 
-class Queue(Protocol):
-    """Decides when charts draw."""
-
-    def add(self, chart: Chart) -> None:
-        """Let a chart draw what waits, now or later."""
-
-
-class AtOnce:
-    """Draws at once: for charts that no page leads."""
-
-    def add(self, chart: Chart) -> None:
-        """Draw."""
-        chart.settle()
+def zero_line(chart: Chart) -> None:
+    """Let a chart draw the line at zero."""
+    assert chart.figure is not None
+    add_zero(chart.figure, chart.palette)
 
 
-AT_ONCE = AtOnce()
+def axis_line(chart: Chart) -> None:
+    """Let a chart draw the line of its x axis."""
+    assert chart.figure is not None
+    chart.palette.paint(chart.figure.xaxis[0], axis_line_color="line2")
 
 
-def lighten(f: figure) -> None:
-    """Take off what a figure has for points that are chosen or muted: nothing is, and it is more than half of it."""
-    edited = {renderer for tool in f.tools if isinstance(tool, EditTool) for renderer in tool.renderers}
-    for renderer in f.renderers:
-        if isinstance(renderer, GlyphRenderer) and renderer not in edited:
-            renderer.update(selection_glyph=None, nonselection_glyph=None, hover_glyph=None, muted_glyph=None)
-
-
-def check_complete(f: figure) -> None:
-    """Raise an error if a model of a figure lacks what it cannot do without.
-
-    Bokeh itself finds out when it sends the models to the browser: the message with all else that it holds would be
-    lost, and the browser and the server would no longer agree on what is on the page.
-    """
-    for model in f.references():
-        for name in required(model.__class__):
-            getattr(model, name)
-
-
-@cache
-def required(kind: Any) -> tuple[str, ...]:
-    """Return the names of the properties that models of a kind must be given."""
-    described = ((name, kind.lookup(name)) for name in kind.properties())
-    return tuple(name for name, one in described if one.serialized and one.property._default is Undefined)
-
-
-class DistanceChart(Chart):
-    """A chart over the page's shared axis."""
-
-    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
-        super().__init__(name, caption, height)
-        self.axis, self.palette, self.left = axis, palette, left
-        self.y_range = Range1d(0, 1)
-
-    def frame(self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0) -> figure:
-        """Return the empty figure, and put it under its caption."""
-        f = figure(
-            height=self.height,
-            sizing_mode="stretch_width",
-            x_range=self.axis.range,
-            y_range=self.y_range,
-            tools="",
-            outline_line_color=None,
-            # the same for all charts of an axis, however long their numbers are: places stand above each other
-            min_border_left=self.left,
-            min_border_right=RIGHT_BORDER_PX,
-            min_border_top=2,
-            min_border_bottom=7,
-            # Bokeh itself gives a canvas neither a role nor a name
-            html_attributes={"role": "figure", "aria-label": self.caption or self.name},
-        )
-        dress(f, self.palette, ticks, digits)
-        f.xaxis.visible = with_axis
-        if zoom:
-            # only the width: all charts share this axis, and each has a y axis of its own
-            box = BoxZoomTool(dimensions="width")
-            # without the key, the wheel scrolls the page
-            wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
-            f.add_tools(PanTool(dimensions="width"), wheel, box, ResetTool())
-            f.toolbar.active_drag = box
-            f.toolbar.active_scroll = wheel
-        f.add_tools(CrosshairTool(overlay=self.axis.cursor))
-        add_tools(f, self.caption or self.name, self.palette)
-        f.js_on_event("mousemove", self.axis.follow)
-        f.js_on_event("mouseleave", self.axis.follow)
-        self.figure = f
-        # the cursor writes its values here, where they hide no data, as a tooltip would
-        caption = Div(
-            text=self.caption,
-            stylesheets=[parts_css()],
-            margin=0,
-            visible=bool(self.caption),
-            css_classes=["rj-caption"],
-        )
-        caption.styles = {
-            "padding": f"4px 0 0 {self.left}px",
-            "font-size": "12px",
-            "color": "var(--rj-ink2)",
-            "font-family": "var(--rj-font)",
-        }
-        self.content = pn.pane.Bokeh(
-            column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
-        )
-        # assets/scripts/cursor.js reads these by their names
-        self.told: dict[str, Any] = {
-            "caption": caption,
-            "words": self.caption,
-            "sources": [],
-            "stepped": self.stepped,
-            "unit": self.unit,
-            "digits": self.digits,
-            # below it the cursor writes one decimal more, as `words.energy` does
-            "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
-        }
-        self.axis.add(self.name, self.told)
-        return f
-
-    def set_cursor_sources(self, *names: str) -> None:
-        """Let the cursor read the lines of these sources."""
-        self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
-
-    def follow_line(self, name: str) -> None:
-        """Write the values of one line in the caption, at the place of the mouse."""
-        self.told["sources"] = [["", self.sources[name], "x", "y"]]
-
-    def rename(self, caption: str) -> None:
-        """Give the chart another caption."""
-        self.caption = self.told["words"] = caption
-        above = self.told["caption"]
-        if isinstance(above, Div) and above.text != caption:
-            above.text = caption
-        if self.figure is not None:
-            self.figure.html_attributes = {"role": "figure", "aria-label": caption}
-
-    @property
-    def frame_now(self) -> Frame:
-        """The frame over the whole axis, whatever part of it is zoomed in on."""
-        return self.frame_over(self.axis.extent, (float(self.y_range.start), float(self.y_range.end)))
-
-    def set_range(self, low: float, high: float) -> None:
-        """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
-        x_axis = None if self.figure is None else self.figure.xaxis[0]
-        # a change costs the library much more than a look at what there is
-        if x_axis is not None and x_axis.visible and x_axis.bounds != (0, self.axis.end):
-            x_axis.bounds = (0, self.axis.end)
-        if (self.y_range.start, self.y_range.end) != (low, high):
-            self.y_range.update(start=low, end=high)
-
-
-def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
-    """Give a figure the look of all charts: y grid only, no lines on the axes, numbers as people write them."""
-    f.stylesheets = [HINT_CSS]
-    for axis in (f.xaxis[0], f.yaxis[0]):
-        axis.update(
-            axis_line_color=None,
-            major_tick_line_color=None,
-            minor_tick_line_color=None,
-            major_label_text_font=FONT,
-            major_label_text_font_size="11px",
-            major_label_standoff=4,
-            axis_label_text_font=FONT,
-            axis_label_text_font_size="12px",
-            axis_label_text_font_style="normal",
-            axis_label_standoff=4,
-        )
-        palette.paint(axis, major_label_text_color="ink3", axis_label_text_color="ink2")
-    f.xaxis[0].formatter = CustomJSTickFormatter(code=TICKS, args={"digits": 0})
-    f.yaxis[0].formatter = CustomJSTickFormatter(code=TICKS, args={"digits": digits})
-    f.yaxis[0].ticker = BasicTicker(desired_num_ticks=ticks)
-    f.ygrid.ticker = f.yaxis[0].ticker
-    f.xgrid.grid_line_color = None
-    palette.paint(f.ygrid[0], grid_line_color="grid")
-
-
-def add_zero(f: figure, palette: Palette) -> None:
-    """Add the zero line to a figure."""
-    zero = Span(location=0, dimension="width", line_width=1)
-    palette.paint(zero, line_color="line2")
-    f.add_layout(zero)
-
-
-def dragged(figure: figure, script: str, answer: str = "", **args: Any) -> CustomJS:
-    """Let a script answer drags on a figure, which it has as `f` beside what is named; return its callback.
-
-    The script's module exports a function of that name, or of its own, which takes these by name, and the event.
-    """
-    call = f"{answer or script}({{{', '.join(['f', *args])}}}, cb_obj)"
-    drag = CustomJS(args={"f": figure, **args}, code=function(script, call))
-    for event in ("panstart", "pan", "panend"):
-        figure.js_on_event(event, drag)
-    return drag
-
-
-def text_style(size: int = 12) -> dict[str, object]:
-    """Return the properties of text glyphs in charts."""
-    # as values: Bokeh would take a bare text for the name of a column
-    return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
-
-
-def style_of(name: str) -> dict[str, object]:
-    """Return width and dash of a strategy's line, or of the pinned run's."""
-    return {"line_width": line_width(name), "line_dash": DASHES[name]}
-
-
-def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:
-    """Return ends of an axis that leave some room around values."""
-    # where all values are one, the axis must still have a height
-    room = share * max(high - low, 1e-9)
-    return low - room, high + room
-
-
-def clear(source: ColumnDataSource) -> None:
-    """Empty a source without changing its columns."""
-    if any(len(column) for column in source.data.values()):
-        source.data = {key: [] for key in source.data}
-
-
-def same(one: Any, other: Any) -> bool:
-    """Return whether two columns hold the same; pictures, which are long, count as different."""
-    if len(one) != len(other) or any(isinstance(value, np.ndarray) for column in (one, other) for value in column[:1]):
-        return False
-    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
-        return np.array_equal(one, other)
-    return list(one) == list(other)
-
-
-def columns(**arrays: FloatArray) -> dict[str, FloatArray | list[float]]:
-    """Return the columns of a source; short ones as lists, which travel within the message instead of beside it."""
-    return {
-        name: [*map(_nine_digits, array)] if len(array) <= SHORT_COLUMN else array for name, array in arrays.items()
-    }
-
-
-def _nine_digits(number: float) -> float:
-    # a millimetre in a thousand kilometres; all digits would take twice as many letters
-    return float(f"{number:.9g}")
-
-
-def xy(x: FloatArray, y: FloatArray) -> dict[str, FloatArray | list[float]]:
-    """Return the columns of a line."""
-    return columns(x=np.asarray(x), y=np.asarray(y))
-
-
-def points(places: Collection[tuple[float, float]]) -> dict[str, list[float]]:
-    """Return the columns of a few points."""
-    return {"x": [x for x, _ in places], "y": [y for _, y in places]}
+def no_grid(chart: Chart) -> None:
+    """Take the grid off a chart."""
+    assert chart.figure is not None
+    chart.figure.ygrid.visible = False

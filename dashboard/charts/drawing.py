@@ -50,7 +50,7 @@ class DrawingQueue:
         """Lead these charts, in the order in which they stand on the page."""
         self._charts = list(charts)
         for chart in charts:
-            chart.queue = self
+            chart.enqueue = self.add
 
     def sight(self, names: list[str]) -> None:
         """Take note of the charts that the browser has in sight."""

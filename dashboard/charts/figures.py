@@ -1,34 +1,145 @@
-"""Figures that stand alone: with both axes, without a shared cursor."""
+"""The kinds of charts: over an axis that figures share, with axes of their own, or with finished figures."""
 
-from functools import cache
+from collections.abc import Callable
+from typing import Any
 
 import panel as pn
-from bokeh.models import HoverTool, Range1d
+from bokeh.events import Tap
+from bokeh.layouts import column
+from bokeh.models import (
+    BoxZoomTool,
+    CrosshairTool,
+    Div,
+    PanTool,
+    Range1d,
+    ResetTool,
+    WheelZoomTool,
+)
 from bokeh.plotting import figure
 
-from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX, Chart, check_complete, dress, lighten
-from railjoule.dashboard.charts.line_names import Frame
-from railjoule.dashboard.charts.tools import add_tools
+from railjoule.core.energy import SMALL_ENERGY_KWH
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX, add_tools, check_complete, dress, empty_figure, lighten
+from railjoule.dashboard.charts.names import Frame
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.tokens import LIGHT
+from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.parts import html as parts
 
-DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"
 
+class DistanceChart(Chart):
+    """A chart over the page's shared axis."""
 
-# a map asks for a few colours once for each of its cells
-@cache
-def ink_on(colour: str) -> str:
-    """Return black or white, whichever contrasts more with a colour."""
-    # at the geometric mean of both, the contrast ratio of WCAG 2.2 with each is the same
-    return DARK_INK if _lightness(colour) ** 2 > _lightness(DARK_INK) * _lightness(WHITE) else WHITE
+    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
+        super().__init__(name, caption, height)
+        self.axis, self.palette, self.left = axis, palette, left
+        self.y_range = Range1d(0, 1)
+        self.press: Callable[[float], None] = lambda _: None
+        """Called with the place of a press [m]."""
 
+    def frame(self, zoom: bool = True, ticks: int = 4, digits: int = 0, x_title: str = "") -> figure:
+        """Return the empty figure, and put it under its caption; a title makes the x axis visible."""
+        f = figure(
+            height=self.height,
+            sizing_mode="stretch_width",
+            x_range=self.axis.range,
+            y_range=self.y_range,
+            tools="",
+            outline_line_color=None,
+            # the same for all charts of an axis, however long their numbers are: places stand above each other
+            min_border_left=self.left,
+            min_border_right=RIGHT_BORDER_PX,
+            min_border_top=2,
+            min_border_bottom=7,
+            # Bokeh itself gives a canvas neither a role nor a name
+            html_attributes={"role": "figure", "aria-label": self.spoken},
+        )
+        dress(f, self.palette, ticks, digits)
+        f.xaxis.update(visible=bool(x_title), axis_label=x_title or None)
+        if zoom:
+            # only the width: all charts share this axis, and each has a y axis of its own
+            box = BoxZoomTool(dimensions="width")
+            # without the key, the wheel scrolls the page
+            wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
+            f.add_tools(PanTool(dimensions="width"), wheel, box, ResetTool())
+            f.toolbar.active_drag = box
+            f.toolbar.active_scroll = wheel
+        f.add_tools(CrosshairTool(overlay=self.axis.cursor))
+        add_tools(f, self.spoken, self.palette)
+        f.js_on_event("mousemove", self.axis.follow)
+        f.js_on_event("mouseleave", self.axis.follow)
+        self.figure = f
+        # the cursor writes its values here, where they hide no data, as a tooltip would
+        caption = Div(
+            text=self.caption,
+            stylesheets=[parts_css()],
+            margin=0,
+            visible=bool(self.caption),
+            css_classes=["rj-caption"],
+        )
+        caption.styles = {
+            "padding": f"4px 0 0 {self.left}px",
+            "font-size": "12px",
+            "color": "var(--rj-ink2)",
+            "font-family": "var(--rj-font)",
+        }
+        self.content = pn.pane.Bokeh(
+            column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
+        )
+        # assets/scripts/cursor.js reads these by their names
+        self.told: dict[str, Any] = {
+            "caption": caption,
+            "words": self.caption,
+            "sources": [],
+            "stepped": self.stepped,
+            "unit": self.unit,
+            "digits": self.digits,
+            # below it the cursor writes one decimal more, as `words.energy` does
+            "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
+        }
+        self.axis.add(self.name, self.told)
+        return f
 
-def _lightness(colour: str) -> float:
-    """Return the relative luminance of WCAG 2.2, and what its contrast ratio adds for the light around a screen."""
-    shares = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in shares)
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue + 0.05
+    over_time = False
+    """Whether it lies over time."""
+
+    def take_presses(self) -> None:
+        """Tell where the line is pressed; over time the axis has no places."""
+        assert self.figure is not None
+        self.figure.on_event(Tap, self._press)
+
+    def _press(self, event: Any) -> None:
+        if event.x is not None and not self.over_time and 0 < event.x < self.axis.end:
+            self.press(float(event.x))
+
+    def set_cursor_sources(self, *names: str) -> None:
+        """Let the cursor read the lines of these sources."""
+        self.told["sources"] = [[name, self.sources[name], "x", "y"] for name in names]
+
+    def follow_line(self, name: str) -> None:
+        """Write the values of one line in the caption, at the place of the mouse."""
+        self.told["sources"] = [["", self.sources[name], "x", "y"]]
+
+    def rename(self, caption: str) -> None:
+        """Give the chart another caption; its `title` names the figure for screen readers."""
+        self.caption = self.told["words"] = caption
+        above = self.told["caption"]
+        if isinstance(above, Div) and above.text != caption:
+            above.text = caption
+
+    @property
+    def frame_now(self) -> Frame:
+        """The frame over the whole axis, whatever part of it is zoomed in on."""
+        return self.frame_over(self.axis.extent, (float(self.y_range.start), float(self.y_range.end)))
+
+    def set_range(self, low: float, high: float) -> None:
+        """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
+        x_axis = None if self.figure is None else self.figure.xaxis[0]
+        # a change costs the library much more than a look at what there is
+        if x_axis is not None and x_axis.visible and x_axis.bounds != (0, self.axis.end):
+            x_axis.bounds = (0, self.axis.end)
+        if (self.y_range.start, self.y_range.end) != (low, high):
+            self.y_range.update(start=low, end=high)
 
 
 def captioned(text: str, f: figure) -> pn.Column:
@@ -40,48 +151,6 @@ def captioned(text: str, f: figure) -> pn.Column:
     )
 
 
-def empty_figure(
-    height: int,
-    x_range: Range1d,
-    y_range: Range1d,
-    name: str,
-    palette: Palette,
-    ticks: int = 6,
-    digits: int = 0,
-    x_title: str = "",
-    y_title: str = "",
-) -> figure:
-    """Return a figure with both axes; where the y axis has no title, the caption names it."""
-    f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
-    f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
-    dress_alone(f, name, palette, ticks, digits)
-    return f
-
-
-def dress_alone(
-    f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0, keeps_hover: bool = False
-) -> None:
-    """Give a figure its name, the look of a figure with axes of its own, and its toolbar.
-
-    Of the tools that the figure has, only hover tools can be kept.
-    """
-    f.update(
-        sizing_mode="stretch_width",
-        tools=[tool for tool in f.tools if keeps_hover and isinstance(tool, HoverTool)],
-        # many figures share one WebGL surface, which a page does not need for so few marks
-        output_backend="canvas",
-        outline_line_color=None,
-        min_border_left=50,
-        min_border_right=RIGHT_BORDER_PX,
-        min_border_top=2,
-        min_border_bottom=24,
-        html_attributes={"role": "figure", "aria-label": name},
-    )
-    dress(f, palette, ticks, digits)
-    add_tools(f, name, palette)
-    palette.paint(f.xaxis[0], axis_line_color="line2")
-
-
 class LoneChart(Chart):
     """A chart with both axes of its own, for what does not lie over the page's shared axis.
 
@@ -90,18 +159,16 @@ class LoneChart(Chart):
     name, caption, height
         As in `Chart`.
     palette : Palette
-    x_range : Range1d or None
-        That of another chart, where it shares it.
     """
 
-    def __init__(self, name: str, caption: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
+    def __init__(self, name: str, caption: str, height: int, palette: Palette) -> None:
         super().__init__(name, caption, height)
-        self.palette, self.x_range, self.y_range = palette, x_range or Range1d(0, 1), Range1d(0, 1)
+        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
         """Return the empty figure, and put it under its caption."""
         f = empty_figure(
-            self.height, self.x_range, self.y_range, self.caption, self.palette, ticks, digits, x_title, y_title
+            self.height, self.x_range, self.y_range, self.spoken, self.palette, ticks, digits, x_title, y_title
         )
         self.figure, self.content = f, captioned(self.caption, f)
         return f

@@ -6,8 +6,9 @@ from bokeh.plotting.contour import contour_data
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
-from railjoule.dashboard.charts.chart import add_zero, xy
-from railjoule.dashboard.charts.figures import LoneChart, ink_on
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.dress import add_zero, ink_on
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette

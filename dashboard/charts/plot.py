@@ -1,30 +1,25 @@
 """Figures as data: the descriptions of figures by a page, and the charts that draw them.
 
 `Plot` is a figure with axes of its own; `RunPlot` one over the axis that the figures of a page share, with a line for
-each of some runs, with one cursor. The charts take curves, or runs whose quantities they draw.
+each of some runs; `AxisPlot` one over that axis that a chart of its own draws.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
+from railjoule.dashboard.charts.axis import Axis, nice_range, xy
+from railjoule.dashboard.charts.chart import Chart, Layer, zero_line
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.quantities import Quantity
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Form, Line, RunLines, ends_of
+from railjoule.dashboard.charts.names import Name
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Heights, RunPlot, ends_of
+from railjoule.dashboard.charts.sketches import SketchKind
 from railjoule.dashboard.look.paint import Palette
 
-Heights = tuple[int, int, int]
-"""Of a figure [px]: in usual, wide and narrow windows."""
-Ends = tuple[float, float]
 SOLID: Mapping[str, Any] = {"line_width": 1.8}
 DASHED: Mapping[str, Any] = {"line_width": 1.7, "line_dash": DRIVEN_DASH}
-NAMES_PX, BORDERS_PX = 22, 9
-"""Room above the lines for their names; what a figure takes above and below its frame."""
-BAND_ALPHA = 0.16
 
 
 @dataclass(frozen=True)
@@ -77,12 +72,18 @@ class Plot:
         Colours of upright dashed lines, by the name under which they are drawn.
     room : float
         Share of the values' range that is left free above and below.
+    sketch : str
+        Kind of its sketch.
+    layers : tuple of callable
+        Layers above the curves, from back to front.
+    draws : callable, optional
+        Draws contents in its chart, where these are not only curves.
     chart : callable, optional
-        Makes its chart from height and palette, where it is none of curves.
+        Makes its chart from height and palette, where it is none of curves and layers.
     """
 
     name: str
-    caption: str
+    caption: str = ""
     curves: Mapping[str, Stroke] = field(default_factory=dict)
     heights: Heights = (190, 220, 180)
     x_title: str = ""
@@ -94,6 +95,9 @@ class Plot:
     from_zero: bool = False
     uprights: Mapping[str, str] = field(default_factory=dict)
     room: float = 0.06
+    sketch: SketchKind = "lines"
+    layers: tuple[Layer, ...] = ()
+    draws: Callable[..., None] | None = None
     chart: Callable[[int, Palette], Chart] | None = None
 
     def made(self, axis: Axis, palette: Palette) -> Chart:
@@ -103,42 +107,36 @@ class Plot:
 
 
 @dataclass(frozen=True)
-class RunPlot:
-    """A figure over the page's shared axis of time, with a line for each of some runs.
+class AxisPlot:
+    """A figure over an axis that figures of a page share, drawn by a chart of its own.
 
     Parameters
     ----------
     name : str
-    quantity : Quantity
-        Quantity of its lines, where they have none of their own; its words are the caption.
-    lines : mapping of str to Line
-        From back to front, by their names in the figure; one without a name is the only one.
+        As in `Chart`.
+    chart : callable
+        Makes its chart from height, axis and palette.
     heights : tuple of int
-    ticks, digits : int
-        As in `Plot`.
-    last : bool
-        Whether it has the numbers of the axis.
+    axis : str
+        The name of the axis, where a page has several.
     """
 
     name: str
-    quantity: Quantity
-    lines: Mapping[str, Line]
+    chart: Callable[[int, Axis, Palette], Chart]
     heights: Heights = (190, 220, 180)
-    ticks: int = 4
-    digits: int = 0
-    last: bool = False
+    axis: str = ""
 
     def made(self, axis: Axis, palette: Palette) -> Chart:
         """Return its chart."""
-        return RunPlotChart(self, axis, palette)
+        return self.chart(self.heights[0], axis, palette)
 
 
 class CurveChart(LoneChart):
     """Draws a `Plot`."""
 
     def __init__(self, plot: Plot, height: int, palette: Palette) -> None:
+        self.plot, self.kind = plot, plot.sketch
         super().__init__(plot.name, plot.caption, height, palette)
-        self.plot = plot
 
     def build(self) -> None:
         """Make the figure."""
@@ -146,7 +144,7 @@ class CurveChart(LoneChart):
         f = self.frame(plot.ticks, plot.digits, plot.x_title, plot.y_title)
         f.xaxis[0].formatter.args = {"digits": plot.x_digits}
         if plot.zero:
-            add_zero(f, self.palette)
+            zero_line(self)
         for name, stroke in plot.curves.items():
             if stroke.line:
                 self.line(name, stroke.token, **stroke.style)
@@ -154,9 +152,18 @@ class CurveChart(LoneChart):
                 self.dots(name, stroke.token, size=8, line_width=1.5)
         for name, token in plot.uprights.items():
             self.glyphs("segment", name, "x", "from", "x", "to", paint={"line_color": token}, line_dash=DRIVEN_DASH)
-        self.add_names(size=11)
+        self.add(*plot.layers)
+        if any(stroke.word for stroke in plot.curves.values()):
+            self.add_names(size=11)
 
-    def draw(
+    def draw(self, *drawn: Any, **more: Any) -> None:
+        """Draw what the plot draws: curves, as `draw_curves`, unless it has a function of its own."""
+        if self.plot.draws is None:
+            self.draw_curves(*drawn, **more)
+        else:
+            self.plot.draws(self, *drawn, **more)
+
+    def draw_curves(
         self,
         curves: Mapping[str, Curve],
         uprights: Mapping[str, float] | None = None,
@@ -191,75 +198,8 @@ class CurveChart(LoneChart):
             for name, stroke in strokes.items()
             if stroke.word and name in drawn
         ]
-        self.place_names(drawn, names, [], size=11)
-
-
-class RunPlotChart(RunLines):
-    """Draws a `RunPlot`: runs over time, their names in a row above them, and bands where a limit held the drive."""
-
-    def __init__(self, plot: RunPlot, axis: Axis, palette: Palette) -> None:
-        form = Form(plot.ticks, plot.digits, zero=True, last=plot.last, over_time=True)
-        super().__init__(plot.name, plot.quantity, plot.lines, plot.heights[0], axis, palette, form=form)
-
-    def beneath(self) -> None:
-        """Draw the bands under the lines."""
-        self.glyphs(
-            "vstrip", "bands", "from", "to", paint={"fill_color": "limit"}, fill_alpha=BAND_ALPHA, line_color=None
-        )
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.coloured_signs("names", 12, text_baseline="top", y_offset=2)
-
-    def draw(self, runs: Mapping[str, Any], bands: Sequence[Ends] = ()) -> None:
-        """Draw the runs that there are, by the names of the lines, and bands from time to time [s]."""
-        drawn = self.fill(runs, over_time=True)
-        self.told["sources"] = [self.read(word, word) for word in drawn]
-        low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
-        bottom, top = nice_range(low, high)
-        bottom = bottom if low < 0 else 0.0
-        if any(drawn):
-            frame_px = self.height - BORDERS_PX
-            # the lines get the frame less the row of names, NAMES_PX of it
-            top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
-        self.set_range(bottom, top)
-        self._name([word for word in drawn if word], top)
-        self.put("bands", **{"from": [start for start, _ in bands], "to": [end for _, end in bands]})
-
-    def _name(self, names: list[str], height: float) -> None:
-        """Write the names side by side above the lines."""
-        self.put(
-            "names",
-            x=[(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
-            y=[height] * len(names),
-            text=names,
-            colour=[self.palette.tokens[self.lines[word].token] for word in names],
-        )
-
-
-@dataclass(frozen=True)
-class AxisPlot:
-    """A figure over an axis that figures of a page share, drawn by a chart of its own.
-
-    Parameters
-    ----------
-    name : str
-        As in `Chart`.
-    chart : callable
-        Makes its chart from height, axis and palette.
-    heights : tuple of int
-    axis : str
-        The name of the axis, where a page has several.
-    """
-
-    name: str
-    chart: Callable[[int, Axis, Palette], Chart]
-    heights: Heights = (190, 220, 180)
-    axis: str = ""
-
-    def made(self, axis: Axis, palette: Palette) -> Chart:
-        """Return its chart."""
-        return self.chart(self.heights[0], axis, palette)
+        if "names" in self.sources:
+            self.place_names(drawn, names, [], size=11)
 
 
 AnyPlot = Plot | RunPlot | AxisPlot

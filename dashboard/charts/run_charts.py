@@ -1,7 +1,9 @@
-"""The charts beneath the speed: phases, line, energy, difference, effort, current, power."""
+"""The charts below the speed: phases, line, energy, difference, effort, current, power."""
 
 from collections.abc import Mapping
 from dataclasses import replace
+from operator import methodcaller
+from typing import Any
 
 import numpy as np
 
@@ -10,22 +12,25 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.physics.adhesion import driven_adhesion_n
 from railjoule.core.units import N_PER_KN
-from railjoule.dashboard.charts.chart import Axis, add_zero, columns, nice_range, text_style, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import columns, nice_range, xy
+from railjoule.dashboard.charts.chart import Layer, axis_line, no_grid, zero_line
+from railjoule.dashboard.charts.dress import text_style
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.quantities import (
     EFFORT,
     ENERGY,
     LARGEST_EFFORT,
     MOTOR_CURRENT,
+    POSITION,
     POWER,
     SUPPLY_CURRENT,
     along,
 )
-from railjoule.dashboard.charts.run_lines import Curve, ends_of
+from railjoule.dashboard.charts.run_lines import Curve
 from railjoule.dashboard.charts.scene import (
     ACTUAL,
+    BORDERS,
     PINNED,
-    CellChart,
     RunChart,
     RunScene,
     SceneChart,
@@ -33,13 +38,13 @@ from railjoule.dashboard.charts.scene import (
     line_words,
 )
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 
 WORD_PX = 7.2
 """How wide a letter is, a little more than the mean: assets/scripts/report.js reckons with the same."""
 GROUND, SIGNS, CURVES, TOP = 0.08, 1.22, (1.58, 1.68), 1.7
 """Heights in the strip of the line, in units of its relief above its lowest point (of the ground: below it). The relief
 ends at 1, so that gradients stand above it, and curves above these at the upper edge."""
+CENTRED: Mapping[str, Any] = {"text_align": "center", "text_baseline": "middle", **text_style(11)}
 LEAST_KWH = 0.05
 """The axis of a difference of energies reaches at least so far."""
 END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
@@ -55,22 +60,26 @@ def end_words(name: str, scene: RunScene) -> str:
 class PhaseStrip(SceneChart):
     """The phases of the chosen run as a strip of numbered bands."""
 
-    kind = "strip"
-    title = "phases of the run"
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("phases", "", height, axis, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(zoom=False)
-        f.yaxis.major_label_text_alpha = 0
-        f.ygrid.visible = False
-        self.source("phases", "left", "right", "middle", "text", "fill", "ink")
-        band = {"line_color": "surface"}
-        self.glyphs("quad", "phases", "left", "right", 0.04, 0.96, paint=band, fill_color="fill", line_width=1.5)
-        centred = {"text_align": "center", "text_baseline": "middle", **text_style(11)}
-        self.glyphs("text", "phases", "middle", 0.5, "text", paint={}, text_color="ink", **centred)
+    called, kind, title = ("phases", ""), "strip", "phases of the run"
+    look: Mapping[str, Any] = {"zoom": False}
+    layers: tuple[Layer, ...] = (
+        no_grid,
+        # it has room for the numbers of an axis, as the charts around it
+        lambda chart: chart.figure.yaxis[0].update(major_label_text_alpha=0),
+        methodcaller("source", "phases", "left", "right", "middle", "text", "fill", "ink"),
+        methodcaller(
+            *("glyphs", "quad", "phases", "left", "right", 0.04, 0.96),
+            paint={"line_color": "surface"},
+            fill_color="fill",
+            line_width=1.5,
+        ),
+        methodcaller(
+            *("glyphs", "text", "phases", "middle", 0.5, "text"),
+            paint={},
+            text_color="ink",
+            **CENTRED,
+        ),
+    )
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
@@ -104,22 +113,22 @@ class PhaseStrip(SceneChart):
 class LineStrip(SceneChart):
     """The line: gradients over its height, curves hatched."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line", f"Track: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=True, ticks=2)
-        self.palette.paint(f.xaxis[0], axis_line_color="line2")
-        f.xaxis.axis_label = along(False).words
-        self.source("height", "x", "y", "base")
-        self.glyphs("varea", "height", "x", "base", "y", paint={"fill_color": "ground"})
-        self.line("height", "groundline", line_width=1.3)
-        self.hairlines("borders", "line2", line_dash=[1, 3])
-        hatched = {"line_color": "groundline", "hatch_color": "groundline"}
-        sides = ("left", "right", "bottom", "top")
-        self.glyphs("quad", "curves", *sides, paint=hatched, fill_color=None, hatch_pattern="/")
-        self.signs("signs", "ink2", text_align="center")
+    called = "line", f"Track: gradient, {words.PER_MILLE}, over height, m"
+    look: Mapping[str, Any] = {"ticks": 2, "x_title": POSITION.words}
+    layers: tuple[Layer, ...] = (
+        axis_line,
+        methodcaller("source", "height", "x", "y", "base"),
+        methodcaller("glyphs", "varea", "height", "x", "base", "y", paint={"fill_color": "ground"}),
+        methodcaller("line", "height", "groundline", line_width=1.3),
+        methodcaller("hairlines", "borders", "line2", line_dash=[1, 3]),
+        methodcaller(
+            *("glyphs", "quad", "curves", "left", "right", "bottom", "top"),
+            paint={"line_color": "groundline", "hatch_color": "groundline"},
+            fill_color=None,
+            hatch_pattern="/",
+        ),
+        methodcaller("signs", "signs", "ink2", text_align="center"),
+    )
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
@@ -169,17 +178,10 @@ def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
 class EnergyChart(RunChart):
     """Energy from the supply so far."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(ENERGY, height, axis, palette)
-
-    def beneath(self) -> None:
-        """Draw what the actual run takes more beneath all else."""
-        self.glyphs("varea", "extra", "x", "low", "high", paint={"fill_color": "over"})
-        super().beneath()
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.add_names("ends")
+    quantity = ENERGY
+    # below all else what the actual run takes more
+    below = (methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}), BORDERS)
+    above = (methodcaller("add_names", "ends"),)
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
@@ -190,7 +192,7 @@ class EnergyChart(RunChart):
     def draw(self, scene: RunScene) -> None:
         """Draw the energies with their names at the ends."""
         lines = self.draw_runs(scene)
-        self.set_range(*nice_range(*ends_of(lines.values()), self.form.room))
+        self.fit(lines)
         self._draw_extra(scene)
         if scene.narrow:
             self.clear("ends")
@@ -227,19 +229,15 @@ class EnergyChart(RunChart):
 class DifferenceChart(SceneChart):
     """Energy so far against the pinned run."""
 
-    unit, digits = "kWh", 2
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("difference", "Against the pinned run, kWh", height, axis, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=3, digits=2)
-        add_zero(f, self.palette)
-        self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
-        self.glyphs("varea", "run", "x", 0, "y", paint={"fill_color": "accent"}, fill_alpha=0.13)
-        self.line("run", "accent", line_width=1.8)
-        self.add_names("ends")
+    called, unit, digits = ("difference", "Against the pinned run, kWh"), "kWh", 2
+    look: Mapping[str, Any] = {"ticks": 3, "digits": 2}
+    layers = (
+        zero_line,
+        BORDERS,
+        methodcaller("glyphs", "varea", "run", "x", 0, "y", paint={"fill_color": "accent"}, fill_alpha=0.13),
+        methodcaller("line", "run", "accent", line_width=1.8),
+        methodcaller("add_names", "ends"),
+    )
 
     def draw(self, scene: RunScene) -> None:
         """Draw the difference to the pinned run."""
@@ -261,16 +259,18 @@ class DifferenceChart(SceneChart):
         self.place_names({"run": (x, difference)}, [name], source="ends")
 
 
-class EffortChart(CellChart):
+IN_CELLS: Mapping[str, Any] = {"ticks": 3, "zero": True, "room": 0.08}
+"""How a quantity is drawn that is constant in each cell."""
+
+
+class EffortChart(RunChart):
     """Tractive and braking effort, with the largest one dotted and the adhesion of the driven axles dashed."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(EFFORT, height, axis, palette)
-
-    def above(self) -> None:
-        """Draw the largest effort and the adhesion."""
-        self.line("largest", "ink3", line_width=1, line_dash=[2, 3])
-        self.line("adhesion", "limit", line_width=1, line_dash=[6, 3])
+    quantity, look, title = EFFORT, IN_CELLS, EFFORT.words
+    above = (
+        methodcaller("line", "largest", "ink3", line_width=1, line_dash=[2, 3]),
+        methodcaller("line", "adhesion", "limit", line_width=1, line_dash=[6, 3]),
+    )
 
     def draw(self, scene: RunScene) -> None:
         """Draw the efforts, the largest one and, where the rail condition is known, the adhesion."""
@@ -294,11 +294,11 @@ class EffortChart(CellChart):
         self.put("adhesion", x=[*places, np.nan, *places], y=[*most, np.nan, *-most])
 
 
-class CurrentChart(CellChart):
-    """Current of one motor where the drive's model has one, else that of the line."""
+class SupplyChart(RunChart):
+    """Current or power at the supply, with the x axis of all charts above it."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(MOTOR_CURRENT, height, axis, palette)
+    quantity, title = MOTOR_CURRENT, "Current or power from the supply"
+    look: Mapping[str, Any] = {**IN_CELLS, "last": True}
 
     @staticmethod
     def knows(run: Trajectory) -> bool:
@@ -306,40 +306,32 @@ class CurrentChart(CellChart):
         return run.current_a is not None or run.supply_current_a is not None
 
     def draw(self, scene: RunScene) -> None:
-        """Draw the currents, and say in the title which they are."""
-        # before the lines are filled, which are of this quantity
-        if scene.run.current_a is not None:
-            self.quantity, at = MOTOR_CURRENT, ""
+        """Draw the power where it is chosen or no current is known, else the current; the title says which it is."""
+        run, at = scene.run, ""
+        if scene.with_power or not self.knows(run):
+            self.quantity = POWER
+        elif run.current_a is not None:
+            self.quantity = MOTOR_CURRENT
         else:
-            volts = scene.run.scenario.vehicle.line_voltage_v or 0.0
-            self.quantity, at = SUPPLY_CURRENT, f", at {words.number(volts, 0)} V"
+            self.quantity, at = SUPPLY_CURRENT, f", at {words.number(run.scenario.vehicle.line_voltage_v or 0.0, 0)} V"
+        # all are drawn from one column
+        self.quantity = replace(self.quantity, name=self.plot.quantity.name)
+        self.unit, self.digits = self.quantity.unit, self.quantity.digits
+        self.told.update(unit=self.unit, digits=self.digits)
+        assert self.figure is not None
+        self.figure.yaxis[0].formatter.args = {"digits": 1 if self.quantity.unit == POWER.unit else 0}
         self.rename(f"{self.quantity.words}{at}")
         super().draw(scene)
 
 
-class SupplyChart(CurrentChart):
-    """Current or power at the supply, with the x axis of all charts above it."""
+class CurrentChart(SupplyChart):
+    """Current of one motor where the drive's model has one, else that of the supply, above other charts."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        # the columns of the current, whichever is drawn
-        CellChart.__init__(self, MOTOR_CURRENT, height, axis, palette, last=True)
-
-    def draw(self, scene: RunScene) -> None:
-        """Draw the power where it is chosen or no current is known, else the current."""
-        power = scene.with_power or not self.knows(scene.run)
-        assert self.figure is not None
-        self.figure.yaxis[0].formatter.args = {"digits": 1 if power else 0}
-        shown = replace(POWER, name=MOTOR_CURRENT.name)
-        self.unit, self.digits = (shown.unit, shown.digits) if power else (MOTOR_CURRENT.unit, MOTOR_CURRENT.digits)
-        self.told.update(unit=self.unit, digits=self.digits)
-        if not power:
-            super().draw(scene)
-            return
-        self.quantity = shown
-        self.rename(shown.words)
-        CellChart.draw(self, scene)
+    look, title = IN_CELLS, "Current"
 
 
-def power_chart(height: int, axis: Axis, palette: Palette) -> CellChart:
-    """Return the chart of power at the supply, with the x axis of all charts above it."""
-    return CellChart(POWER, height, axis, palette, last=True, digits=1)
+class PowerChart(RunChart):
+    """Power from the supply, with the x axis of all charts above it."""
+
+    quantity = POWER
+    look: Mapping[str, Any] = {**IN_CELLS, "last": True, "digits": 1}

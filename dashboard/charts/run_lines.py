@@ -1,37 +1,40 @@
-"""Charts with a line for each of some runs, and what several of them draw beside the lines."""
+"""Figures with a line for each of some runs, as data: `RunPlot`, and the chart that draws it."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from operator import methodcaller
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 from bokeh.models import GlyphRenderer
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.motion.line_profile import limit_steps, neutral_stretches
-from railjoule.core.scenario import Line as ScenarioLine
-from railjoule.core.scenario import Scenario
-from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, add_zero, columns, nice_range, xy
-from railjoule.dashboard.charts.label_places import text_width_px
-from railjoule.dashboard.charts.quantities import Quantity, along
-from railjoule.dashboard.look import words
+from railjoule.dashboard.charts.axis import Axis, nice_range
+from railjoule.dashboard.charts.chart import Layer, zero_line
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import Box, Name
+from railjoule.dashboard.charts.quantities import TIME, Quantity, along
 from railjoule.dashboard.look.paint import Palette
 
-DRIVEN_DASH = [6, 3]
-FAR_ABOVE = 9e3
-"""The tint of what is forbidden ends there, beyond any speed [km/h] to which an axis reaches."""
-
-SIGN_PX = 11
-PASSES = "passes"
-"""The source of the places that the train passes at a given speed."""
-PASS_LIFT_PX = 4
-NEUTRAL, NEUTRAL_SIGNS = "neutral", "neutral_signs"
-"""The sources of the bands of neutral sections and of their words."""
-NEUTRAL_SHARE, NEUTRAL_LIFT_PX, NEUTRAL_WORD = 0.05, 2, "neutral"
-"""Height of a band over that of the axis, its word, and how far above the band that stands."""
-
+Heights = tuple[int, int, int]
+"""Of a figure [px]: in usual, wide and narrow windows."""
+Ends = tuple[float, float]
 Curve = tuple[FloatArray, FloatArray]
 """Places and values of a line, in the units of the axes."""
+DRIVEN_DASH = [6, 3]
+NAMES_PX, BORDERS_PX = 22, 9
+"""Room above the lines for their names; what a figure takes above and below its frame."""
+BAND_ALPHA = 0.16
+NAMES: Layer = methodcaller("add_names")
+"""The layer of the names of lines."""
+BANDS: Layer = methodcaller(
+    *("glyphs", "vstrip", "bands", "from", "to"),
+    paint={"fill_color": "limit"},
+    fill_alpha=BAND_ALPHA,
+    line_color=None,
+)
 
 
 @dataclass(frozen=True)
@@ -57,85 +60,105 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Form:
-    """How the figure of a chart looks.
-
-    Parameters
-    ----------
-    ticks, digits : int
-        Requested on the y axis; decimals of their numbers.
-    zero : bool
-        Whether there is a line at zero.
-    last : bool
-        Whether it has the x axis, as the lowest of its page.
-    room : float
-        Share of the values' range that is left free above and below.
-    over_time : bool
-        Whether it lies over time when it is built.
-    """
-
-    ticks: int = 4
-    digits: int = 0
-    zero: bool = False
-    last: bool = False
-    room: float = 0.06
-    over_time: bool = False
-
-
-PLAIN = Form()
-
-
-class RunLines(DistanceChart):
-    """A quantity of several runs, a line for each of them.
+class RunPlot:
+    """A figure over an axis that figures of a page share, with a line for each of some runs.
 
     Parameters
     ----------
     name : str
-        As in `Chart`.
     quantity : Quantity
+        Quantity of its lines, where they have none of their own.
     lines : mapping of str to Line
-        By the name of each line, in the order of drawing.
-    height, axis, palette
-        As in `DistanceChart`.
+        From back to front, by their names in the figure; one without a name is the only one.
+    heights : tuple of int
     caption : str
-        Where it is not that of the quantity.
-    form : Form
+        Caption, if it is not that of the quantity.
+    ticks, digits, zero, room
+        As in `Plot`.
+    last : bool
+        Whether it has the numbers of the axis, as the lowest of its page.
+    over_time : bool
+        Whether it lies over time when it is built.
+    zoom : bool
+        Whether a drag zooms.
+    axis : str
+        The name of the axis, where a page has several.
+    below, above : tuple of callable
+        Layers below and above the lines.
+    draws : callable
+        Draws contents in its chart.
     """
 
-    def __init__(
-        self,
-        name: str,
-        quantity: Quantity,
-        lines: Mapping[str, Line],
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        caption: str = "",
-        form: Form = PLAIN,
-    ) -> None:
-        super().__init__(name, caption or quantity.words, height, axis, palette)
-        self.quantity, self.lines, self.form = quantity, lines, form
-        self.unit, self.digits, self.stepped = quantity.unit, quantity.digits, quantity.stepped
-        self._over = along(form.over_time)
+    name: str
+    quantity: Quantity
+    lines: Mapping[str, Line]
+    heights: Heights = (190, 220, 180)
+    caption: str = ""
+    ticks: int = 4
+    digits: int = 0
+    zero: bool = False
+    room: float = 0.06
+    last: bool = False
+    over_time: bool = False
+    zoom: bool = True
+    axis: str = ""
+    below: tuple[Layer, ...] = ()
+    above: tuple[Layer, ...] = ()
+    draws: Callable[..., None] = lambda chart, *drawn, **more: chart.draw_fitted(*drawn, **more)
+
+    def made(self, axis: Axis, palette: Palette) -> "RunLines":
+        """Return its chart."""
+        return RunLines(self, axis, palette)
+
+
+class RunLines(DistanceChart):
+    """Draws a `RunPlot`."""
+
+    def __init__(self, plot: RunPlot, axis: Axis, palette: Palette) -> None:
+        # by name: charts of Drive have another class before it, which makes them of less
+        DistanceChart.__init__(self, plot.name, plot.caption or plot.quantity.words, plot.heights[0], axis, palette)
+        self.plot, self.quantity, self.lines = plot, plot.quantity, plot.lines
+        self.unit, self.digits, self.stepped = plot.quantity.unit, plot.quantity.digits, plot.quantity.stepped
+        self._over = along(plot.over_time)
         self.renderers: dict[str, GlyphRenderer] = {}
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(with_axis=self.form.last, ticks=self.form.ticks, digits=self.form.digits)
-        self._over = along(self.form.over_time)
-        self.beneath()
-        if self.form.zero:
-            add_zero(f, self.palette)
-        if self.form.last:
-            f.xaxis.axis_label = self._over.words
+        plot = self.plot
+        self._over = along(plot.over_time)
+        self.frame(zoom=plot.zoom, ticks=plot.ticks, digits=plot.digits, x_title=self._over.words if plot.last else "")
+        self.add(*plot.below)
+        if plot.zero:
+            zero_line(self)
         self.add_lines()
-        self.above()
+        self.add(*plot.above)
 
-    def beneath(self) -> None:
-        """Draw what lies beneath the lines."""
+    def draw(self, *drawn: Any, **more: Any) -> None:
+        """Draw what the plot draws: without more, runs to which the axis is fitted."""
+        self.plot.draws(self, *drawn, **more)
 
-    def above(self) -> None:
-        """Draw what lies above the lines."""
+    def draw_fitted(self, runs: Mapping[str, Any], over_time: bool = False) -> None:
+        """Draw runs, and fit the axis to them."""
+        self.fit(self.fill(runs, over_time))
+
+    def fit(self, curves: Mapping[str, Curve]) -> None:
+        """Fit the axis to lines."""
+        self.set_range(*nice_range(*ends_of(curves.values()), self.plot.room))
+
+    def name_lines(
+        self,
+        curves: Mapping[str, Curve],
+        more: Mapping[str, Curve],
+        taken: Sequence[Box],
+        tokens: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
+        """Write the names of lines, the one on top first, clear of more lines and of boxes.
+
+        Each has the colour of its line, where `tokens` has no other for it.
+        """
+        found = {name: tokens.get(name, self.lines[name].token) for name in reversed(list(curves))}
+        names = [Name(name, name, self.palette.tokens[token]) for name, token in found.items()]
+        self.place_names({**curves, **more}, names, taken)
 
     def add_lines(self) -> None:
         """Add the lines, which all draw columns of the axis' runs; each is hidden until there is a run for it."""
@@ -183,6 +206,11 @@ class RunLines(DistanceChart):
         source = self.axis.columns(line.of or name).source
         return [word, source, self._over.name, y or self._column(line), *unit]
 
+    @property
+    def over_time(self) -> bool:  # type: ignore[override]
+        """Whether it lies over time."""
+        return self._over is TIME
+
     def _lie_over(self, x: Quantity) -> None:
         """Draw the lines over time or distance; both are columns of the same sources."""
         if x is self._over:
@@ -191,16 +219,13 @@ class RunLines(DistanceChart):
         for name, line in self.lines.items():
             self.axis.columns(line.of or name).declare(x.name)
             self.renderers[name].glyph.x = x.name
-        if self.form.last and self.figure is not None:
+        if self.plot.last and self.figure is not None:
             self.figure.xaxis.axis_label = x.words
 
-
-class FittedRunLines(RunLines):
-    """Lines of runs, the axis fitted to them."""
-
-    def draw(self, runs: Mapping[str, Any], over_time: bool = False) -> None:
-        """Draw these runs."""
-        self.set_range(*nice_range(*ends_of(self.fill(runs, over_time).values()), self.form.room))
+    def forget(self) -> None:
+        """Have nothing of any run on the page."""
+        for name, line in self.lines.items():
+            self.axis.columns(line.of or name).forget()
 
 
 def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
@@ -208,90 +233,35 @@ def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
     return min(float(y.min()) for _, y in curves), max(float(y.max()) for _, y in curves)
 
 
-# ---- what else charts draw
-
-
-# under this name, as under "borders", charts/numbers.py leaves a source out of saved tables
-def add_tint(chart: Chart, name: str = "forbidden") -> None:
-    """Let a chart tint what lies above limits."""
-    sides = ("left", "right", "bottom", FAR_ABOVE)
-    chart.glyphs("quad", name, *sides, paint={"fill_color": "ground"}, fill_alpha=0.55, line_color=None)
-
-
-def add_limits(chart: Chart) -> None:
-    """Let a chart draw the speed limits, with the tint above them."""
-    add_tint(chart)
-    chart.line("limit", "limit", line_width=1.2)
-
-
-def limits_of(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
-    """Return the borders [m] and limits [km/h] of a line in the order in which it is run."""
-    places, limits = limit_steps(
-        scenario.line.in_running_order(), scenario.vehicle.traction.max_speed_kmh, scenario.limits_last_m
+def draw_in_row(chart: RunLines, runs: Mapping[str, Any], bands: Sequence[Ends] = ()) -> None:
+    """Draw the runs that there are over time, their names in a row above them, and bands from time to time [s]."""
+    drawn = chart.fill(runs, over_time=True)
+    chart.told["sources"] = [chart.read(word, word) for word in drawn]
+    low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
+    bottom, top = nice_range(low, high)
+    bottom = bottom if low < 0 else 0.0
+    if any(drawn):
+        frame_px = chart.height - BORDERS_PX
+        # the lines get the frame less the row of names, NAMES_PX of it
+        top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
+    chart.set_range(bottom, top)
+    chart.put("bands", **{"from": [start for start, _ in bands], "to": [end for _, end in bands]})
+    names = [word for word in drawn if word]
+    chart.put(
+        "names",
+        x=[(0.02 + 0.98 * k / len(names)) * chart.axis.end for k in range(len(names))],
+        y=[top] * len(names),
+        text=names,
+        colour=[chart.palette.tokens[chart.lines[word].token] for word in names],
     )
-    return np.asarray(places), np.asarray(limits)
 
 
-def as_steps(borders: FloatArray, levels: FloatArray) -> Curve:
-    """Return the line along levels between borders."""
-    return np.repeat(borders, 2)[1:-1], np.repeat(levels, 2)
-
-
-def draw_limits(chart: Chart, borders: FloatArray, limits: FloatArray) -> Curve:
-    """Draw the limits between borders, in the units of the axes; return their line."""
-    steps = as_steps(borders, limits)
-    chart.put("forbidden", **columns(left=borders[:-1], right=borders[1:], bottom=limits))
-    if "limit" in chart.sources:
-        chart.put("limit", **xy(*steps))
-    return steps
-
-
-def add_stations(chart: Chart) -> None:
-    """Add the hairlines of the stations."""
-    chart.hairlines("stations", "line2", level="underlay")
-
-
-def draw_stations(chart: Chart, places_m: Sequence[float]) -> None:
-    """Draw the hairlines of the stations."""
-    chart.put("stations", **columns(x=np.array(places_m)))
-
-
-def add_neutral_sections(chart: Chart) -> None:
-    """Add the bands of neutral sections, at the foot of the chart, and their words."""
-    sides, hatched = ("left", "right", 0, "top"), {"line_color": "ink3", "hatch_color": "ink3"}
-    chart.glyphs("quad", NEUTRAL, *sides, paint=hatched, fill_color=None, line_width=0.5, hatch_pattern="/")
-    chart.source(NEUTRAL_SIGNS, "x", "y", "text")
-    chart.signs(NEUTRAL_SIGNS, "ink2", x_offset=2, y_offset=-NEUTRAL_LIFT_PX)
-
-
-def draw_neutral_sections(
-    chart: Chart, line: ScenarioLine, x_of_place: Callable[[FloatArray], FloatArray], top: float
-) -> None:
-    """Draw the neutral sections of a line in running order, as `draw_passing_points`; the axis ends at `top`."""
-    left, right = (x_of_place(places) for places in neutral_stretches(line).T)
-    height = np.full(len(left), NEUTRAL_SHARE * top)
-    chart.put(NEUTRAL, **columns(left=left, right=right, top=height))
-    named, free_px = [], -np.inf
-    for number, begin_px in enumerate(chart.frame_now.x_px(left).tolist()):
-        # a word may reach beyond its band, but not into the next word
-        if begin_px >= free_px:
-            named.append(number)
-            free_px = begin_px + text_width_px(f"{NEUTRAL_WORD} ", SIGN_PX)
-    chart.put(NEUTRAL_SIGNS, **xy(left[named], height[named]), text=[NEUTRAL_WORD] * len(named))
-
-
-def add_passing_points(chart: Chart) -> None:
-    """Add the places that the train passes at a given speed: hairlines as of stations, and a mark at the speed."""
-    chart.source(PASSES, "x", "y", "text")
-    chart.hairlines(PASSES, "line2", level="underlay")
-    chart.dots(PASSES, "surface", "ink2", size=9, marker="diamond", line_width=1.6)
-    chart.signs(PASSES, "ink2", x_offset=7, y_offset=-PASS_LIFT_PX)
-
-
-def draw_passing_points(chart: Chart, line: ScenarioLine, x_of_place: Callable[[FloatArray], FloatArray]) -> None:
-    """Draw the passing points of a line in running order, which lie on the axis where `x_of_place` says."""
-    points = line.passing_points
-    x = x_of_place(np.array([point.position_m for point in points]))
-    speeds = np.array([point.speed_kmh for point in points])
-    texts = [f"{point.name or 'pass'} {words.tenths(point.speed_kmh)}" for point in points]
-    chart.put(PASSES, **xy(x, speeds), text=texts)
+RowPlot = partial(
+    RunPlot,
+    zero=True,
+    over_time=True,
+    below=(BANDS,),
+    above=(methodcaller("coloured_signs", "names", 12, text_baseline="top", y_offset=2),),
+    draws=draw_in_row,
+)
+"""A figure of runs over time with their names in a row above them, and bands where a limit held the drive."""

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import methodcaller
+from typing import Any
 
 import numpy as np
 
@@ -9,9 +11,12 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, columns, nice_range, style_of
+from railjoule.dashboard.charts.axis import Axis, columns
+from railjoule.dashboard.charts.chart import Chart, Layer
+from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.quantities import Quantity, along
-from railjoule.dashboard.charts.run_lines import PLAIN, Curve, Form, Line, RunLines, ends_of
+from railjoule.dashboard.charts.run_lines import Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 
@@ -108,7 +113,11 @@ def draw_borders(chart: Chart, scene: RunScene) -> None:
 
 
 STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
-"""The pinned run beneath, the optimum above all other strategies, what was driven on top."""
+"""The pinned run below, the optimum above all other strategies, what was driven on top."""
+
+
+BORDERS: Layer = methodcaller("hairlines", "borders", "line2", line_alpha=0.55, level="underlay")
+"""The hairlines of the phases."""
 
 
 class SceneChart(DistanceChart):
@@ -116,6 +125,11 @@ class SceneChart(DistanceChart):
 
     fits = False
     """Whether its axis follows its lines, so that a report must fit it anew where they move."""
+    called = "", ""
+    """Its name and its caption."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__(*self.called, height, axis, palette)
 
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
@@ -130,18 +144,22 @@ class SceneChart(DistanceChart):
 class RunChart(RunLines, SceneChart):
     """A chart of Drive with a line for each run."""
 
-    fits = True
+    quantity: Quantity
+    look: Mapping[str, Any] = {}
+    """How its plot differs from others."""
     with_fastest = False
     """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
+    below: tuple[Layer, ...] = (BORDERS,)
+    above: tuple[Layer, ...] = ()
 
-    def __init__(
-        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, caption: str = "", form: Form = PLAIN
-    ) -> None:
-        super().__init__(quantity.name, quantity, STROKES, height, axis, palette, caption, form)
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        layers: dict[str, Any] = {"below": self.below, "above": self.above}
+        plot = RunPlot(self.quantity.name, self.quantity, STROKES, (height, height, height), **layers, **self.look)
+        RunLines.__init__(self, plot, axis, palette)
 
-    def beneath(self) -> None:
-        """Draw the hairlines of the phases beneath the lines."""
-        self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
+    def draw(self, scene: RunScene) -> None:
+        """Draw a scene."""
+        self.fit(self.draw_runs(scene))
 
     def draw_runs(self, scene: RunScene) -> dict[str, Curve]:
         """Draw the lines of all runs and the hairlines of the phases; return the lines, the chosen one last."""
@@ -159,20 +177,6 @@ class RunChart(RunLines, SceneChart):
     def name_colour(self, name: str) -> str:
         """Return the colour in which a line's name is written."""
         return self.palette.tokens[{PINNED: "ink3", VARIANT: "accent"}.get(name, name)]
-
-
-class CellChart(RunChart):
-    """A quantity that is constant in each cell."""
-
-    def __init__(
-        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False, digits: int = 0
-    ) -> None:
-        form = Form(ticks=3, digits=digits, zero=True, last=last, room=0.08)
-        super().__init__(quantity, height, axis, palette, form=form)
-
-    def draw(self, scene: RunScene) -> None:
-        """Draw the runs."""
-        self.set_range(*nice_range(*ends_of(self.draw_runs(scene).values()), self.form.room))
 
 
 def line_words(name: str, scene: RunScene) -> str:

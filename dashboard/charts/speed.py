@@ -1,23 +1,25 @@
 """Speed of all runs under the limits."""
 
 from collections.abc import Mapping
+from operator import methodcaller
+from typing import Any
 
 import numpy as np
 
 from railjoule.core.motion.line_profile import neutral_stretches, section_borders
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, xy
-from railjoule.dashboard.charts.label_places import Box, text_width_px
-from railjoule.dashboard.charts.line_names import Frame, Name
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import Box, Frame, Name, text_width_px
 from railjoule.dashboard.charts.quantities import SPEED, along
-from railjoule.dashboard.charts.run_lines import (
+from railjoule.dashboard.charts.run_lines import NAMES, Curve
+from railjoule.dashboard.charts.scene import ACTUAL, BORDERS, RunChart, RunScene, line_words
+from railjoule.dashboard.charts.track import (
     NEUTRAL_LIFT_PX,
     NEUTRAL_SIGNS,
     PASS_LIFT_PX,
     PASSES,
     SIGN_PX,
-    Curve,
-    Form,
     add_limits,
     add_neutral_sections,
     add_passing_points,
@@ -27,10 +29,8 @@ from railjoule.dashboard.charts.run_lines import (
     draw_passing_points,
     limits_of,
 )
-from railjoule.dashboard.charts.scene import ACTUAL, RunChart, RunScene, line_words
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.comparisons import OTHER_TIME_S
-from railjoule.dashboard.look.paint import Palette
 
 BRAKING, BRAKING_WORDS = "braking", "braking curve"
 """The source of the speed permitted by braking curves, and what it is called."""
@@ -43,34 +43,30 @@ SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3, PASSES: PASS_LIFT_PX, NEUTRA
 class SpeedChart(RunChart):
     """Speed of all runs under the limits."""
 
-    fits, with_fastest = False, True
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
-        self._limits: Curve = np.zeros(0), np.zeros(0)
-        self.top = 1.0
-        self._braking: Curve | None = None
-        """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
-
-    def beneath(self) -> None:
-        """Draw the limits beneath the lines."""
-        add_limits(self)
-        self.line(BRAKING, "limit", line_width=1, line_dash=[4, 2])
-        add_neutral_sections(self)
-        super().beneath()
-
-    def above(self) -> None:
-        """Write the limits and the names of the lines; mark what happened to the actual run."""
-        self.signs("signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFTS_PX["signs"])
+    quantity, with_fastest = SPEED, True
+    look: Mapping[str, Any] = {"ticks": 5}
+    below = (
+        add_limits,
+        methodcaller("line", BRAKING, "limit", line_width=1, line_dash=[4, 2]),
+        add_neutral_sections,
+        BORDERS,
+    )
+    above: tuple[Layer, ...] = (
+        methodcaller("signs", "signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFTS_PX["signs"]),
         # nothing draws it: the cursor reads it
-        self.source("gradient")
-        self.add_names()
-        self.source("stops", "x", "y", "text")
-        self.glyphs("scatter", "stops", "x", "y", paint={"fill_color": ACTUAL}, size=7, line_color=None)
-        self.hairlines("stops", "ink3", line_dash=[1, 3])
-        self.signs("stops", ACTUAL, x_offset=7, y_offset=-SIGN_LIFTS_PX["stops"])
-        add_passing_points(self)
-        self.signs("late", "overline", 12, x_offset=6, y_offset=-SIGN_LIFTS_PX["late"])
+        methodcaller("source", "gradient"),
+        NAMES,
+        methodcaller("source", "stops", "x", "y", "text"),
+        methodcaller(*("glyphs", "scatter", "stops", "x", "y"), paint={"fill_color": ACTUAL}, size=7, line_color=None),
+        methodcaller("hairlines", "stops", "ink3", line_dash=[1, 3]),
+        methodcaller("signs", "stops", ACTUAL, x_offset=7, y_offset=-SIGN_LIFTS_PX["stops"]),
+        add_passing_points,
+        methodcaller("signs", "late", "overline", 12, x_offset=6, y_offset=-SIGN_LIFTS_PX["late"]),
+    )
+    _limits: Curve
+    top: float
+    _braking: Curve | None = None
+    """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
 
     def _draw_day(self, scene: RunScene) -> None:
         """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
@@ -137,12 +133,10 @@ class SpeedChart(RunChart):
         x = scene.x_of_place(places)
         self.top = HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values()))
         self.set_range(0, self.top)
-        self._limits = draw_limits(self, x, limits)
-        of_run = ""
-        if scene.over_time and len(scene.named()) > 1:
-            # other runs pass the places of the limits at other times, and keep them
-            self.clear("forbidden")
-            of_run = f" for {line_words(scene.chosen, scene)}"
+        # other runs pass the places of the limits at other times, and keep them
+        of_one = scene.over_time and len(scene.named()) > 1
+        self._limits = draw_limits(self, x, limits, tinted=not of_one)
+        of_run = f" for {line_words(scene.chosen, scene)}" if of_one else ""
         texts = [f"limit {words.number(limit, 0)}{of_run}" for limit in limits]
         room = np.diff(self.frame_now.x_px(x))
         fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])

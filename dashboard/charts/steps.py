@@ -5,7 +5,8 @@ from typing import Any
 
 from bokeh.models import ColumnDataSource, CustomJS
 
-from railjoule.dashboard.charts.chart import Chart, dragged
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.dress import dragged
 
 STEPS, MOVED = "steps", "moved"
 """Sources of what is drawn, and of what the browser has moved."""

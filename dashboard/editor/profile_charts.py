@@ -7,7 +7,9 @@ import numpy as np
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, dragged
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.dress import dragged
+from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.steps import add_steps, draw_steps
 from railjoule.dashboard.look.paint import Palette
 
@@ -92,8 +94,7 @@ class LimitStepsChart(DraggedChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(with_axis=True, zoom=False, ticks=3)
-        f.xaxis.axis_label = "Distance, m"
+        self.frame(zoom=False, ticks=3, x_title="Distance, m")
         # `most` and `end` are set with each drawing; limits are dragged in whole km/h
         bounds = {"least": MIN_LIMIT_KMH, "most": 600.0, "end": 1.0, "per": 1, "shortest": MIN_SECTION_M}
         moved, self._drag = add_steps(self, "limit", shared=False, live=False, **bounds)

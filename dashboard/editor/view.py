@@ -10,7 +10,8 @@ import panel_material_ui as pmui
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser import Browser, one_message
-from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.editor.fields_of import NO, YES, Field, Table, parts_of
 from railjoule.dashboard.editor.forms import EditorHead, TableForm

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -10,17 +11,21 @@ from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, nice_range, points, same, style_of, xy
-from railjoule.dashboard.charts.driven import DrivenEffortChart, DrivenSpeedChart
-from railjoule.dashboard.charts.line_names import Name, placed_names
+from railjoule.dashboard.charts.axis import Axis, nice_range, points, same, xy
+from railjoule.dashboard.charts.chart import axis_line
+from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.driven import EFFORTS, SPEEDS
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import Name, placed_names
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
     EffortChart,
     EnergyChart,
     LineStrip,
     PhaseStrip,
-    power_chart,
+    PowerChart,
 )
+from railjoule.dashboard.charts.run_lines import NAMES, RunLines
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.library_workarounds import document_json
@@ -57,16 +62,17 @@ class TimeChart(DistanceChart):
 
     unit, digits = "kWh", 2
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=True, digits=1)
-        f.xaxis.axis_label = "Travel time, s"
-        self.palette.paint(f.xaxis[0], axis_line_color="line2")
-        self.line("optimal", "optimal", **style_of("optimal"))
-        self.source("runs", "x", "y", "colour")
-        self.glyphs("scatter", "runs", "x", "y", paint={}, size=7, fill_color="colour", line_color="colour")
-        self.add_names()
-        self.dots("point", size=11, line_width=2)
+    look: Mapping[str, Any] = {"digits": 1, "x_title": "Travel time, s"}
+    layers = (
+        axis_line,
+        methodcaller("line", "optimal", "optimal", **style_of("optimal")),
+        methodcaller("source", "runs", "x", "y", "colour"),
+        methodcaller(
+            *("glyphs", "scatter", "runs", "x", "y"), paint={}, size=7, fill_color="colour", line_color="colour"
+        ),
+        NAMES,
+        methodcaller("dots", "point", size=11, line_width=2),
+    )
 
     def draw(self, optima: Sequence[Trajectory], runs: Mapping[str, Trajectory]) -> None:
         """Draw the optima as a line, the runs as points."""
@@ -144,10 +150,13 @@ class Figures:
             axis.fit(self._scene(None).end, roomy=True)
             kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
             kinds += [(CurrentChart, 120)] if CurrentChart.knows(findings.run) else []
-            return [make(height, axis, self.palette) for make, height in [*kinds, (power_chart, 150)]]
+            return [make(height, axis, self.palette) for make, height in [*kinds, (PowerChart, 150)]]
         assert reality is not None
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
-        return [DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)]
+        return [
+            replace(SPEEDS, heights=(220, 220, 220)).made(axis, self.palette),
+            replace(EFFORTS, heights=(130, 130, 130)).made(axis, self.palette),
+        ]
 
     def _scene(self, optimum: Trajectory | None) -> RunScene:
         runs = self.findings.runs.runs
@@ -175,10 +184,9 @@ class Figures:
         reality: Any = self.findings.reality
         in_closed_loop = isinstance(reality, FieldOrientedRun)
         for chart in self.charts["reality"]:
-            if isinstance(chart, DrivenSpeedChart):
-                chart.draw(reality, "in closed loop" if in_closed_loop else "under the disturbance")
-            elif isinstance(chart, DrivenEffortChart):
-                chart.draw(reality)
+            assert isinstance(chart, RunLines)
+            driven = "in closed loop" if in_closed_loop else "under the disturbance"
+            chart.draw(*(reality, driven) if chart.name == SPEEDS.name else (reality,))
             chart.axis.settle("m", 0)
 
     # ---- contents of the file

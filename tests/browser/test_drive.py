@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, BrowserContext, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.charts.chart import END_LABEL_SHARE
+from railjoule.dashboard.charts.axis import END_LABEL_SHARE
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX
+from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 from railjoule.dashboard.editor.view import LIMITS_PX, PROFILE_PX
 
 LENGTH_M = 2300.0

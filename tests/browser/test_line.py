@@ -7,7 +7,7 @@ from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX
+from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 
 LENGTH_M, MARKET_M = 10_400.0, 1950.0
 """Of the line, and where its second station between the ends lies."""

@@ -7,7 +7,7 @@ from playwright.sync_api import BrowserContext, expect
 
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX
+from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 
 LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
 """Of the line, and at the upper end of the speed chart."""

@@ -120,7 +120,7 @@ ON_THE_PAGE = """
 import json
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.theme import strategies_css
-from railjoule.dashboard.charts.chart import style_of
+from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.shell.strategies import StrategyList
 from railjoule.dashboard.workbench import Workbench

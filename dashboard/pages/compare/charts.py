@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import methodcaller
 from typing import Literal
 
 import numpy as np
@@ -9,11 +10,12 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, Chart, nice_range, style_of, xy
-from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.plot import RunPlot
+from railjoule.dashboard.charts.axis import Axis, xy
+from railjoule.dashboard.charts.dress import style_of
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, SPEED, along
-from railjoule.dashboard.charts.run_lines import Curve, Form, Line, RunLines, as_steps, ends_of, limits_of
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import PIN_DASHES
@@ -37,27 +39,19 @@ class ComparedPlot(RunPlot):
 
     Parameters
     ----------
-    caption : str
     names : str
         Names of the runs `along` their lines, or with their last value at the `ends`.
     has_limits : bool
         Whether speed limits are drawn, and the axis begins at zero.
     is_difference : bool
         Whether the value of the reference at the same place or time is subtracted.
-    zero : bool
-        Whether there is a line at zero.
-    room : float
-        Share of the values' range that is left free above and below.
     """
 
-    caption: str = ""
     names: Literal["along", "ends", ""] = "ends"
     has_limits: bool = False
     is_difference: bool = False
-    zero: bool = False
-    room: float = 0.06
 
-    def made(self, axis: Axis, palette: Palette) -> Chart:
+    def made(self, axis: Axis, palette: Palette) -> "ComparedChart":
         """Return its chart."""
         return ComparedChart(self, axis, palette)
 
@@ -65,22 +59,13 @@ class ComparedPlot(RunPlot):
 class ComparedChart(RunLines):
     """Draws a `ComparedPlot`."""
 
+    plot: ComparedPlot
+
     def __init__(self, plot: ComparedPlot, axis: Axis, palette: Palette) -> None:
-        form = Form(plot.ticks, plot.digits, plot.zero, plot.last, plot.room)
-        super().__init__(plot.name, plot.quantity, plot.lines, plot.heights[0], axis, palette, plot.caption, form)
-        self.plot = plot
+        limit = (methodcaller("line", "limit", "limit", line_width=1.2),) if plot.has_limits else ()
+        super().__init__(replace(plot, below=limit, above=(NAMES,) if plot.names else ()), axis, palette)
         self._reference: Trajectory | None = None
         self._over_time = False
-
-    def beneath(self) -> None:
-        """Draw the limits below the lines."""
-        if self.plot.has_limits:
-            self.line("limit", "limit", line_width=1.2)
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        if self.plot.names:
-            self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Return the quantity at the nodes of a run; beyond the end of the reference its last value counts."""
@@ -114,7 +99,7 @@ class ComparedChart(RunLines):
         curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)
         first = sorted(drawn, key=lambda contender: contender is not reference)[:MAX_READ]
         self.told["sources"] = [self.read(contender.key, f"{contender.sign}:") for contender in first]
-        unnamed = self._fit(curves, among[0].run)
+        unnamed = self._fit_axis(curves, among[0].run)
         if self.plot.names == "along":
             self._name(curves, drawn, [contender.sign for contender in drawn], unnamed)
         elif self.plot.names and narrow:
@@ -124,14 +109,13 @@ class ComparedChart(RunLines):
             ends = [f"{contender.sign} {show(float(curves[contender.key][1][-1]))}" for contender in drawn]
             self._name(curves, drawn, ends, unnamed)
 
-    def _fit(self, curves: Mapping[str, Curve], run: Trajectory) -> Mapping[str, Curve]:
+    def _fit_axis(self, curves: Mapping[str, Curve], run: Trajectory) -> Mapping[str, Curve]:
         """Fit the axis to lines; draw and return the lines that have no name."""
-        low, high = ends_of(curves.values())
         if not self.plot.has_limits:
-            self.set_range(*nice_range(low, high, self.plot.room))
+            self.fit(curves)
             return {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))} if self.plot.is_difference else {}
         places, limits = limits_of(run.scenario)
-        self.set_range(0, HEADROOM * max(high, float(np.max(limits))))
+        self.set_range(0, HEADROOM * max(ends_of(curves.values())[1], float(np.max(limits))))
         if self._over_time:
             # each run passes a limit at a time of its own: the limits of one would be false for the others
             self.clear("limit")
@@ -175,7 +159,6 @@ PLOTS = (
         LINES,
         (140, 180, 120),
         digits=1,
-        caption=DIFFERENCE.words,
         is_difference=True,
         zero=True,
         room=0.1,

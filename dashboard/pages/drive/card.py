@@ -9,7 +9,7 @@ from jinja2 import Environment, StrictUndefined, Template
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.run_lines import as_steps, limits_of
+from railjoule.dashboard.charts.track import as_steps, limits_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.parts.html import stop_times

@@ -1,6 +1,8 @@
-"""Charts of Drive alone: speeds with a train that plays, the price of force, and Bellman's law."""
+"""Charts that only Drive has: speeds with a train that plays, the price of force, and Bellman's law."""
 
 from collections.abc import Callable, Mapping
+from operator import methodcaller
+from typing import Any
 
 import numpy as np
 from bokeh.models import LinearColorMapper, Span
@@ -10,11 +12,12 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.bellman import ControlLaw
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, xy
+from railjoule.dashboard.charts.axis import Axis, xy
+from railjoule.dashboard.charts.chart import no_grid, zero_line
 from railjoule.dashboard.charts.quantities import POSITION, SPEED
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.run_lines import Curve
-from railjoule.dashboard.charts.scene import VARIANT, RunScene, SceneChart, draw_borders
+from railjoule.dashboard.charts.scene import BORDERS, VARIANT, RunScene, SceneChart, draw_borders
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
@@ -32,18 +35,18 @@ TRAIN = "train"
 class DriveSpeedChart(SpeedChart):
     """Speeds, with a variant of the run, the train that plays, and a line that moves the begin of an instruction."""
 
+    above = (
+        methodcaller("line", VARIANT, "accent", line_width=1.6, line_dash=[7, 4]),
+        *SpeedChart.above,
+        methodcaller("dots", TRAIN, "surface", "accent", size=11, line_width=3),
+    )
+
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(height, axis, palette)
         self.moved: Callable[[float], None] = lambda _: None
         """Called with the place where the line is dragged to."""
         self.switch: Span | None = None
         self.variant: dict[str, Curve] = {}
-
-    def above(self) -> None:
-        """Draw the variant, the train and the line that is dragged."""
-        self.line(VARIANT, "accent", line_width=1.6, line_dash=[7, 4])
-        super().above()
-        self.dots(TRAIN, "surface", "accent", size=11, line_width=3)
 
     def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
@@ -75,32 +78,25 @@ class DriveSpeedChart(SpeedChart):
 class TrackStrip(LineStrip):
     """The line, with the train that plays."""
 
-    def build(self) -> None:
-        """Make the figure."""
-        super().build()
-        self.dots(TRAIN, "surface", "accent", size=9, line_width=3)
+    layers = (*LineStrip.layers, methodcaller("dots", TRAIN, "surface", "accent", size=9, line_width=3))
 
 
 class PriceChart(SceneChart):
     """The energy from the supply that a joule of work at the wheels is worth at each place, which proves the bound."""
 
-    unit, digits = "J/J", 2
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("price", "Price of force, J from the supply per J at the wheels", height, axis, palette)
+    called, unit, digits = ("price", "Price of force, J from the supply per J at the wheels"), "J/J", 2
+    look: Mapping[str, Any] = {"ticks": 3}
+    layers = (
+        zero_line,
+        BORDERS,
+        methodcaller("line", "price", "accent", line_width=1.8),
+        methodcaller("set_range", LOWEST, HIGHEST),
+    )
 
     @staticmethod
     def is_known(run: Trajectory) -> bool:
         """Return whether one price along the whole line proves the bound of a run."""
         return run.bound is not None and run.bound.costate is not None
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=3, digits=0)
-        add_zero(f, self.palette)
-        self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
-        self.line("price", "accent", line_width=1.8)
-        self.set_range(LOWEST, HIGHEST)
 
     def alternative(self, scene: RunScene) -> str:
         """Return a text alternative."""
@@ -117,27 +113,24 @@ class PriceChart(SceneChart):
         draw_borders(self, scene)
 
 
-class LawChart(DistanceChart):
+class LawChart(SceneChart):
     """Traction blue, braking warm, coasting neutral, empty where the end cannot be reached."""
 
-    kind = "map"
-    unit, digits = "km/h", 1
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        words = f"Bellman\u2019s law at each speed, km/h: blue traction, warm braking ({MINUS}), pale coasting"
-        super().__init__("law", words, height, axis, palette)
+    called = "law", f"Bellman\u2019s law at each speed, km/h: blue traction, warm braking ({MINUS}), pale coasting"
+    kind, unit, digits = "map", "km/h", 1
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=4)
-        f.ygrid.visible = False
+        self.frame(ticks=4)
         self.mapper = LinearColorMapper(palette=diverging(self.palette), low=-1, high=1, nan_color="rgba(0, 0, 0, 0)")
+        no_grid(self)
         sides = ("image", "x", "y", "dw", "dh")
         self.glyphs("image", "map", *sides, paint={}, color_mapper=self.mapper, level="underlay")
         self.line("run", "ink", line_width=2)
 
-    def draw(self, scene: RunScene, law: ControlLaw) -> None:
+    def draw(self, scene: RunScene, law: ControlLaw | None = None) -> None:
         """Draw the law and the run that follows it."""
+        assert law is not None
         image, top = sampled(law)
         self.mapper.palette = diverging(self.palette)
         self.put(
@@ -150,7 +143,7 @@ class LawChart(DistanceChart):
         )
         run = scene.runs["bellman"]
         self.put("run", **xy(POSITION.values(run), SPEED.values(run)))
-        self.told["sources"] = [["run", self.sources["run"], "x", "y"]]
+        self.set_cursor_sources("run")
         self.set_range(0, top / MS_PER_KMH)
 
 

@@ -15,7 +15,6 @@ from railjoule.core.simulation.actual_run import ActualRun
 from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.plot import AxisPlot, Plot
 from railjoule.dashboard.charts.run_charts import (
-    CurrentChart,
     DifferenceChart,
     EffortChart,
     EnergyChart,
@@ -413,7 +412,7 @@ class Drive(Page):
         )
         # narrow windows have no names at the ends of lines, for which the room would be
         host.axis.fit(scene.end, roomy=not narrow)
-        has_current, wide = CurrentChart.knows(run), window_px >= SANKEY_FROM_PX
+        has_current, wide = SupplyChart.knows(run), window_px >= SANKEY_FROM_PX
         self.supply_buttons.visible, self.no_current.visible = has_current, not has_current
         # a picture has even steps: those over places would be uneven over time
         law = None if desk.over_time else runs.law

@@ -4,8 +4,9 @@ A rectangle that is dragged over any of them selects runs in all. Bokeh's own se
 `link_selections`: measured on a scatter with two histograms, that takes 0.3 to 0.7 s of the server for each selection.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,9 @@ from bokeh.models import (
 from bokeh.plotting import figure
 
 from railjoule.core.arrays import FloatArray
-from railjoule.dashboard.charts.figures import LoneChart, ink_on
+from railjoule.dashboard.charts.chart import no_grid
+from railjoule.dashboard.charts.dress import ink_on
+from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
@@ -72,15 +75,6 @@ class SelectingChart(LoneChart):
     select: Select = staticmethod(lambda _: None)
     columns: tuple[str, str] = ("", "")
     dimensions = "both"
-
-    def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
-        """Return the empty figure, with its title as its name for screen readers.
-
-        The name stays as it is: Bokeh 3.9.2 fails in the browser where it changes before the figure is drawn.
-        """
-        f = super().frame(ticks, digits, x_title, y_title)
-        f.html_attributes = {"role": "figure", "aria-label": self.title}
-        return f
 
     def let_select(self, f: figure) -> None:
         """Give the figure its tool, and the box that shows the selection."""
@@ -302,17 +296,18 @@ class MapChart(SelectingChart):
     kind = "map"
     title = "Median energy over two inputs"
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__(MAP, "", height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(x_title=" ", y_title=" ")
-        f.ygrid.visible = False
-        self.source("cells", "left", "right", "bottom", "top", "fill", "kwh")
-        paint = {"line_color": "surface"}
-        self.glyphs("quad", "cells", "left", "right", "bottom", "top", paint=paint, fill_color="fill", line_width=2)
-        self.coloured_signs("signs", 12, text_align="center", text_baseline="middle")
+    look: Mapping[str, Any] = {"x_title": " ", "y_title": " "}
+    layers = (
+        no_grid,
+        methodcaller("source", "cells", "left", "right", "bottom", "top", "fill", "kwh"),
+        methodcaller(
+            *("glyphs", "quad", "cells", "left", "right", "bottom", "top"),
+            paint={"line_color": "surface"},
+            fill_color="fill",
+            line_width=2,
+        ),
+        methodcaller("coloured_signs", "signs", 12, text_align="center", text_baseline="middle"),
+    )
 
     def draw(self, look: Look) -> None:
         """Draw the medians, in equal steps: the numbers at the axes say where the cells lie."""
@@ -372,7 +367,7 @@ PLOTS = (
         heights=(400, 470, 300),
         chart=partial(HistogramChart, ALONG_Y, "Histogram of the vertical axis", "beside"),
     ),
-    Plot(MAP, "", heights=(260, 300, 240), chart=MapChart),
+    Plot(MAP, heights=(260, 300, 240), chart=partial(MapChart, MAP, "")),
 )
 
 

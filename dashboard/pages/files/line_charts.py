@@ -1,21 +1,23 @@
 """The line that was read, before it is used: height, speed limits, curves; what its tables leave open is hatched."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from operator import methodcaller
+from typing import Any
 
 import numpy as np
 
 from railjoule.core.imports import ImportedLine, ImportedTable
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, columns, xy
-from railjoule.dashboard.charts.label_places import text_width_px
-from railjoule.dashboard.charts.plot import AxisPlot
-from railjoule.dashboard.charts.run_lines import Curve, as_steps
+from railjoule.dashboard.charts.axis import columns, xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import text_width_px
+from railjoule.dashboard.charts.quantities import POSITION
+from railjoule.dashboard.charts.run_lines import Curve, Heights, RunLines, RunPlot
+from railjoule.dashboard.charts.track import as_steps
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.files.compute import Reading
 
 Gap = tuple[float, float]
@@ -25,6 +27,7 @@ Sign = tuple[float, float, float, str]
 SIGN_PX, ROOM_PX = 11, 4
 ROOM_SHARE, LEAST_RELIEF_M = 0.3, 1.0
 SIDES = ("left", "right", "bottom", "top")
+HATCH: Mapping[str, Any] = {"fill_color": None, "hatch_pattern": "/", "hatch_alpha": 0.7}
 HATCHED = {"line_color": "line2", "hatch_color": "warn"}
 LEAST_M = 0.001
 """A shorter stretch is left by rounding."""
@@ -60,113 +63,76 @@ class Preview:
     signs: Sequence[Sign] = ()
 
 
-class PreviewChart(DistanceChart):
-    """Draws a preview over the line.
-
-    Parameters
-    ----------
-    name, caption, height, axis, palette
-        As in `DistanceChart`.
-    unit : str
-    token : str
-        Colour of the curve.
-    digits : int
-        Decimals of the values.
-    last : bool
-        Whether it has the numbers of the x axis.
-    """
-
-    def __init__(
-        self,
-        height: int,
-        axis: Axis,
-        palette: Palette,
-        *,
-        name: str,
-        caption: str,
-        unit: str,
-        token: str = "groundline",
-        digits: int = 0,
-        last: bool = False,
-    ) -> None:
-        super().__init__(name, caption, height, axis, palette)
-        self.unit, self.token, self.digits, self.last = unit, token, digits, last
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=self.last, ticks=3, digits=min(self.digits, 1))
-        if self.last:
-            f.xaxis.axis_label = "Distance, m"
-        self.source("area", "x", "low", "high")
-        self.glyphs("varea", "area", "x", "low", "high", paint={"fill_color": "ground"})
-        self.glyphs("quad", "bands", *SIDES, paint={"fill_color": "grid", "line_color": "line2"})
-        self.glyphs("quad", "gaps", *SIDES, paint=HATCHED, fill_color=None, hatch_pattern="/", hatch_alpha=0.7)
-        self.line("curve", self.token, line_width=1.6)
-        self.signs("signs", "ink2", SIGN_PX, text_align="center", y_offset=-2)
-        self.signs("names", "ink2", SIGN_PX, text_align="center", text_baseline="top", y_offset=2)
-        self.follow_line("curve")
-
-    def draw(self, preview: Preview) -> None:
-        """Draw a preview."""
-        (low, high), (x, y) = preview.ends, preview.curve
-        self.set_range(low, high)
-        self.put("curve", **xy(x, y))
-        self.put("area", **columns(x=x, low=np.full(len(x), preview.base), high=np.nan_to_num(y, nan=preview.base)))
-        for name, stretches in (("bands", preview.bands), ("gaps", preview.gaps)):
-            left, right = (np.array([stretch[k] for stretch in stretches]) for k in range(2))
-            size = len(stretches)
-            self.put(name, **columns(left=left, right=right, bottom=np.full(size, low), top=np.full(size, high)))
-        texts = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
-        px = self.width_px / float(x[-1])
-        # above its value a text may stand out at both sides
-        fits = [
-            (begin, end, at, text)
-            for begin, end, at, text in texts
-            if text_width_px(text, SIGN_PX) * (1.0 if at >= high else 0.5) + ROOM_PX < (end - begin) * px
-        ]
-        for name, signs in (
-            ("signs", [sign for sign in fits if sign[2] < high]),
-            ("names", [sign for sign in fits if sign[2] >= high]),
-        ):
-            places = np.array([0.5 * (begin + end) for begin, end, _, _ in signs])
-            self.put(name, **xy(places, np.array([at for _, _, at, _ in signs])), text=[text for *_, text in signs])
+def draw_preview(chart: RunLines, preview: Preview) -> None:
+    """Draw a preview over the line."""
+    (low, high), (x, y) = preview.ends, preview.curve
+    chart.set_range(low, high)
+    chart.put("curve", **xy(x, y))
+    chart.put("area", **columns(x=x, low=np.full(len(x), preview.base), high=np.nan_to_num(y, nan=preview.base)))
+    for name, stretches in (("bands", preview.bands), ("gaps", preview.gaps)):
+        left, right = (np.array([stretch[k] for stretch in stretches]) for k in range(2))
+        size = len(stretches)
+        chart.put(name, **columns(left=left, right=right, bottom=np.full(size, low), top=np.full(size, high)))
+    texts = [*preview.signs, *((begin, end, high, name) for begin, end, name in preview.bands)]
+    px = chart.width_px / float(x[-1])
+    # above its value a text may stand out at both sides
+    fits = [
+        (begin, end, at, text)
+        for begin, end, at, text in texts
+        if text_width_px(text, SIGN_PX) * (1.0 if at >= high else 0.5) + ROOM_PX < (end - begin) * px
+    ]
+    for name, signs in (
+        ("signs", [sign for sign in fits if sign[2] < high]),
+        ("names", [sign for sign in fits if sign[2] >= high]),
+    ):
+        places = np.array([0.5 * (begin + end) for begin, end, _, _ in signs])
+        chart.put(name, **xy(places, np.array([at for _, _, at, _ in signs])), text=[text for *_, text in signs])
 
 
-HEIGHT = AxisPlot(
-    "import_height",
-    partial(PreviewChart, name="import_height", caption=f"Height, m, with gradients, {words.PER_MILLE}", unit="m"),
-    (150, 170, 130),
-    "line",
-)
-LIMITS = AxisPlot(
-    "import_limits",
-    partial(PreviewChart, name="import_limits", caption="Speed limits, km/h", unit="km/h", token="limit"),
-    (130, 150, 120),
-    "line",
-)
-CURVES = AxisPlot(
-    "import_curves",
-    partial(
-        PreviewChart,
-        name="import_curves",
-        caption="Curvature, 1/km, with radii, m; tunnels and neutral sections",
-        unit="1/km",
-        digits=2,
-        last=True,
-    ),
-    (120, 130, 120),
-    "line",
+def preview_plot(
+    name: str, caption: str, unit: str, heights: Heights, token: str = "groundline", digits: int = 0, last: bool = False
+) -> RunPlot:
+    """Return the figure of a preview; `token` is the colour of its curve."""
+    layers: tuple[Layer, ...] = (
+        methodcaller("glyphs", "varea", "area", "x", "low", "high", paint={"fill_color": "ground"}),
+        methodcaller("glyphs", "quad", "bands", *SIDES, paint={"fill_color": "grid", "line_color": "line2"}),
+        methodcaller(
+            "glyphs", "quad", "gaps", *SIDES, paint=HATCHED, fill_color=None, hatch_pattern="/", hatch_alpha=0.7
+        ),
+        methodcaller("line", "curve", token, line_width=1.6),
+        methodcaller("signs", "signs", "ink2", SIGN_PX, text_align="center", y_offset=-2),
+        methodcaller("signs", "names", "ink2", SIGN_PX, text_align="center", text_baseline="top", y_offset=2),
+        methodcaller("follow_line", "curve"),
+    )
+    quantity = replace(POSITION, name=name, words=caption, unit=unit, digits=digits)
+    look: dict[str, Any] = {
+        "ticks": 3,
+        "digits": min(digits, 1),
+        "last": last,
+        "axis": "line",
+        "above": layers,
+        "draws": draw_preview,
+    }
+    return RunPlot(name, quantity, {}, heights, **look)
+
+
+HEIGHT = preview_plot("import_height", f"Height, m, with gradients, {words.PER_MILLE}", "m", (150, 170, 130))
+LIMITS = preview_plot("import_limits", "Speed limits, km/h", "km/h", (130, 150, 120), "limit")
+CURVES = preview_plot(
+    *("import_curves", "Curvature, 1/km, with radii, m; tunnels and neutral sections", "1/km", (120, 130, 120)),
+    digits=2,
+    last=True,
 )
 LINE_PLOTS = (HEIGHT, LIMITS, CURVES)
 
 
-def previews(reading: Reading, imported: ImportedLine) -> dict[AxisPlot, Preview]:
+def previews(reading: Reading, imported: ImportedLine) -> dict[str, Preview]:
     """Return the contents of the charts of the line that was read."""
     line = imported.line.in_running_order()
     return {
-        HEIGHT: height_preview(line, gaps_of(reading, "gradients")),
-        LIMITS: limits_preview(line, gaps_of(reading, "limits")),
-        CURVES: curves_preview(line, imported),
+        HEIGHT.name: height_preview(line, gaps_of(reading, "gradients")),
+        LIMITS.name: limits_preview(line, gaps_of(reading, "limits")),
+        CURVES.name: curves_preview(line, imported),
     }
 
 

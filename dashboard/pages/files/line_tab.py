@@ -192,8 +192,9 @@ class LineTab(Page):
                 self.offer_place[:] = [self._offer(one, k == 0) for k, one in enumerate(reading.offers or ())]
         if imported is not None:
             self.host.axes[LINE].fit(imported.line.length_m, roomy=False)
-            for plot, preview in previews(reading, imported).items():
-                self.host.draw([plot], preview)
+            drawn = previews(reading, imported)
+            for plot in LINE_PLOTS:
+                self.host.draw([plot], drawn[plot.name])
 
     def _offer(self, offer: Offer, first: bool) -> Viewable:
         """Return the button that takes an offer, its travel time, and why it has to wait."""

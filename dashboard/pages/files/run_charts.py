@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from operator import methodcaller
 
 import numpy as np
 
@@ -9,24 +10,15 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.measured import MeasuredRun, Saving
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, columns, nice_range, xy
-from railjoule.dashboard.charts.label_places import Box, text_width_px
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import columns, xy
+from railjoule.dashboard.charts.chart import Layer
+from railjoule.dashboard.charts.names import Box, Name, text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
-from railjoule.dashboard.charts.quantities import ENERGY, SPEED, Quantity, along
+from railjoule.dashboard.charts.quantities import ENERGY, SPEED, along
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import (
-    Curve,
-    Form,
-    Line,
-    RunLines,
-    add_limits,
-    draw_limits,
-    ends_of,
-    limits_of,
-)
+from railjoule.dashboard.charts.run_lines import NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.files.measured import energy_so_far
 
 LINES: Mapping[str, Line] = {
@@ -79,110 +71,93 @@ class RunsScene:
         return (time_s if self.over_time else place_m)[chosen], values[chosen]
 
 
-class MeasuredLines(RunLines):
-    """Lines of what is computed, and dots of what was measured."""
-
-    def __init__(self, name: str, quantity: Quantity, height: int, axis: Axis, palette: Palette, form: Form) -> None:
-        super().__init__(name, quantity, LINES, height, axis, palette, form=form)
-
-    def above(self) -> None:
-        """Draw the dots above the lines, and all names."""
-        self.glyphs("scatter", MEASURED, "x", "y", paint={"fill_color": "ink"}, size=3.6, line_color=None)
-        self.add_names()
-
-    def fill_all(self, scene: RunsScene, dots: Curve | None) -> dict[str, Curve]:
-        """Draw lines and dots; return all of them as lines."""
-        lines = self.fill(scene.lines, scene.over_time)
-        if dots is None:
-            self.clear(MEASURED)
-            return lines
-        self.put(MEASURED, **xy(*dots))
-        self.told["sources"] = [[MEASURED, self.sources[MEASURED], "x", "y"], *self.told["sources"]]
-        return {MEASURED: dots, **lines}
-
-    def names_of(self, lines: Mapping[str, Curve], told: Mapping[str, str], at_end: bool = False) -> list[Name]:
-        """Return the names of lines and dots, the optimum's first."""
-        tokens = self.palette.tokens
-        order = reversed(list(lines))
-        return [Name(name, told.get(name, name), tokens[NAME_TOKENS[name]], at_end) for name in order]
+def fill_all(chart: RunLines, scene: RunsScene, dots: Curve | None) -> dict[str, Curve]:
+    """Draw lines of what is computed and dots of what was measured; return all of them as lines."""
+    lines = chart.fill(scene.lines, scene.over_time)
+    if dots is None:
+        chart.clear(MEASURED)
+        return lines
+    chart.put(MEASURED, **xy(*dots))
+    chart.told["sources"] = [[MEASURED, chart.sources[MEASURED], "x", "y"], *chart.told["sources"]]
+    return {MEASURED: dots, **lines}
 
 
-class MeasuredSpeedChart(MeasuredLines):
-    """Speeds under the limits."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("measured_speed", SPEED, height, axis, palette, Form(ticks=5))
-
-    def beneath(self) -> None:
-        """Draw the limits beneath the lines."""
-        add_limits(self)
-
-    def above(self) -> None:
-        """Write the limits too."""
-        self.signs("signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFT_PX)
-        super().above()
-
-    def draw(self, scene: RunsScene) -> None:
-        """Draw the runs of a scene."""
-        run = scene.run
-        speeds = run.recording.speed_ms * run.placement.scale / MS_PER_KMH
-        lines = self.fill_all(scene, scene.dots(run.recording.time_s, run.position_m, speeds))
-        limits = limits_of(run.scenario)
-        self.set_range(0, HEADROOM * max(float(limits[1].max()), ends_of(lines.values())[1]))
-        # over time, a limit holds while the measured train is on its stretch
-        modelled = run.modelled
-        x = np.interp(limits[0], modelled.position_m, modelled.time_s) if scene.over_time else limits[0]
-        steps = draw_limits(self, x, limits[1])
-        signs = self._draw_signs(x, limits[1])
-        self.place_names({**lines, "limit": steps}, self.names_of(lines, {}), signs)
-
-    def _draw_signs(self, borders: FloatArray, limits: FloatArray) -> list[Box]:
-        """Write the limits where there is room, and return where they stand."""
-        frame, texts = self.frame_now, [f"limit {words.number(limit, 0)}" for limit in limits]
-        room = np.diff(frame.x_px(borders))
-        signs = [
-            (float(x), float(y), text)
-            for x, y, text, px in zip(borders[:-1], limits, texts, room, strict=True)
-            if text_width_px(text, SIGN_PX) + 8 < px
-        ]
-        x, y, shown = (list(column) for column in zip(*signs, strict=True)) if signs else ([], [], [])
-        self.put("signs", x=x, y=y, text=shown)
-        return [frame.box(*sign, SIGN_PX, lift_px=SIGN_LIFT_PX) for sign in signs]
+def names_of(chart: RunLines, lines: Mapping[str, Curve], told: Mapping[str, str], at_end: bool = False) -> list[Name]:
+    """Return the names of lines and dots, the optimum's first."""
+    tokens = chart.palette.tokens
+    return [Name(name, told.get(name, name), tokens[NAME_TOKENS[name]], at_end) for name in reversed(list(lines))]
 
 
-class MeasuredEnergyChart(MeasuredLines):
-    """Energy so far; between the model's and the optimum's lies what could be saved."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("measured_energy", ENERGY, height, axis, palette, Form(digits=1, last=True))
-
-    def beneath(self) -> None:
-        """Tint what could be saved."""
-        self.source("extra", "x", "low", "high")
-        self.glyphs("varea", "extra", "x", "low", "high", paint={"fill_color": "over"})
-
-    def draw(self, scene: RunsScene) -> None:
-        """Draw the runs of a scene."""
-        known = energy_so_far(scene.run)
-        dots = None
-        if known is not None:
-            time, place, energy = known
-            dots = scene.dots(time, place, energy / J_PER_KWH)
-        lines = self.fill_all(scene, dots)
-        self._tint(lines)
-        self.set_range(*nice_range(*ends_of(lines.values()), self.form.room))
-        told = {name: f"{name} {words.energy(float(y[-1]))}" for name, (_, y) in lines.items()}
-        self.place_names(lines, self.names_of(lines, told, at_end=True))
-
-    def _tint(self, lines: Mapping[str, Curve]) -> None:
-        if "optimal" not in lines:
-            self.clear("extra")
-            return
-        (x, high), (places, low) = lines["modelled"], lines["optimal"]
-        self.put("extra", **columns(x=x, low=np.interp(x, places, low), high=high))
+def draw_speeds(chart: RunLines, scene: RunsScene) -> None:
+    """Draw speeds under the limits."""
+    run = scene.run
+    speeds = run.recording.speed_ms * run.placement.scale / MS_PER_KMH
+    lines = fill_all(chart, scene, scene.dots(run.recording.time_s, run.position_m, speeds))
+    limits = limits_of(run.scenario)
+    chart.set_range(0, HEADROOM * max(float(limits[1].max()), ends_of(lines.values())[1]))
+    # over time, a limit holds while the measured train is on its stretch
+    modelled = run.modelled
+    x = np.interp(limits[0], modelled.position_m, modelled.time_s) if scene.over_time else limits[0]
+    steps = draw_limits(chart, x, limits[1])
+    signs = _draw_signs(chart, x, limits[1])
+    chart.place_names({**lines, "limit": steps}, names_of(chart, lines, {}), signs)
 
 
-SPEEDS = AxisPlot("measured_speed", MeasuredSpeedChart, (270, 340, 220), "runs")
+def _draw_signs(chart: RunLines, borders: FloatArray, limits: FloatArray) -> list[Box]:
+    """Write the limits where there is room, and return where they stand."""
+    frame, texts = chart.frame_now, [f"limit {words.number(limit, 0)}" for limit in limits]
+    room = np.diff(frame.x_px(borders))
+    signs = [
+        (float(x), float(y), text)
+        for x, y, text, px in zip(borders[:-1], limits, texts, room, strict=True)
+        if text_width_px(text, SIGN_PX) + 8 < px
+    ]
+    x, y, shown = (list(column) for column in zip(*signs, strict=True)) if signs else ([], [], [])
+    chart.put("signs", x=x, y=y, text=shown)
+    return [frame.box(*sign, SIGN_PX, lift_px=SIGN_LIFT_PX) for sign in signs]
+
+
+def draw_energies(chart: RunLines, scene: RunsScene) -> None:
+    """Draw energy so far; between the model's and the optimum's lies what could be saved."""
+    known = energy_so_far(scene.run)
+    dots = None
+    if known is not None:
+        time, place, energy = known
+        dots = scene.dots(time, place, energy / J_PER_KWH)
+    lines = fill_all(chart, scene, dots)
+    _tint(chart, lines)
+    chart.fit(lines)
+    told = {name: f"{name} {words.energy(float(y[-1]))}" for name, (_, y) in lines.items()}
+    chart.place_names(lines, names_of(chart, lines, told, at_end=True))
+
+
+def _tint(chart: RunLines, lines: Mapping[str, Curve]) -> None:
+    if "optimal" not in lines:
+        chart.clear("extra")
+        return
+    (x, high), (places, low) = lines["modelled"], lines["optimal"]
+    chart.put("extra", **columns(x=x, low=np.interp(x, places, low), high=high))
+
+
+DOTS: Layer = methodcaller(
+    *("glyphs", "scatter", MEASURED, "x", "y"), paint={"fill_color": "ink"}, size=3.6, line_color=None
+)
+SPEEDS = RunPlot(
+    *("measured_speed", SPEED, LINES, (270, 340, 220)),
+    ticks=5,
+    axis="runs",
+    below=(add_limits,),
+    above=(methodcaller("signs", "signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFT_PX), DOTS, NAMES),
+    draws=draw_speeds,
+)
 TRACK = AxisPlot("line", LineStrip, (88, 96, 80), "runs")
-ENERGIES = AxisPlot("measured_energy", MeasuredEnergyChart, (200, 240, 180), "runs")
+ENERGIES = RunPlot(
+    *("measured_energy", ENERGY, LINES, (200, 240, 180)),
+    digits=1,
+    last=True,
+    axis="runs",
+    below=(methodcaller("glyphs", "varea", "extra", "x", "low", "high", paint={"fill_color": "over"}),),
+    above=(DOTS, NAMES),
+    draws=draw_energies,
+)
 RUN_PLOTS = (SPEEDS, TRACK, ENERGIES)

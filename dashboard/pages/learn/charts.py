@@ -2,21 +2,23 @@
 
 from collections.abc import Mapping
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
 from bokeh.models import Span
-from bokeh.plotting import figure
 
 from railjoule.core.studies.steady import SteadySpeeds
 from railjoule.core.studies.tradeoff import Frontier
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, columns, nice_range, points, text_style, xy
+from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
+from railjoule.dashboard.charts.chart import axis_line
+from railjoule.dashboard.charts.dress import text_style
 from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.plot import AnyPlot, AxisPlot, Ends, Plot, Stroke
+from railjoule.dashboard.charts.names import Name
+from railjoule.dashboard.charts.plot import AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Form, Line, RunLines, ends_of
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Ends, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.learn.compute import LessonResult
@@ -35,34 +37,22 @@ TIME_TITLE = "Travel time, s"
 HEADROOM = 1.12
 
 
-class LessonSpeedChart(RunLines):
-    """Speeds of two runs, over an axis of their own."""
+def draw_speeds(chart: RunLines, result: LessonResult, revealed: bool = True) -> None:
+    """Draw both runs, or the second alone as long as the first is to be guessed."""
+    names = dict(zip(("first", "second"), result.runs, strict=False))
+    if not revealed:
+        del names["first"]
+    runs = {line: result.runs[name] for line, name in names.items()}
+    chart.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
+    _, high = ends_of(chart.fill(runs).values())
+    chart.set_range(0, HEADROOM * high)
+    chart.told["sources"] = [chart.read(line, name) for line, name in names.items()]
 
-    def __init__(self, lesson: Lesson, height: int, axis: Axis, palette: Palette) -> None:
-        form = Form(last=True)
-        super().__init__(f"lesson_{lesson.name}", SPEED, LINES, height, axis, palette, lesson.lines, form)
 
-    def frame(self, *args: Any, **style: Any) -> figure:
-        """Return the empty figure, which stands alone and has no zoom."""
-        f = super().frame(*args, **{**style, "zoom": False})
-        self.palette.paint(f.xaxis[0], axis_line_color="line2")
-        return f
-
-    def draw(self, result: LessonResult, revealed: bool = True) -> None:
-        """Draw both runs, or the second alone as long as the first is to be guessed."""
-        names = dict(zip(("first", "second"), result.runs, strict=False))
-        if not revealed:
-            del names["first"]
-        runs = {line: result.runs[name] for line, name in names.items()}
-        self.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
-        _, high = ends_of(self.fill(runs).values())
-        self.set_range(0, HEADROOM * high)
-        self.told["sources"] = [self.read(line, name) for line, name in names.items()]
-
-    def forget(self) -> None:
-        """Have nothing of any run on the page."""
-        for line in self.lines:
-            self.axis.columns(line).forget()
+def make_speed_plot(lesson: Lesson) -> RunPlot:
+    """Return the figure of the speeds of two runs, over an axis of its own."""
+    look: dict[str, Any] = {"last": True, "zoom": False, "below": (axis_line,), "draws": draw_speeds}
+    return RunPlot(f"lesson_{lesson.name}", SPEED, LINES, (200, 250, 190), lesson.lines, axis=lesson.name, **look)
 
 
 PRICE = Plot(
@@ -98,6 +88,30 @@ class PhasePlaneChart(LoneChart):
     """What a joule of motion is worth over speed: above, between and below two lines the driver does other things."""
 
     kind = "map"
+    look: Mapping[str, Any] = {"ticks": 4, "digits": 1, "x_title": SPEED.words, "y_title": "Worth, J"}
+    layers = (
+        methodcaller("source", "bands", "bottom", "top", "fill"),
+        methodcaller(
+            # wider than any zoom: the regions have no ends along the speed
+            *("glyphs", "quad", "bands", -10, 1e3, "top", "bottom"),
+            paint={},
+            fill_color="fill",
+            fill_alpha=0.35,
+            line_color=None,
+        ),
+        methodcaller("source", "regions", "y", "text", "ink"),
+        methodcaller(
+            *("glyphs", "text", "regions", MOST_KMH - 1, "y", "text"),
+            paint={},
+            text_color="ink",
+            text_align="right",
+            text_baseline="middle",
+            **text_style(11),
+        ),
+        methodcaller("line", "run", "optimal", line_width=2.6),
+        methodcaller("dots", "marks", size=8, line_width=2),
+        methodcaller("add_names", size=11),
+    )
 
     def __init__(self, lesson: str, height: int, palette: Palette) -> None:
         caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
@@ -107,20 +121,11 @@ class PhasePlaneChart(LoneChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=4, digits=1, x_title=SPEED.words, y_title="Worth, J")
-        # wider than any zoom: the regions have no ends along the speed
-        sides = (-10, 1e3, "top", "bottom")
-        self.source("bands", "bottom", "top", "fill")
-        self.glyphs("quad", "bands", *sides, paint={}, fill_color="fill", fill_alpha=0.35, line_color=None)
-        self.source("regions", "y", "text", "ink")
-        right = {"text_align": "right", "text_baseline": "middle", **text_style(11)}
-        self.glyphs("text", "regions", MOST_KMH - 1, "y", "text", paint={}, text_color="ink", **right)
+        super().build()
+        assert self.figure is not None
         for span in (self.driving, self.braking):
             self.palette.paint(span, line_color="ink3")
-            f.add_layout(span)
-        self.line("run", "optimal", line_width=2.6)
-        self.dots("marks", size=8, line_width=2)
-        self.add_names(size=11)
+            self.figure.add_layout(span)
 
     def draw(self, result: LessonResult) -> None:
         """Draw the three regions and the run through them."""
@@ -175,7 +180,7 @@ class PhasePlaneChart(LoneChart):
 
 FIGURES: Mapping[str, tuple[AnyPlot, ...]] = {
     lesson.name: (
-        AxisPlot(f"lesson_{lesson.name}", partial(LessonSpeedChart, lesson), (200, 250, 190), lesson.name),
+        make_speed_plot(lesson),
         *([PRICE] if lesson.name == "multiplier" else ()),
         *(
             [Plot(f"plane_{lesson.name}", "", heights=(250, 300, 240), chart=partial(PhasePlaneChart, lesson.name))]

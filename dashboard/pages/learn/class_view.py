@@ -14,7 +14,8 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.plot import CurveChart, Plot, Stroke
 from railjoule.dashboard.charts.quantities import POSITION
-from railjoule.dashboard.charts.run_lines import Curve, as_steps
+from railjoule.dashboard.charts.run_lines import Curve
+from railjoule.dashboard.charts.track import as_steps
 from railjoule.dashboard.limits import LONGEST_NAME, MOST_STUDENTS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, markup

@@ -6,12 +6,13 @@ import panel_material_ui as pmui
 
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import lesson_css, parts_css
 from railjoule.dashboard.look.words import PHASE_WORDS
 from railjoule.dashboard.pages.learn.answers import Answer, answer_of, cells, compared_cells, energy_table
-from railjoule.dashboard.pages.learn.charts import FIGURES, PRICE, LessonSpeedChart, price_curves
+from railjoule.dashboard.pages.learn.charts import FIGURES, PRICE, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.lessons import LESSONS, Lesson
 from railjoule.dashboard.pages.learn.stretch_words import StretchWords, stretch_words
@@ -147,7 +148,7 @@ def forget(chart: Chart) -> None:
     chart.waiting = None
     for name, source in chart.sources.items():
         chart.put(name, **{column: [] for column in source.data})
-    if isinstance(chart, LessonSpeedChart):
+    if isinstance(chart, RunLines):
         chart.forget()
 
 

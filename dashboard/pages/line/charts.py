@@ -1,6 +1,7 @@
 """The charts of Line: speed, train path, and what each leg gets of time and needs of energy, all over the distance."""
 
 from collections.abc import Callable, Mapping, Sequence
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -11,15 +12,16 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, dragged, nice_range, text_style, xy
-from railjoule.dashboard.charts.label_places import text_width_px
+from railjoule.dashboard.charts.axis import Axis, columns, nice_range, xy
+from railjoule.dashboard.charts.chart import zero_line
+from railjoule.dashboard.charts.dress import dragged, text_style
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import text_width_px
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import (
-    Form,
-    Line,
-    RunLines,
+from railjoule.dashboard.charts.run_lines import Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.track import (
     add_limits,
     add_neutral_sections,
     add_passing_points,
@@ -28,7 +30,6 @@ from railjoule.dashboard.charts.run_lines import (
     draw_neutral_sections,
     draw_passing_points,
     draw_stations,
-    ends_of,
     limits_of,
 )
 from railjoule.dashboard.look import words
@@ -73,61 +74,33 @@ def stations(legs: Sequence[Leg]) -> list[float]:
     return [leg.end_m for leg in legs[:-1]]
 
 
-class LineSpeedChart(RunLines):
-    """Speed under the limits, with the names of the stations."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line_speed", quantities.SPEED, LINES, height, axis, palette, form=Form(ticks=5))
-
-    def beneath(self) -> None:
-        """Draw limits and stations beneath the lines."""
-        add_limits(self)
-        add_neutral_sections(self)
-        add_stations(self)
-
-    def above(self) -> None:
-        """Write the names of the stations."""
-        self.source("names", "x", "y", "text", "align")
-        self.signs("names", "ink2", text_align="align", text_baseline="top", y_offset=2)
-        add_passing_points(self)
-
-    def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
-        """Draw limits, runs and as many names of stations as fit."""
-        best = runs.best
-        self.fill(compared(runs, other))
-        _, limits = draw_limits(self, *limits_of(best.run.scenario))
-        top = HEADROOM * float(np.max(limits))
-        self.set_range(0, top)
-        draw_stations(self, stations(best.legs))
-        line = best.run.scenario.line.in_running_order()
-        draw_neutral_sections(self, line, np.asarray, top)
-        draw_passing_points(self, line, np.asarray)
-        stops = [(best.legs[0].start_m, best.legs[0].departs_from), *((leg.end_m, leg.arrives_at) for leg in best.legs)]
-        chosen = fitting(stops, best.run.distance_m / width_px)
-        self.put(
-            "names",
-            x=[place for place, _, _ in chosen],
-            y=[top] * len(chosen),
-            text=[name for _, name, _ in chosen],
-            align=[align for _, _, align in chosen],
-        )
+def draw_speeds(chart: RunLines, runs: LineRuns, other: Sharing, width_px: float) -> None:
+    """Draw limits, runs and as many names of stations as fit."""
+    best = runs.best
+    chart.fill(compared(runs, other))
+    _, limits = draw_limits(chart, *limits_of(best.run.scenario))
+    top = HEADROOM * float(np.max(limits))
+    chart.set_range(0, top)
+    draw_stations(chart, stations(best.legs))
+    line = best.run.scenario.line.in_running_order()
+    draw_neutral_sections(chart, line, np.asarray, top)
+    draw_passing_points(chart, line, np.asarray)
+    stops = [(best.legs[0].start_m, best.legs[0].departs_from), *((leg.end_m, leg.arrives_at) for leg in best.legs)]
+    chosen = fitting(stops, best.run.distance_m / width_px)
+    chart.put(
+        "names",
+        x=[place for place, _, _ in chosen],
+        y=[top] * len(chosen),
+        text=[name for _, name, _ in chosen],
+        align=[align for _, _, align in chosen],
+    )
 
 
-class PathChart(RunLines):
-    """When the train is where: the train paths of the timetable's graph."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line_path", quantities.PATH, LINES, height, axis, palette, form=Form(ticks=5))
-
-    def beneath(self) -> None:
-        """Draw the stations beneath the lines."""
-        add_stations(self)
-
-    def draw(self, runs: LineRuns, other: Sharing) -> None:
-        """Draw both train paths."""
-        _, latest = ends_of(self.fill(compared(runs, other)).values())
-        self.set_range(0, 1.04 * latest)
-        draw_stations(self, stations(runs.best.legs))
+def draw_paths(chart: RunLines, runs: LineRuns, other: Sharing) -> None:
+    """Draw when the train is where, as the graph of the timetable does."""
+    _, latest = ends_of(chart.fill(compared(runs, other)).values())
+    chart.set_range(0, 1.04 * latest)
+    draw_stations(chart, stations(runs.best.legs))
 
 
 class LegBars(DistanceChart):
@@ -158,20 +131,21 @@ class LegBars(DistanceChart):
         last: bool = False,
     ) -> None:
         super().__init__(name, caption, height, axis, palette)
-        self.value, self.show_value, self.last = value, show, last
+        self.value, self.show_value = value, show
+        self.look = {"zoom": self.zoom, "ticks": 3, "x_title": POSITION.words if last else ""}
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=self.last, zoom=self.zoom, ticks=3)
-        add_stations(self)
-        add_zero(f, self.palette)
-        for sharing, token in SHARING_TOKENS.items():
-            sides = ("left", "right", 0, "top")
-            self.glyphs("quad", sharing, *sides, paint={"fill_color": token}, line_color=None)
+    layers = (
+        add_stations,
+        zero_line,
+        *(
+            methodcaller(
+                *("glyphs", "quad", sharing, "left", "right", 0, "top"), paint={"fill_color": token}, line_color=None
+            )
+            for sharing, token in SHARING_TOKENS.items()
+        ),
         # to the left of the bar's right end: to the right the next bar of the leg may be taller
-        self.grounded_signs("signs", SHARING_TOKENS["optimum"], SIGN_PX, text_align="right", y_offset=-2)
-        if self.last:
-            f.xaxis.axis_label = POSITION.words
+        methodcaller(*("grounded_signs", "signs", SHARING_TOKENS["optimum"], SIGN_PX), text_align="right", y_offset=-2),
+    )
 
     def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
         """Draw the bars of the optimum and of another way of sharing."""
@@ -342,9 +316,19 @@ def fitting(stops: Sequence[tuple[float, str]], m_per_px: float) -> list[tuple[f
 
 # ---- all figures of the page
 
-SPEED = AxisPlot("line_speed", LineSpeedChart, (230, 290, 210))
+SPEED = RunPlot(
+    *("line_speed", quantities.SPEED, LINES, (230, 290, 210)),
+    ticks=5,
+    below=(add_limits, add_neutral_sections, add_stations),
+    above=(
+        methodcaller("source", "names", "x", "y", "text", "align"),
+        methodcaller("signs", "names", "ink2", text_align="align", text_baseline="top", y_offset=2),
+        add_passing_points,
+    ),
+    draws=draw_speeds,
+)
 TRACK = AxisPlot("line", LineStrip, (98, 106, 94))
-PATH = AxisPlot("line_path", PathChart, (180, 230, 170))
+PATH = RunPlot("line_path", quantities.PATH, LINES, (180, 230, 170), ticks=5, below=(add_stations,), draws=draw_paths)
 SUPPLEMENTS = AxisPlot("supplements", SlackChart, (140, 170, 140))
 PRICE = AxisPlot(
     "leg_price",

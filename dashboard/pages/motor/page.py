@@ -14,9 +14,9 @@ from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts import quantities
 from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.charts.plot import DASHED, SOLID, Plot, RunPlot, Stroke
+from railjoule.dashboard.charts.plot import DASHED, SOLID, AnyPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import Quantity, read
-from railjoule.dashboard.charts.run_lines import Line
+from railjoule.dashboard.charts.run_lines import Line, RowPlot
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import DASHES
 from railjoule.dashboard.page import Hint, Page, Request, Section, shows, work
@@ -87,7 +87,7 @@ ENERGY = Quantity(
     "loop_energy", "Energy at the motors so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)
 )
 OF_RUN = (
-    RunPlot(
+    RowPlot(
         "loop_speed",
         SPEED,
         {
@@ -97,7 +97,7 @@ OF_RUN = (
         (200, 250, 180),
         ticks=5,
     ),
-    RunPlot(
+    RowPlot(
         "loop_currents",
         Quantity("loop_currents", "Currents of one motor, A", "A", 1, read("torque_current_a")),
         {
@@ -106,7 +106,7 @@ OF_RUN = (
         },
         (170, 200, 160),
     ),
-    RunPlot(
+    RowPlot(
         "loop_voltage",
         Quantity("loop_voltage", "Phase voltage of one motor, V", "V", 0, read("phase_voltage_v")),
         {
@@ -115,7 +115,7 @@ OF_RUN = (
         },
         (130, 150, 120),
     ),
-    RunPlot(
+    RowPlot(
         "loop_flux",
         Quantity("loop_flux", "Rotor flux, V s", "V s", 3, read("rotor_flux_vs")),
         {"": Line("accent", SOLID, "run")},
@@ -123,7 +123,7 @@ OF_RUN = (
         ticks=3,
         digits=1,
     ),
-    RunPlot(
+    RowPlot(
         "loop_energy",
         ENERGY,
         {"": Line("accent", SOLID, "run")},
@@ -132,14 +132,14 @@ OF_RUN = (
     ),
 )
 OF_TRACKING = (
-    RunPlot(
+    RowPlot(
         "tracking",
         Quantity("tracking", "Tracking error with and without pre-compensator, m", "m", 3, read("tracking_error_m")),
         {"without": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
         (120, 140, 120),
     ),
     # beside the error without a pre-compensator, that with one is a line at zero
-    RunPlot(
+    RowPlot(
         "tracking_fine",
         Quantity(
             "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
@@ -150,13 +150,13 @@ OF_TRACKING = (
     ),
 )
 OF_RIVALS = (
-    RunPlot(
+    RowPlot(
         "rival_current",
         Quantity("rival_current", "EOC and ENOC: torque current of one motor, A", "A", 1, read("torque_current_a")),
         of_rivals(TORQUE_CURRENT),
         (140, 160, 130),
     ),
-    RunPlot(
+    RowPlot(
         "rival_energy",
         replace(ENERGY, name="rival_energy", words="EOC and ENOC: energy at the motors, kWh"),
         of_rivals(INPUT_ENERGY),
@@ -364,7 +364,7 @@ class Motor(Page):
             parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
         )
 
-    def _column(self, *content: Plot | RunPlot | Viewable) -> Viewable:
+    def _column(self, *content: AnyPlot | Viewable) -> Viewable:
         """Return figures and other parts below each other."""
         hosts = (one if isinstance(one, Viewable) else self.host.plots[one.name].host for one in content)
         return parts.stack(*hosts, css=COLUMN_CSS)

@@ -10,9 +10,8 @@ from bokeh.plotting import figure
 
 from railjoule.core.validation import Row, Validation
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.charts.chart import add_zero
+from railjoule.dashboard.charts.dress import add_zero, dress_alone
 from railjoule.dashboard.charts.elements import dress_legends, figure_of
-from railjoule.dashboard.charts.figures import dress_alone
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette

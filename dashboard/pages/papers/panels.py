@@ -8,9 +8,8 @@ from bokeh.models import Legend
 from bokeh.plotting import figure
 
 from railjoule.core.validation.table import Line, Panel
-from railjoule.dashboard.charts.chart import check_complete, lighten
+from railjoule.dashboard.charts.dress import check_complete, dress_alone, lighten
 from railjoule.dashboard.charts.elements import dress_legends, figure_of
-from railjoule.dashboard.charts.figures import dress_alone
 from railjoule.dashboard.look.paint import Palette
 
 COLOURS = ("accent", "eoc", "phases", "bellman", "pin_1", "pin_2", "pin_4", "pin_6")

@@ -2,34 +2,23 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 from bokeh.events import PanEnd
-from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies.set_speed_run import MIN_LIMIT_KMH
 from railjoule.dashboard.charts import quantities
-from railjoule.dashboard.charts.chart import Axis
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.machine_map import MotorMapChart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION
 from railjoule.dashboard.charts.run_charts import LineStrip
-from railjoule.dashboard.charts.run_lines import (
-    DRIVEN_DASH,
-    Curve,
-    FittedRunLines,
-    Form,
-    Line,
-    RunLines,
-    add_limits,
-    draw_limits,
-    limits_of,
-)
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Curve, Line, RunLines, RunPlot
 from railjoule.dashboard.charts.steps import END_PX, STEPS, add_steps, draw_steps
+from railjoule.dashboard.charts.track import add_limits, draw_limits, limits_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.set_speeds.compute import LimitRun, LimitTrip
 
@@ -60,18 +49,12 @@ class SetSpeedChart(RunLines):
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         lines = {**LINES, WITH_SET_SPEEDS: replace(LINES[WITH_SET_SPEEDS], of=TRIP)}
-        caption = "Speed, km/h; drag a set speed or its end"
-        super().__init__("limit_speed", quantities.SPEED, lines, height, axis, palette, caption, Form(ticks=5))
+        caption, heights = "Speed, km/h; drag a set speed or its end", (height, height, height)
+        # it has no zoom, as a drag moves a step
+        look: dict[str, Any] = {"ticks": 5, "zoom": False, "below": (add_limits,), "above": (self.add_steps,)}
+        super().__init__(RunPlot("limit_speed", quantities.SPEED, lines, heights, caption, **look), axis, palette)
 
-    def frame(self, *args: Any, **style: Any) -> figure:
-        """Return the empty figure; it has no zoom, as a drag moves a step."""
-        return super().frame(*args, **{**style, "zoom": False})
-
-    def beneath(self) -> None:
-        """Draw the limits of the line, and tint the speeds above them."""
-        add_limits(self)
-
-    def above(self) -> None:
+    def add_steps(self, _: Any) -> None:
         """Draw the steps, and let the browser drag them."""
         # `most` is set with each drawing
         bounds = {"least": MIN_LIMIT_KMH, "most": 600.0, "per": STEPS_A_KMH, "shortest": MIN_SECTION_M}
@@ -126,18 +109,13 @@ def both(shown: LimitRun) -> dict[str, Trajectory]:
     return {**optimum, "run": shown.run}
 
 
-def _fitted(name: str, quantity: quantities.Quantity, height: int, axis: Axis, palette: Palette) -> FittedRunLines:
-    form = Form(ticks=3, zero=True, last=quantity is ENERGY, room=0.08)
-    return FittedRunLines(name, quantity, LINES, height, axis, palette, form=form)
-
-
 # ---- all figures of the page
 
 SPEED = AxisPlot("limit_speed", SetSpeedChart, (290, 360, 240))
 TRACK = AxisPlot("line", LineStrip, (104, 112, 98))
 OTHERS = (
-    AxisPlot("limit_effort", partial(_fitted, "limit_effort", EFFORT), (104, 120, 96)),
-    AxisPlot("limit_energy", partial(_fitted, "limit_energy", ENERGY), (130, 150, 120)),
+    RunPlot("limit_effort", EFFORT, LINES, (104, 120, 96), ticks=3, zero=True, room=0.08),
+    RunPlot("limit_energy", ENERGY, LINES, (130, 150, 120), ticks=3, zero=True, room=0.08, last=True),
 )
 MAP = Plot("motor_map", "", heights=(300, 360, 280), chart=MotorMapChart)
 SAVED = Plot(

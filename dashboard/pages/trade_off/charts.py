@@ -1,6 +1,7 @@
 """The charts of the trade-off: the frontier with the strategies beside it, and ENOC's contours."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -11,13 +12,14 @@ from bokeh.plotting.contour import contour_data
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts.chart import columns, nice_range, points, style_of, xy
-from railjoule.dashboard.charts.figures import LoneChart, ink_on
-from railjoule.dashboard.charts.label_places import Box
-from railjoule.dashboard.charts.line_names import Name, clear_of
+from railjoule.dashboard.charts.axis import columns, nice_range, points, xy
+from railjoule.dashboard.charts.chart import no_grid
+from railjoule.dashboard.charts.dress import ink_on, style_of
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.names import Box, Name, clear_of
+from railjoule.dashboard.charts.run_lines import NAMES
 from railjoule.dashboard.charts.surface import CIVIDIS, round_step
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, EnocPoint, TradeOff
 
 TIME_TITLE = "Travel time, s"
@@ -26,6 +28,7 @@ BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
 """Share of the range of times that is drawn left of the shortest time, and length of the tangent each way."""
 FAR_BELOW_AND_ABOVE = (-1e3, 1e4)
 """Ends of the hatched area of impossible times, beyond any energy [kWh] on the axis."""
+WHITE_LINE: Mapping[str, Any] = {"line_color": "#FFFFFF"}
 MARK_PX = 6
 """Half the size of the marks that names keep clear of."""
 SIGNED = (0.02, 0.93)
@@ -38,41 +41,44 @@ class FrontierChart(LoneChart):
     on_time: Callable[[float], None] | None = None
     """Takes the travel time [s] that was clicked."""
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("frontier", "Net energy, kWh, over travel time, s", height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(digits=1, x_title=TIME_TITLE)
-        self.glyphs("varea", "between", "x", "low", "high", paint={"fill_color": "enoc"}, fill_alpha=0.10)
-        self.source("impossible", "left", "right")
-        self.glyphs(
-            "quad",
-            "impossible",
-            "left",
-            "right",
-            *FAR_BELOW_AND_ABOVE,
+    look: Mapping[str, Any] = {"digits": 1, "x_title": TIME_TITLE}
+    layers = (
+        methodcaller(
+            *("glyphs", "varea", "between", "x", "low", "high"), paint={"fill_color": "enoc"}, fill_alpha=0.10
+        ),
+        methodcaller(
+            *("glyphs", "quad", "impossible", "left", "right", *FAR_BELOW_AND_ABOVE),
             paint={"fill_color": "ground", "hatch_color": "groundline"},
             line_color=None,
             fill_alpha=0.55,
             hatch_pattern="right_diagonal_line",
             hatch_scale=8,
             hatch_alpha=0.4,
-        )
-        for name in ("enoc", "optimal"):
-            self.line(name, name, **style_of(name))
-        self.line("tangent", "ink", line_width=1)
-        self.dots("printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5)
-        self.source("runs", "x", "y", "colour")
-        edge = {"line_color": "surface"}
-        self.glyphs("scatter", "runs", "x", "y", paint=edge, fill_color="colour", size=10, line_width=1.5)
+        ),
+        *(methodcaller("line", name, name, **style_of(name)) for name in ("enoc", "optimal")),
+        methodcaller("line", "tangent", "ink", line_width=1),
+        methodcaller("dots", "printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5),
+        methodcaller("source", "runs", "x", "y", "colour"),
+        methodcaller(
+            *("glyphs", "scatter", "runs", "x", "y"),
+            paint={"line_color": "surface"},
+            fill_color="colour",
+            size=10,
+            line_width=1.5,
+        ),
+        methodcaller("dots", "point", size=11, line_width=2),
+        NAMES,
+    )
+
+    def build(self) -> None:
+        """Make the figure."""
+        super().build()
         self.now = Span(location=-1, dimension="height", line_width=1)
         self.palette.paint(self.now, line_color="line2")
-        f.add_layout(self.now)
-        self.dots("point", size=11, line_width=2)
-        self.add_names()
-        f.on_event(Tap, self._set_time)
-        f.on_event(Pan, self._set_time)
+        assert self.figure is not None
+        self.figure.add_layout(self.now)
+        for kind in (Tap, Pan):
+            self.figure.on_event(kind, self._set_time)
 
     def _set_time(self, event: Any) -> None:
         # a drag may lead out of the frame
@@ -145,23 +151,35 @@ class ContourChart(LoneChart):
     """ENOC's energy over travel time and acceleration time, as contours."""
 
     kind = "map"
-
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, as contours", height, palette)
+    look: Mapping[str, Any] = {"ticks": 5, "x_title": TIME_TITLE, "y_title": "Acceleration time, s"}
+    layers = (
+        no_grid,
+        methodcaller("glyphs", "line", "valley", "x", "y", paint={}, line_width=2, **WHITE_LINE),
+        methodcaller("source", "printed", "x", "y", "energy"),
+        methodcaller(
+            *("glyphs", "scatter", "printed", "x", "y"),
+            paint={},
+            size=9,
+            marker="diamond",
+            fill_color=None,
+            line_width=1.5,
+            **WHITE_LINE,
+        ),
+        methodcaller("coloured_signs", "signs", text_align="center", text_baseline="middle"),
+        methodcaller(
+            *("glyphs", "scatter", "point", "x", "y"),
+            paint={"fill_color": "accent"},
+            size=11,
+            line_width=2,
+            **WHITE_LINE,
+        ),
+    )
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=5, x_title=TIME_TITLE, y_title="Acceleration time, s")
-        f.ygrid.visible = False
+        super().build()
         self.contours: ContourRenderer | None = None
         self.drawn: EnocMap | None = None
-        white = {"line_color": "#FFFFFF"}
-        self.glyphs("line", "valley", "x", "y", paint={}, line_width=2, **white)
-        self.source("printed", "x", "y", "energy")
-        hollow = {"marker": "diamond", "fill_color": None, "line_width": 1.5}
-        self.glyphs("scatter", "printed", "x", "y", paint={}, size=9, **hollow, **white)
-        self.coloured_signs("signs", text_align="center", text_baseline="middle")
-        self.glyphs("scatter", "point", "x", "y", paint={"fill_color": "accent"}, size=11, line_width=2, **white)
 
     def draw(self, trade_off: TradeOff, now: EnocPoint | None) -> None:
         """Draw contours, valley, the present run and the printed ones."""

@@ -1,5 +1,6 @@
 """Trade-off: the energy-time frontier with the strategies beside it, and ENOC's energy over its acceleration time."""
 
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -9,7 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.validation.ftorek_runs import TABLE_3_COPPER_WEIGHT
-from railjoule.dashboard.charts.chart import style_of
+from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import NARROW_PX
@@ -25,7 +26,11 @@ from railjoule.dashboard.state.kept import result
 
 ENOC_SCENARIO = "ftorek-300s"
 """A shipped scenario that ENOC accepts."""
-FRONTIER = Plot("frontier", "", heights=(400, 470, 290), chart=FrontierChart)
+FRONTIER = Plot(
+    "frontier",
+    heights=(400, 470, 290),
+    chart=partial(FrontierChart, "frontier", "Net energy, kWh, over travel time, s"),
+)
 SHARE = Plot(
     "share",
     "ENOC above the optimum, %",
@@ -37,7 +42,11 @@ SHARE = Plot(
     uprights={"now": "line2"},
 )
 SURFACE = Plot("surface", "", heights=(400, 500, 330), chart=SurfacePane)
-CONTOUR = Plot("contour", "", heights=(400, 500, 330), chart=ContourChart)
+CONTOUR = Plot(
+    "contour",
+    heights=(400, 500, 330),
+    chart=partial(ContourChart, "contour", "ENOC: energy, kWh, as contours"),
+)
 MAPS = {
     "Realistic times": (False, 1.0),
     "Up to 5000 s": (True, 1.0),

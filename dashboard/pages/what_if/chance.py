@@ -1,6 +1,6 @@
 """The tab "Chance": random draws of the conditions, and the plan that is robust against them."""
 
-from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
@@ -12,17 +12,15 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY, Candidate, DrawnRuns, RobustPlan
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.chart import Axis, nice_range, xy
-from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.plot import AxisPlot, Plot
+from railjoule.dashboard.charts.axis import nice_range, xy
+from railjoule.dashboard.charts.names import Name
+from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import Form, Line, RunLines, ends_of
+from railjoule.dashboard.charts.run_lines import NAMES, Line, RunLines, RunPlot, ends_of
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.key_names import without_keys
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page import Page, Request, shows, study
-from railjoule.dashboard.pages.what_if.chance_charts import HistogramChart, LoadScatter, chance_table, finite
+from railjoule.dashboard.pages.what_if.chance_charts import SCATTER, chance_table, finite, histogram
 from railjoule.dashboard.pages.what_if.compute import Conditions, RobustAnswer, compute_chance, compute_robust
 from railjoule.dashboard.pages.what_if.conditions import CHANCE, FOLLOWING, NOTHING_WRONG, PREVIEW_RUNS, conditions
 from railjoule.dashboard.pages.what_if.draws import draws_table
@@ -41,75 +39,67 @@ LINES = {
 HEADROOM = 1.22
 
 
-class RobustSpeedChart(RunLines):
-    """Planned speeds of the nominal and of the robust plan."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        caption = "Robust plan: speed, km/h, beside the nominal plan"
-        super().__init__("robust_speed", SPEED, LINES, height, axis, palette, caption, Form(ticks=5, last=True))
-
-    def above(self) -> None:
-        """Write the names of the lines."""
-        self.add_names()
-
-    def draw(self, found: RobustPlan) -> None:
-        """Draw the nominal plan, and the robust one once it is known."""
-        runs = {"nominal": found.nominal.plan}
-        if found.chosen is not None and found.chosen is not found.nominal:
-            runs["robust"] = found.chosen.plan
-        self.axis.fit(max(float(run.position_m[-1]) for run in runs.values()), roomy=False)
-        lines = self.fill(runs)
-        self.set_range(0, HEADROOM * ends_of(lines.values())[1])
-        tokens = self.palette.tokens
-        places = {"nominal": 0.25, "robust": 0.7}
-        names = [Name(name, name, tokens[LINES[name].token], preferred=places[name]) for name in runs]
-        self.place_names(lines, names)
+def draw_plans(chart: RunLines, found: RobustPlan) -> None:
+    """Draw the speeds of the nominal plan, and of the robust one once it is known."""
+    runs = {"nominal": found.nominal.plan}
+    if found.chosen is not None and found.chosen is not found.nominal:
+        runs["robust"] = found.chosen.plan
+    chart.axis.fit(max(float(run.position_m[-1]) for run in runs.values()), roomy=False)
+    lines = chart.fill(runs)
+    chart.set_range(0, HEADROOM * ends_of(lines.values())[1])
+    places = {"nominal": 0.25, "robust": 0.7}
+    names = [Name(name, name, chart.palette.tokens[LINES[name].token], preferred=places[name]) for name in runs]
+    chart.place_names(lines, names)
 
 
-class CandidatesChart(LoneChart):
-    """Expected energy of each candidate over its share of runs on time."""
-
-    kind = "map"
-
-    def __init__(self, height: int, palette: Palette) -> None:
-        caption = "Candidates: expected energy, kWh, over runs on time, with the 95 % interval"
-        super().__init__("candidates", caption, height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        self.frame(ticks=4, digits=2, x_title="Runs on time, %")
-        self.hairlines("asked", "ink3", line_dash=[2, 3])
-        self.glyphs("segment", "intervals", "x", "y", "x1", "y", paint={"line_color": "line2"})
-        self.dots("points", "driven", size=6)
-        for name, line in LINES.items():
-            self.dots(name, line.token, size=9)
-        self.add_names()
-
-    def draw(self, found: RobustPlan) -> None:
-        """Draw the candidates so far, the probability that was asked for, the nominal and the robust plan."""
-        drawn = [one.drawn for one in found.candidates]
-        energy = np.array([one.expected_kwh for one in drawn])
-        share = 100 * np.array([one.share_on_time for one in drawn])
-        intervals = 100 * np.array([one.share_interval for one in drawn])
-        self.put("intervals", x=intervals[:, 0].tolist(), y=energy.tolist(), x1=intervals[:, 1].tolist())
-        self.put("points", **xy(share, energy))
-        self.put("asked", x=[100 * found.probability])
-        least, most = nice_range(float(np.nanmin(energy)), float(np.nanmax(energy)), 0.12)
-        self.set_ranges((float(min(intervals.min(), 100 * found.probability)) - 2.0, 102.0), (least, most))
-        marks = {"nominal": found.nominal, "robust": found.chosen}
-        tokens, names, lines = self.palette.tokens, [], {}
-        for name, one in marks.items():
-            at = [] if one is None else [(100 * one.drawn.share_on_time, one.drawn.expected_kwh)]
-            self.put(name, x=[x for x, _ in at], y=[y for _, y in at])
-            if at:
-                names.append(Name(name, name, tokens[LINES[name].token], point=at[0]))
-                lines[name] = (np.array([at[0][0]]), np.array([at[0][1]]))
-        self.place_names(lines, names)
+def draw_candidates(chart: CurveChart, found: RobustPlan) -> None:
+    """Draw the candidates so far, the probability that was asked for, the nominal and the robust plan."""
+    drawn = [one.drawn for one in found.candidates]
+    energy = np.array([one.expected_kwh for one in drawn])
+    share = 100 * np.array([one.share_on_time for one in drawn])
+    intervals = 100 * np.array([one.share_interval for one in drawn])
+    chart.put("intervals", x=intervals[:, 0].tolist(), y=energy.tolist(), x1=intervals[:, 1].tolist())
+    chart.put("points", **xy(share, energy))
+    chart.put("asked", x=[100 * found.probability])
+    least, most = nice_range(float(np.nanmin(energy)), float(np.nanmax(energy)), 0.12)
+    chart.set_ranges((float(min(intervals.min(), 100 * found.probability)) - 2.0, 102.0), (least, most))
+    marks = {"nominal": found.nominal, "robust": found.chosen}
+    tokens, names, lines = chart.palette.tokens, [], {}
+    for name, one in marks.items():
+        at = [] if one is None else [(100 * one.drawn.share_on_time, one.drawn.expected_kwh)]
+        chart.put(name, x=[x for x, _ in at], y=[y for _, y in at])
+        if at:
+            names.append(Name(name, name, tokens[LINES[name].token], point=at[0]))
+            lines[name] = (np.array([at[0][0]]), np.array([at[0][1]]))
+    chart.place_names(lines, names)
 
 
 ROBUST = (
-    AxisPlot("robust_speed", RobustSpeedChart, (250, 310, 220), "robust"),
-    Plot("candidates", "", heights=(250, 310, 220), chart=CandidatesChart),
+    RunPlot(
+        *("robust_speed", SPEED, LINES, (250, 310, 220)),
+        caption="Robust plan: speed, km/h, beside the nominal plan",
+        ticks=5,
+        last=True,
+        axis="robust",
+        above=(NAMES,),
+        draws=draw_plans,
+    ),
+    Plot(
+        "candidates",
+        "Candidates: expected energy, kWh, over runs on time, with the 95 % interval",
+        heights=(250, 310, 220),
+        x_title="Runs on time, %",
+        digits=2,
+        sketch="map",
+        layers=(
+            methodcaller("hairlines", "asked", "ink3", line_dash=[2, 3]),
+            methodcaller("glyphs", "segment", "intervals", "x", "y", "x1", "y", paint={"line_color": "line2"}),
+            methodcaller("dots", "points", "driven", size=6),
+            *(methodcaller("dots", name, line.token, size=9) for name, line in LINES.items()),
+            NAMES,
+        ),
+        draws=draw_candidates,
+    ),
 )
 
 
@@ -181,15 +171,8 @@ ROBUST_FIELDS = ("probability_percent", "accepted_lateness_s", "candidates")
 """The search for a robust plan."""
 
 
-def _histogram(name: str, caption: str, quantity: str, show: Any) -> Plot:
-    return Plot(name, "", heights=(190, 220, 170), chart=partial(HistogramChart, name, caption, quantity, show))
-
-
-MORE = _histogram(
-    *("more", "Extra energy against a plan for the actual load, %", "Extra energy, %"), percent_difference
-)
-DELAYS = _histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
-SCATTER = Plot("scatter", "", heights=(220, 260, 200), chart=LoadScatter)
+MORE = histogram(*("more", "Extra energy against a plan for the actual load, %", "Extra energy, %"), percent_difference)
+DELAYS = histogram("late", "Delay at the stop, s", "Delay, s", words.delay)
 
 
 class ChanceTab(Page):

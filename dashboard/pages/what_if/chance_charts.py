@@ -1,17 +1,18 @@
 """Random draws of the conditions: histograms with their quantiles, energy over load."""
 
 from collections.abc import Callable
+from functools import partial
+from operator import methodcaller
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.chart import nice_range, xy
-from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.label_places import text_width_px
-from railjoule.dashboard.charts.line_names import rows_of
+from railjoule.dashboard.charts.axis import nice_range, xy
+from railjoule.dashboard.charts.chart import Layer, no_grid
+from railjoule.dashboard.charts.names import rows_of, text_width_px
+from railjoule.dashboard.charts.plot import CurveChart, Plot
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.what_if.draws import RESULTS
 from railjoule.dashboard.parts import html as parts
 
@@ -28,61 +29,58 @@ def finite(values: FloatArray) -> FloatArray:
     return values[np.isfinite(values)]
 
 
-class HistogramChart(LoneChart):
-    """How often a value came out, with 5 %, median and 95 % as hairlines."""
+def draw_histogram(show: Callable[[float], str], chart: CurveChart, values: FloatArray) -> None:
+    """Draw how often values came out so far, with 5 %, median and 95 % as hairlines."""
+    values = finite(values)
+    if not len(values):
+        chart.clear()
+        return
+    low, high = np.quantile(values, SHOWN)
+    # where chance changes nothing, all values are one
+    low, high = nice_range(float(low), float(max(high, low + 1e-3)))
+    counts, edges = np.histogram(values, bins=BINS, range=(low, high))
+    most = float(max(counts.max(), 1))
+    chart.put("bars", left=edges[:-1].tolist(), right=edges[1:].tolist(), top=counts.tolist())
+    chart.x_range.update(start=low, end=high)
+    _mark(chart, show, np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
 
-    kind = "bars"
 
-    def __init__(
-        self, name: str, caption: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
-    ) -> None:
-        super().__init__(name, caption, height, palette)
-        self.quantity, self.show_value = quantity, show
+def _mark(
+    chart: CurveChart, show: Callable[[float], str], places: list[float], ends: tuple[float, float], most: float
+) -> None:
+    """Draw the quantiles, their words in as many rows as they need above the bars."""
+    texts = [f"{word}: {show(place)}" for word, place in zip(QUANTILES.values(), places, strict=True)]
+    frame = chart.frame_over(ends, (0.0, most))
+    spans = []
+    for place, text in zip(places, texts, strict=True):
+        width = text_width_px(text, SIGN_PX)
+        left = float(frame.x_px(np.array(place))) - 0.5 * width
+        left = min(max(left, 0.0), max(frame.width_px - width, 0.0))
+        spans.append((left, left + width))
+    rows = rows_of(spans)
+    room_px = ROW_PX * (max(rows) + 1) + ROW_PX
+    # the bars get the frame less the rows of words above them
+    per_px = most / max(frame.height_px - room_px, ROW_PX)
+    chart.y_range.update(start=0, end=most + room_px * per_px)
+    levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
+    scale = (ends[1] - ends[0]) / frame.width_px
+    chart.put("marks", x=places, y=levels)
+    chart.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=2, x_title=self.quantity)
-        f.yaxis.visible = False
-        f.ygrid.visible = False
-        bars = {"fill_color": "line2", "line_color": "surface"}
-        self.glyphs("quad", "bars", "left", "right", 0, "top", paint=bars, line_width=1)
-        self.glyphs("segment", "marks", "x", 0, "x", "y", paint={"line_color": "ink"}, line_width=1.2)
-        self.signs("signs", "ink2", SIGN_PX, text_align="center", y_offset=-2, text_baseline="bottom")
 
-    def draw(self, values: FloatArray) -> None:
-        """Draw the values so far."""
-        values = finite(values)
-        if not len(values):
-            self.clear()
-            return
-        low, high = np.quantile(values, SHOWN)
-        # where chance changes nothing, all values are one
-        low, high = nice_range(float(low), float(max(high, low + 1e-3)))
-        counts, edges = np.histogram(values, bins=BINS, range=(low, high))
-        most = float(max(counts.max(), 1))
-        self.put("bars", left=edges[:-1].tolist(), right=edges[1:].tolist(), top=counts.tolist())
-        self.x_range.update(start=low, end=high)
-        self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
-
-    def _mark(self, places: list[float], ends: tuple[float, float], most: float) -> None:
-        """Draw the quantiles, their words in as many rows as they need above the bars."""
-        texts = [f"{word}: {self.show_value(place)}" for word, place in zip(QUANTILES.values(), places, strict=True)]
-        frame = self.frame_over(ends, (0.0, most))
-        spans = []
-        for place, text in zip(places, texts, strict=True):
-            width = text_width_px(text, SIGN_PX)
-            left = float(frame.x_px(np.array(place))) - 0.5 * width
-            left = min(max(left, 0.0), max(frame.width_px - width, 0.0))
-            spans.append((left, left + width))
-        rows = rows_of(spans)
-        room_px = ROW_PX * (max(rows) + 1) + ROW_PX
-        # the bars get the frame less the rows of words above them
-        per_px = most / max(frame.height_px - room_px, ROW_PX)
-        self.y_range.update(start=0, end=most + room_px * per_px)
-        levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
-        scale = (ends[1] - ends[0]) / frame.width_px
-        self.put("marks", x=places, y=levels)
-        self.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
+def histogram(name: str, caption: str, quantity: str, show: Callable[[float], str]) -> Plot:
+    """Return the figure of how often values of a quantity came out; `show` returns how one reads."""
+    bars = {"fill_color": "line2", "line_color": "surface"}
+    layers: tuple[Layer, ...] = (
+        no_grid,
+        lambda chart: chart.figure.yaxis[0].update(visible=False),
+        methodcaller("glyphs", "quad", "bars", "left", "right", 0, "top", paint=bars, line_width=1),
+        methodcaller("glyphs", "segment", "marks", "x", 0, "x", "y", paint={"line_color": "ink"}, line_width=1.2),
+        methodcaller("signs", "signs", "ink2", SIGN_PX, text_align="center", y_offset=-2, text_baseline="bottom"),
+    )
+    draws = partial(draw_histogram, show)
+    heights = 190, 220, 170
+    return Plot(name, caption, {}, heights, quantity, ticks=2, sketch="bars", layers=layers, draws=draws)
 
 
 def chance_table(table: StudyTable) -> str:
@@ -111,33 +109,38 @@ def _missed_words(table: StudyTable) -> list[str]:
     return [f"{count} less than a plan for their load, but arrive late or miss the stop: no saving."] if missed else []
 
 
-class LoadScatter(LoneChart):
-    """Energy of each run over the load that it carried."""
+def draw_scatter(chart: CurveChart, table: StudyTable) -> None:
+    """Draw the energy of the runs so far over the load that each carried, and that of plans for the actual load."""
+    done = np.isfinite(table.energy_kwh)
+    load = 100 * table["load_factor"][done]
+    energy = table.energy_kwh[done]
+    if not len(load):
+        chart.clear()
+        return
+    chart.put("points", **xy(load[:MAX_POINTS], energy[:MAX_POINTS]))
+    order = np.argsort(load)[:: max(1, len(load) // 60)]
+    knowing = table.replanned_kwh[done][order]
+    chart.put("line", **xy(load[order], knowing))
+    low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
+    chart.set_ranges((0.0, 100.0), (low, high))
 
-    kind = "map"
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        caption = "Energy, kWh, over load; blue: planned for that load"
-        super().__init__("scatter", caption, height, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        self.frame(ticks=4, digits=1, x_title="Load, %")
-        driven = {"fill_color": "driven"}
-        self.glyphs("scatter", "points", "x", "y", paint=driven, size=3.5, fill_alpha=0.35, line_color=None)
-        self.line("line", "accent", line_width=1.8)
-
-    def draw(self, table: StudyTable) -> None:
-        """Draw the runs so far, and the energy of plans for the actual load."""
-        done = np.isfinite(table.energy_kwh)
-        load = 100 * table["load_factor"][done]
-        energy = table.energy_kwh[done]
-        if not len(load):
-            self.clear()
-            return
-        self.put("points", **xy(load[:MAX_POINTS], energy[:MAX_POINTS]))
-        order = np.argsort(load)[:: max(1, len(load) // 60)]
-        knowing = table.replanned_kwh[done][order]
-        self.put("line", **xy(load[order], knowing))
-        low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
-        self.set_ranges((0.0, 100.0), (low, high))
+SCATTER = Plot(
+    "scatter",
+    "Energy, kWh, over load; blue: planned for that load",
+    heights=(220, 260, 200),
+    x_title="Load, %",
+    digits=1,
+    sketch="map",
+    layers=(
+        methodcaller(
+            *("glyphs", "scatter", "points", "x", "y"),
+            paint={"fill_color": "driven"},
+            size=3.5,
+            fill_alpha=0.35,
+            line_color=None,
+        ),
+        methodcaller("line", "line", "accent", line_width=1.8),
+    ),
+    draws=draw_scatter,
+)

@@ -133,7 +133,7 @@ class EventsTab(Page):
         """Return the parts of the tab, laid out."""
         day, plots = self.desk.day, self.host.plots
         self.arrivals, self.reactions, self.remarks = (parts.html_pane() for _ in range(3))
-        plots["ride_speed"].drop = lambda place_m: self.drop(self.dropping, place_m)
+        plots["ride_speed"].press = lambda place_m: self.drop(self.dropping, place_m)
         drops = {"Click adds a stop": "stop", "Click adds a limit": "limit"}
         add = pmui.Button(
             label="Add a stop",

@@ -6,11 +6,11 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.dashboard.charts.driven import LOAD
 from railjoule.dashboard.day import CHANCE, KIND_WORDS, SENSOR_ERRORS, SENSOR_FIELDS, EventModel
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.pages.what_if.chance import DRAWS, FULL_RUNS, ROBUST_FIELDS
-from railjoule.dashboard.pages.what_if.load import LOAD
 from railjoule.dashboard.pages.what_if.rides import RIDES
 from railjoule.dashboard.parts.choices import box
 from railjoule.dashboard.parts.html import html_pane, stack

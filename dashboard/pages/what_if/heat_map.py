@@ -16,8 +16,8 @@ from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_F
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.validation.liashenko_runs import PAPER, rms
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.charts.chart import Chart, text_style
-from railjoule.dashboard.charts.figures import empty_figure, ink_on
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.dress import empty_figure, ink_on, text_style
 from railjoule.dashboard.charts.surface import NARROW_PX
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette

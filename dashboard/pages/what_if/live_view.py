@@ -1,34 +1,27 @@
 """The part of the page that plays a run: its chart, its controls, its numbers, and how it ended."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 import numpy as np
 import panel as pn
 import panel_material_ui as pmui
-from bokeh.events import Tap
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.leg import Leg
 from railjoule.core.simulation.live import LiveEvent, LiveRun
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, xy
-from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.axis import xy
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import Name
 from railjoule.dashboard.charts.plot import AxisPlot
 from railjoule.dashboard.charts.quantities import SPEED
-from railjoule.dashboard.charts.run_lines import (
-    DRIVEN_DASH,
-    Curve,
-    add_limits,
-    add_stations,
-    draw_limits,
-    draw_stations,
-    limits_of,
-)
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve
+from railjoule.dashboard.charts.track import add_limits, add_stations, draw_limits, draw_stations, limits_of
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.what_if.live import PACES, LiveModel, LiveResult
@@ -38,7 +31,7 @@ from railjoule.dashboard.parts.number_field import NumberField
 
 LINES = {"former plan": "pinned", "plan ahead": "accent", "driven": "driven"}
 """The colours of the lines, in the order of drawing."""
-NAMES = {"former plan": "ink3", "plan ahead": "accent", "driven": "driven"}
+NAME_TOKENS = {"former plan": "ink3", "plan ahead": "accent", "driven": "driven"}
 """The colours in which they are named."""
 STROKES: dict[str, dict[str, Any]] = {
     "former plan": {"line_width": 1.8, "line_dash": [2, 3]},
@@ -56,32 +49,21 @@ DRAWN_POINTS = 400
 class LiveSpeedChart(DistanceChart):
     """Speed over distance while a run plays; a press sets a red signal."""
 
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("live_speed", SPEED.words, height, axis, palette)
-        self.unit, self.digits = SPEED.unit, SPEED.digits
-        self.press: Callable[[float], None] = lambda _: None
-        """Called with the place of a press [m]."""
-        self._plan: Leg | None = None
-        self._drawn_m = 0.0
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=True, ticks=5)
-        f.xaxis.axis_label = "Distance, m"
-        add_limits(self)
-        add_stations(self)
-        self.hairlines("signals", "limit", line_width=1.4)
-        for name, token in LINES.items():
-            self.line(name, token, **STROKES[name])
-        self.dots("train", "surface", "driven", size=11, line_width=3)
-        self.signs("signs", "limit", x_offset=4, text_baseline="top")
-        self.add_names()
-        f.on_event(Tap, self._press)
-        self.set_cursor_sources(*LINES)
-
-    def _press(self, event: Any) -> None:
-        if event.x is not None and 0 < event.x < self.axis.end:
-            self.press(float(event.x))
+    unit, digits = SPEED.unit, SPEED.digits
+    look: Mapping[str, Any] = {"ticks": 5, "x_title": "Distance, m"}
+    layers = (
+        add_limits,
+        add_stations,
+        methodcaller("hairlines", "signals", "limit", line_width=1.4),
+        *(methodcaller("line", name, token, **STROKES[name]) for name, token in LINES.items()),
+        methodcaller("dots", "train", "surface", "driven", size=11, line_width=3),
+        methodcaller("signs", "signs", "limit", x_offset=4, text_baseline="top"),
+        NAMES,
+        methodcaller("take_presses"),
+        methodcaller("set_cursor_sources", *LINES),
+    )
+    _plan: Leg | None = None
+    _drawn_m = 0.0
 
     def draw(self, run: LiveRun) -> None:
         """Draw a run with its plan."""
@@ -108,7 +90,7 @@ class LiveSpeedChart(DistanceChart):
         self._plan, self._drawn_m = run.plan, run.position_m
         self._draw_train(run)
         shown = {name: curve for name, curve in curves.items() if len(curve[0]) > 1}
-        names = [Name(name, name, self.palette.tokens[NAMES[name]]) for name in reversed(shown)]
+        names = [Name(name, name, self.palette.tokens[NAME_TOKENS[name]]) for name in reversed(shown)]
         taken = [self.frame_now.box(x, 0.99 * top, "red 000 s", lift_px=-15) for x in places]
         self.place_names({**shown, "limit": limit}, names, taken)
 
@@ -129,7 +111,7 @@ class LiveSpeedChart(DistanceChart):
         self.put("train", **xy(np.array([run.position_m]), np.array([run.speed_ms / MS_PER_KMH])))
 
 
-PLAYED = AxisPlot("live_speed", LiveSpeedChart, (300, 380, 240), "live")
+PLAYED = AxisPlot("live_speed", partial(LiveSpeedChart, "live_speed", SPEED.words), (300, 380, 240), "live")
 
 
 def _curve(leg: Leg) -> Curve:

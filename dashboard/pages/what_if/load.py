@@ -11,14 +11,8 @@ from panel.viewable import Viewable
 from railjoule.core.studies.braking_sensors import MEASUREMENTS, BrakingSensors
 from railjoule.core.studies.sensitivity_table import Knows
 from railjoule.core.studies.table import StudyTable
-from railjoule.dashboard.charts.driven import (
-    BrakingChart,
-    DrivenEffortChart,
-    DrivenSpeedChart,
-    PositionErrorChart,
-    reality_words,
-)
-from railjoule.dashboard.charts.plot import AxisPlot, Plot
+from railjoule.dashboard.charts.driven import BRAKING, EFFORTS, LOAD, PLACE, SPEEDS, reality_words
+from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.what_if.compute import (
@@ -41,16 +35,10 @@ from railjoule.dashboard.parts.choices import buttons, menu
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.work.runs import is_slow
 
-LOAD = "load"
 KNOWN: dict[str, Knows] = {"none": "nothing", "for the load": "load", "for the position": "place", "for both": "both"}
 SELECT: dict[str, Any] = {"margin": (6, 0, 6, 6)}
 HEAT_MAP = Plot("heatmap", "", heights=(350, 440, 320), chart=HeatMapChart)
-DRIVEN = (
-    AxisPlot("driven_speed", DrivenSpeedChart, (250, 310, 220), LOAD),
-    AxisPlot("driven_effort", DrivenEffortChart, (134, 150, 120), LOAD),
-)
-BRAKING = Plot("braking", "", heights=(240, 280, 220), chart=BrakingChart)
-PLACE = Plot("place", "", heights=(150, 170, 140), chart=PositionErrorChart)
+DRIVEN = (SPEEDS, EFFORTS)
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 10px 20px 12px 14px; align-items: start; }

@@ -8,14 +8,16 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.dashboard import day
+from railjoule.dashboard.charts.driven import BRAKING, LOAD, PLACE
 from railjoule.dashboard.look import words
 from railjoule.dashboard.page import Own, shows
-from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, SCATTER, ChanceTab
+from railjoule.dashboard.pages.what_if.chance import DELAYS, DRAWS, MORE, ROBUST, ROBUST_FIELDS, ChanceTab
+from railjoule.dashboard.pages.what_if.chance_charts import SCATTER
 from railjoule.dashboard.pages.what_if.events import EventsTab
 from railjoule.dashboard.pages.what_if.fields import WhatIfFields
 from railjoule.dashboard.pages.what_if.live import Live
 from railjoule.dashboard.pages.what_if.live_view import PLAYED
-from railjoule.dashboard.pages.what_if.load import BRAKING, DRIVEN, HEAT_MAP, LOAD, PLACE, LoadTab
+from railjoule.dashboard.pages.what_if.load import DRIVEN, HEAT_MAP, LoadTab
 from railjoule.dashboard.pages.what_if.rides import ENERGIES, LATE, RIDES, SPEEDS
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.tabs import PageTabs

@@ -1,33 +1,20 @@
 """Runs with events: speed and energy of all reactions on one axis, and energy over the delay at the end."""
 
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Mapping
+from functools import partial
+from operator import methodcaller
 
 import numpy as np
-from bokeh.events import Tap
 
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts.chart import Axis, nice_range
-from railjoule.dashboard.charts.line_names import Name
-from railjoule.dashboard.charts.plot import AxisPlot, Plot, Stroke
+from railjoule.dashboard.charts.axis import nice_range
+from railjoule.dashboard.charts.plot import Plot, Stroke
 from railjoule.dashboard.charts.quantities import ENERGY, SPEED
-from railjoule.dashboard.charts.run_lines import (
-    DRIVEN_DASH,
-    Curve,
-    FittedRunLines,
-    Form,
-    Line,
-    RunLines,
-    add_limits,
-    add_tint,
-    draw_limits,
-    ends_of,
-    limits_of,
-)
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, NAMES, Curve, Line, RunLines, RunPlot, ends_of
+from railjoule.dashboard.charts.track import add_limits, add_tint, draw_limits, limits_of
 from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.what_if.compute import LateArrivals, Rides
 
 LINES: Mapping[str, Line] = {
@@ -47,95 +34,71 @@ SIGN_DROP_PX = 15
 """The sign of an event hangs down so far from its place."""
 
 
-class RideSpeedChart(RunLines):
-    """Speeds, with the events where they happen; a press drops a new one."""
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("ride_speed", SPEED, LINES, height, axis, palette, form=Form(ticks=5))
-        self.drop: Callable[[float], None] = lambda _: None
-        """Called with the place of a press [m]."""
-        self._over_time = False
-
-    def beneath(self) -> None:
-        """Draw the events beneath the lines, and where they become known."""
-        assert self.figure is not None
-        add_limits(self)
-        self.source("limits", "left", "right", "bottom")
-        add_tint(self, "limits")
-        self.source("events", "x", "y", "text")
-        self.hairlines("events", "limit", line_width=1.4)
-        self.hairlines("notices", "ink3", line_dash=[1, 3])
-        self.figure.on_event(Tap, self._press)
-
-    def above(self) -> None:
-        """Write what the events are, and the names of the lines."""
-        self.signs("events", "limit", x_offset=4, text_baseline="top")
-        self.add_names()
-
-    def _press(self, event: Any) -> None:
-        # over time the axis has no places
-        if event.x is not None and not self._over_time and 0 < event.x < self.axis.end:
-            self.drop(float(event.x))
-
-    def draw(self, runs: Mapping[str, Trajectory], events: list[EventModel], over_time: bool) -> None:
-        """Draw all rides, the events and where they become known."""
-        self._over_time = over_time
-        lines = self.fill(runs, over_time)
-        top = HEADROOM * ends_of(lines.values())[1]
-        self.set_range(0, top)
-        # over time each run has borders of its own
-        limits = limits_of(runs["undisturbed"].scenario)
-        line = (np.zeros(2), np.zeros(1)) if over_time else limits
-        border = draw_limits(self, *line)
-        shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
-        self.put(
-            "events",
-            x=[event.position_m for event in shown],
-            # at three heights by turns, as events may be close to each other
-            y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
-            text=[event.sign for event in shown],
-        )
-        lowered = [event for event in shown if event.kind == "limit"]
-        self.put(
-            "limits",
-            left=[event.position_m for event in lowered],
-            right=[event.to_m for event in lowered],
-            bottom=[event.limit_kmh for event in lowered],
-        )
-        self.put("notices", x=[] if over_time else [event.noticed_at_m for event in events])
-        self._draw_names(lines, {} if over_time else {"limit": border})
-
-    def _draw_names(self, lines: Mapping[str, Curve], limit: Mapping[str, Curve]) -> None:
-        """Name the lines where nothing else is, and clear of the signs of the events."""
-        events, frame = self.sources["events"].data, self.frame_now
-        limits = self.sources["limits"].data
-        borders = {
-            f"limit {k}": (np.array([left, right]), np.array([level, level]))
-            for k, (left, right, level) in enumerate(
-                zip(limits["left"], limits["right"], limits["bottom"], strict=True)
-            )
-        }
-        hairlines = [*events["x"], *self.sources["notices"].data["x"]]
-        upright = {f"hairline {k}": frame.upright(float(x)) for k, x in enumerate(hairlines)}
-        # from the top downwards
-        taken = [
-            frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
-            for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
-        ]
-        names = [
-            Name(name, name, self.palette.tokens[NAME_TOKENS.get(name, LINES[name].token)])
-            for name in reversed(list(lines))
-        ]
-        self.place_names({**lines, **limit, **borders, **upright}, names, taken)
+def draw_rides(chart: RunLines, runs: Mapping[str, Trajectory], events: list[EventModel], over_time: bool) -> None:
+    """Draw all rides, the events and where they become known."""
+    lines = chart.fill(runs, over_time)
+    top = HEADROOM * ends_of(lines.values())[1]
+    chart.set_range(0, top)
+    # over time each run has borders of its own
+    limits = limits_of(runs["undisturbed"].scenario)
+    line = (np.zeros(2), np.zeros(1)) if over_time else limits
+    border = draw_limits(chart, *line)
+    shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
+    chart.put(
+        "events",
+        x=[event.position_m for event in shown],
+        # at three heights by turns, as events may be close to each other
+        y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
+        text=[event.sign for event in shown],
+    )
+    lowered = [event for event in shown if event.kind == "limit"]
+    chart.put(
+        "limits",
+        left=[event.position_m for event in lowered],
+        right=[event.to_m for event in lowered],
+        bottom=[event.limit_kmh for event in lowered],
+    )
+    chart.put("notices", x=[] if over_time else [event.noticed_at_m for event in events])
+    _draw_names(chart, lines, {} if over_time else {"limit": border})
 
 
-def _energy_chart(height: int, axis: Axis, palette: Palette) -> FittedRunLines:
-    return FittedRunLines("ride_energy", ENERGY, LINES, height, axis, palette, form=Form(digits=1, last=True))
+def _draw_names(chart: RunLines, lines: Mapping[str, Curve], limit: Mapping[str, Curve]) -> None:
+    """Name the lines where nothing else is, and clear of the signs of the events."""
+    events, frame = chart.sources["events"].data, chart.frame_now
+    limits = chart.sources["limits"].data
+    borders = {
+        f"limit {k}": (np.array([left, right]), np.array([level, level]))
+        for k, (left, right, level) in enumerate(zip(limits["left"], limits["right"], limits["bottom"], strict=True))
+    }
+    hairlines = [*events["x"], *chart.sources["notices"].data["x"]]
+    upright = {f"hairline {k}": frame.upright(float(x)) for k, x in enumerate(hairlines)}
+    # from the top downwards
+    taken = [
+        frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
+        for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
+    ]
+    chart.name_lines(lines, {**limit, **borders, **upright}, taken, NAME_TOKENS)
 
 
 RIDES = "events"
-SPEEDS = AxisPlot("ride_speed", RideSpeedChart, (300, 380, 240), RIDES)
-ENERGIES = AxisPlot("ride_energy", _energy_chart, (170, 200, 150), RIDES)
+SPEEDS = RunPlot(
+    *("ride_speed", SPEED, LINES, (300, 380, 240)),
+    ticks=5,
+    axis=RIDES,
+    below=(
+        add_limits,
+        methodcaller("source", "limits", "left", "right", "bottom"),
+        partial(add_tint, name="limits"),
+        methodcaller("source", "events", "x", "y", "text"),
+        methodcaller("hairlines", "events", "limit", line_width=1.4),
+        methodcaller("hairlines", "notices", "ink3", line_dash=[1, 3]),
+        methodcaller("take_presses"),
+    ),
+    above=(methodcaller("signs", "events", "limit", x_offset=4, text_baseline="top"), NAMES),
+    draws=draw_rides,
+)
+"""Speeds, with the events where they happen; a press drops a new one."""
+ENERGIES = RunPlot("ride_energy", ENERGY, LINES, (170, 200, 150), digits=1, last=True, axis=RIDES)
 LATE = Plot(
     "late_arrival",
     "Energy, kWh, over the delay at the end, s",

@@ -10,7 +10,9 @@ from bokeh.io.doc import patch_curdoc
 from bokeh.models import LinearColorMapper
 from bokeh.plotting import figure
 
-from railjoule.dashboard.charts.chart import Axis, Chart, check_complete
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.dress import check_complete
 from railjoule.dashboard.charts.elements import figure_of
 from railjoule.dashboard.look.paint import Palette
 

@@ -3,7 +3,8 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.simulation.following import simulate_following
-from railjoule.dashboard.charts.driven import BrakingChart, PositionErrorChart, reality_words
+from railjoule.dashboard.charts.driven import BRAKING, PLACE, reality_words
+from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
 
 
@@ -14,7 +15,7 @@ def following():
 
 
 def test_the_error_of_the_place_grows_and_falls_at_the_sensors(following):
-    chart = PositionErrorChart(150, Palette(dark=False))
+    chart = CurveChart(PLACE, 150, Palette(dark=False))
     chart.build()
     chart.draw(following)
     error = np.asarray(chart.sources["error"].data["y"])
@@ -28,7 +29,7 @@ def test_the_error_of_the_place_grows_and_falls_at_the_sensors(following):
 
 
 def test_the_last_metres_show_the_sensors_where_they_stand(following):
-    chart = BrakingChart(240, Palette(dark=False))
+    chart = CurveChart(BRAKING, 240, Palette(dark=False))
     chart.build()
     chart.draw(following)
     assert list(chart.sources["sensors"].data["x"]) == pytest.approx([-300.0, -180.0, -15.0])

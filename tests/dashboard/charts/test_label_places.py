@@ -4,13 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railjoule.dashboard.charts.label_places import (
-    LINE_PX,
-    Box,
-    Label,
-    Polyline,
-    place_labels,
-)
+from railjoule.dashboard.charts.names import LINE_PX, Box, Label, Polyline, place_labels
 
 WIDTH, HEIGHT = 800.0, 200.0
 

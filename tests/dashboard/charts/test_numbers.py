@@ -4,9 +4,9 @@ import numpy as np
 from bokeh.plotting import figure
 
 from railjoule.core.csv_text import csv_of_table
-from railjoule.dashboard.charts.chart import Axis, DistanceChart
-from railjoule.dashboard.charts.figures import LoneChart
-from railjoule.dashboard.charts.numbers import series, table
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.download import series, table
+from railjoule.dashboard.charts.figures import DistanceChart, LoneChart
 from railjoule.dashboard.charts.surface import Scene
 from railjoule.dashboard.look.paint import Palette
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario, solve
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.run_charts import EffortChart
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.paint import Palette

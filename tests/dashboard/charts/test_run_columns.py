@@ -7,8 +7,8 @@ import pytest
 from bokeh.document import Document
 from bokeh.document.events import ColumnDataChangedEvent
 
+from railjoule.dashboard.charts.axis import RunColumns
 from railjoule.dashboard.charts.quantities import EFFORT, MOTOR_CURRENT, SPEED, at_nodes, read
-from railjoule.dashboard.charts.run_columns import RunColumns
 
 COUNT = 100
 

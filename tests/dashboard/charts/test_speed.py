@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from bokeh.document import Document
 
 from railjoule.core import Trajectory, load_scenario, solve
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.charts.speed import BRAKING, BRAKING_WORDS, SpeedChart
 from railjoule.dashboard.look.paint import Palette
@@ -68,6 +71,23 @@ def test_neutral_sections_lie_where_the_front_has_no_power_and_passing_points_on
     # as the points ask for
     assert np.interp(passes["x"], scene.x(run), run.speed_ms * 3.6) == pytest.approx([32.5, 45.0], abs=1e-5)
     assert list(passes["y"]) == [32.5, 45.0]
+
+
+def test_the_tint_above_the_limits_of_several_runs_is_sent_once_over_time() -> None:
+    """Bokeh sends columns as they are at the end of a message: a second change would meet columns of other lengths."""
+    scenario = load_scenario("metro-with-limit")
+    runs = {name: solve(scenario, name) for name in ("optimal", "fastest")}
+    chart = new_chart()
+    scene = RunScene("optimal", runs, None, False, False, 900.0)
+    chart.axis.fit(scene.end, roomy=True)
+    chart.show(lambda: chart.draw(scene))
+    assert len(chart.sources["forbidden"].data["left"]) == 3
+    document, events = Document(), []
+    document.add_root(chart.content.object)
+    document.on_change(events.append)
+    chart.draw(replace(scene, over_time=True))
+    assert len(chart.sources["forbidden"].data["left"]) == 0
+    assert sum(getattr(event, "model", None) is chart.sources["forbidden"] for event in events) == 1
 
 
 def test_a_line_without_neutral_sections_has_no_band() -> None:

@@ -10,7 +10,7 @@ from bokeh.models import FullscreenTool, GlyphRenderer, HoverTool, SaveTool
 from bokeh.plotting import figure
 
 from railjoule.dashboard.app import Session
-from railjoule.dashboard.charts.figures import DARK_INK, WHITE, dress_alone
+from railjoule.dashboard.charts.dress import DARK_INK, WHITE, dress_alone
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES
 from railjoule.dashboard.page_list import PAGES

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from railjoule.core.studies.sweep import SweepTable
-from railjoule.dashboard.charts.chart import check_complete
+from railjoule.dashboard.charts.dress import check_complete
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.pages.explore import compute

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.learn.charts import PRICE, LessonSpeedChart, PhasePlaneChart, price_curves
+from railjoule.dashboard.pages.learn.charts import PRICE, PhasePlaneChart, make_speed_plot, price_curves
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
@@ -37,7 +37,7 @@ def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
 
 def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) -> None:
     palette = Palette(False)
-    chart = LessonSpeedChart(next(one for one in LESSONS if one.name == "multiplier"), 200, Axis(palette), palette)
+    chart = make_speed_plot(next(one for one in LESSONS if one.name == "multiplier")).made(Axis(palette), palette)
     first = chart.axis.columns("first").source
     chart.show(lambda: chart.draw(result, revealed=False))
     chart.axis.settle_over(False)

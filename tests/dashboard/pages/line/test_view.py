@@ -4,12 +4,12 @@ import pytest
 from lines import sent
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.line.charts import (
+    SPEED,
     LegBars,
-    LineSpeedChart,
     SlackChart,
     fitting,
     grip_columns,
@@ -147,7 +147,7 @@ def test_the_table_ends_with_sums(given: LineRuns) -> None:
 
 def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
     palette = Palette(False)
-    chart = LineSpeedChart(230, Axis(palette), palette)
+    chart = SPEED.made(Axis(palette), palette)
     chart.show(lambda: chart.draw(runs, "equal", 900.0))
     assert len(sent(chart, "equal")[0]) > 100
     assert len(sent(chart, "proportional")[0]) == 0

@@ -8,7 +8,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.app import Session
-from railjoule.dashboard.charts.label_places import AROUND_PX
+from railjoule.dashboard.charts.names import AROUND_PX
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.snapshot import lay, originals_of, snapshot_of
 from railjoule.dashboard.pages.trade_off.page import ENOC_SCENARIO, TradeOffPage

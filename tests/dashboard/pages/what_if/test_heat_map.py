@@ -3,10 +3,11 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.studies import monte_carlo_steps, sensitivity
+from railjoule.dashboard.charts.plot import CurveChart
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
-from railjoule.dashboard.pages.what_if.chance_charts import HistogramChart, chance_table
+from railjoule.dashboard.pages.what_if.chance_charts import chance_table, histogram
 from railjoule.dashboard.pages.what_if.heat_map import (
     MEASURES,
     HeatMapChart,
@@ -108,7 +109,7 @@ def test_cells_that_are_not_computed_yet_stay_empty() -> None:
 
 
 def test_a_histogram_marks_its_quantiles() -> None:
-    chart = HistogramChart("more", "More, %", "More, %", percent_difference, 190, Palette(dark=False))
+    chart = CurveChart(histogram("more", "More, %", "More, %", percent_difference), 190, Palette(dark=False))
     chart.build()
     chart.draw(np.append(np.linspace(0.0, 100.0, 1001), np.nan))
     assert np.allclose(chart.sources["marks"].data["x"], [5.0, 50.0, 95.0])

@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.charts.axis import Axis
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -16,7 +16,7 @@ from railjoule.dashboard.pages.what_if.compute import (
     compute_rides,
 )
 from railjoule.dashboard.pages.what_if.events import drawn
-from railjoule.dashboard.pages.what_if.rides import LATE, RideSpeedChart, late_curves, late_ends, saved_by
+from railjoule.dashboard.pages.what_if.rides import LATE, SPEEDS, late_curves, late_ends, saved_by
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.workbench import Workbench
 
@@ -36,8 +36,8 @@ def asked() -> Conditions:
 def test_a_press_drops_an_event_on_the_distance_alone(asked: Conditions) -> None:
     dropped: list[float] = []
     palette = Palette(dark=False)
-    chart = RideSpeedChart(300, Axis(palette), palette)
-    chart.drop = dropped.append
+    chart = SPEEDS.made(Axis(palette), palette)
+    chart.press = dropped.append
     chart.axis.fit(950.0, roomy=False)
     chart.build()
     model = tram_stop()

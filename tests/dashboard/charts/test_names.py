@@ -9,9 +9,9 @@ from lines import sent
 
 from railjoule.core import load_scenario
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.charts.chart import Axis, DistanceChart
-from railjoule.dashboard.charts.label_places import Box, text_width_px
-from railjoule.dashboard.charts.line_names import LINE_HEIGHT, Frame
+from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.figures import DistanceChart
+from railjoule.dashboard.charts.names import LINE_HEIGHT, Box, Frame, text_width_px
 from railjoule.dashboard.charts.run_charts import EnergyChart
 from railjoule.dashboard.charts.run_lines import RunLines
 from railjoule.dashboard.charts.scene import RunChart, RunScene
