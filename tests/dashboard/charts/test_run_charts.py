@@ -5,6 +5,7 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.dashboard.charts.axis import Axis
+from railjoule.dashboard.charts.quantities import EFFORT
 from railjoule.dashboard.charts.run_charts import EffortChart
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.paint import Palette
@@ -19,6 +20,8 @@ def test_the_effort_is_drawn_below_the_adhesion_of_wet_rails() -> None:
     for scenario in (wet, dry):
         run = solve(scenario, "fastest")
         chart.draw(RunScene("fastest", {"fastest": run}, None, False, False, 800))
+        # another name would make Bokeh 3.9.2 fail in the browser
+        assert chart.figure.html_attributes["aria-label"] == EFFORT.words
         drawn, most = np.array(chart.sources["adhesion"].data["y"]), np.array(chart.sources["largest"].data["y"])
         if scenario is dry:
             assert len(drawn) == 0
