@@ -51,7 +51,7 @@ class Scene(JSComponent):
         What the picture is called.
     """
 
-    traces = param.List(default=[], doc="What is drawn, as plotly.js takes it.")
+    traces = param.List(default=[], doc="Surfaces, lines and marks, as plotly.js takes them.")
     frame = param.Dict(default={}, doc="Axes, camera and colours, as plotly.js takes them.")
     options = param.Dict(default={}, doc="Buttons, as plotly.js takes them.")
 
