@@ -1,4 +1,4 @@
-"""What surfaces that can be turned are made of."""
+"""Scenes with surfaces that can be turned."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -48,7 +48,7 @@ class Scene(JSComponent):
     ----------
     height : int
     name : str
-        What the picture is called.
+        The name of the saved picture.
     """
 
     traces = param.List(default=[], doc="Surfaces, lines and marks, as plotly.js takes them.")

@@ -192,7 +192,7 @@ class DrawSpeed:
         spare = TARGET_S - run.travel_time_s
         margin = f"{words.tenths(abs(spare))} s {'late' if spare < 0 else 'to spare'}"
         cells = (
-            parts.figure("Time", clock(run.travel_time_s), "", margin, "main"),
+            parts.figure("Travel time", clock(run.travel_time_s), "", margin, "main"),
             parts.figure("Energy", words.energy(run.energy_kwh), "kWh", ""),
         )
         kinds = dict.fromkeys(phase.phase for phase in run.phases)
