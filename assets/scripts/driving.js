@@ -83,60 +83,6 @@ export const with_cell = (mesh, sum, i, from2, to2, share = 1) => {
 
 export const net_energy = (sum) => sum.drawn - sum.returned + sum.auxiliary;
 
-// --- a run that is drawn: core/simulation/manual, with the passes of core/motion/passes
-
-const HALVINGS = 60;
-// The force at the wheels [N] that leads from one square of speed to another in a cell; braking is negative.
-export const force_between = (mesh, i, from2, to2) => {
-  const v = Math.max(0.5 * (Math.sqrt(from2) + Math.sqrt(to2)), NEARLY_AT_REST);
-  const resistance = mesh.constant[i] + mesh.linear * v + mesh.quadratic[i] * 0.5 * (from2 + to2);
-  return (mesh.half_inertia / mesh.length[i]) * (to2 - from2) + resistance;
-};
-
-// Whether full effort leads from the known square of speed to another, or full braking from the other to the known one.
-const can = (mesh, i, known, other, braking) => {
-  const v = Math.max(0.5 * (Math.sqrt(known) + Math.sqrt(other)), NEARLY_AT_REST);
-  return braking ? -force_between(mesh, i, other, known) <= mesh.friction + max_effort(mesh.braking, v)
-    : force_between(mesh, i, known, other) <= max_effort(mesh.traction, v);
-};
-
-const greatest = (mesh, i, known, bound, braking) => {
-  if (can(mesh, i, known, bound, braking)) { return bound; }
-  let low = 0, high = bound;
-  for (let k = 0; k < HALVINGS; k++) {
-    const middle = 0.5 * (low + high);
-    if (can(mesh, i, known, middle, braking)) { low = middle; } else { high = middle; }
-  }
-  return low;
-};
-
-// The fastest run below a speed [m/s] that is drawn at each node: squares of speed, and the account after each cell.
-export const drive_drawn = (mesh, drawn) => {
-  const {length, highest2, pace2, most_acceleration, most_deceleration} = mesh, cells = length.length;
-  const speed2 = drawn.map((speed, i) => Math.min(Math.max(speed * speed, pace2), highest2[i]));
-  speed2[0] = Math.min(mesh.entering2, speed2[0]);
-  for (let i = 0; i < cells; i++) {
-    const most = speed2[i] + 2 * (most_acceleration ?? Infinity) * length[i];
-    speed2[i + 1] = greatest(mesh, i, speed2[i], Math.min(speed2[i + 1], most), false);
-  }
-  for (let i = cells - 1; i >= 0; i--) {
-    const most = speed2[i + 1] + 2 * (most_deceleration ?? Infinity) * length[i];
-    speed2[i] = greatest(mesh, i, speed2[i + 1], Math.min(speed2[i], most), true);
-  }
-  const sums = [nothing_yet()];
-  length.forEach((_, i) => { sums.push(with_cell(mesh, sums[i], i, speed2[i], speed2[i + 1])); });
-  return {speed2, sums};
-};
-
-// A speed between points that stand at even distances.
-export const between_points = (mesh, points) => {
-  const end = mesh.position.at(-1), steps = points.length - 1;
-  return mesh.position.map((place) => {
-    const along = (steps * place) / end, k = Math.min(Math.floor(along), steps - 1);
-    return points[k] + (along - k) * (points[k + 1] - points[k]);
-  });
-};
-
 // Commands as a text that fits into a link, such as p0c45b600: a letter, and the cell from which it holds.
 const LETTERS = "pcb";
 export const written = (commands) =>

@@ -48,7 +48,7 @@
     UIGestures.press_threshold = 2 ** 31 - 1;  // the longest delay of a timer, ms
   });
 
-  // Each stroke of each painting asks the style sheets for thirty variables that no page of ours has.
+  // Each stroke of each painting asks the style sheets for thirty variables that no page of railjoule has.
   repair("strokes", () => {
     const {prototype: figure} = prototype_of("Plot").default_view;
     const {initialize} = needed(figure, "initialize");

@@ -22,8 +22,8 @@ export const figure_on = (canvas, mesh, signal, again) => {
     ink = Object.fromEntries(INKS.map((name) => [name, style.getPropertyValue(`--rj-${name.replace("_", "-")}`).trim()]));
   };
   const LEFT = 34, edges = () => ({right: canvas.clientWidth - 8, bottom: 0.6 * canvas.clientHeight});
-  // `drawn` is a speed that is asked for; `at` and `speed` are the place of the mark, as those of a `ghost` are of another
-  const draw = ({speeds, commands, at, speed, verdict, drawn = null, ghost = null}) => {
+  // `at` and `speed` are the place of the mark, as those of a `ghost` are of another
+  const draw = ({speeds, commands, at, speed, verdict, ghost = null}) => {
     const ratio = window.devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
     if (!wide) { return; }
     if (canvas.width !== Math.round(wide * ratio)) { canvas.width = Math.round(wide * ratio); }
@@ -123,11 +123,6 @@ export const figure_on = (canvas, mesh, signal, again) => {
       }
       train(at, ink.ink);
     }
-    if (drawn) {
-      pen.setLineDash([4, 3]);
-      line(node_x, drawn.map(y_of), ink.ink3, 1.4);
-      pen.setLineDash([]);
-    }
     line(node_x, speeds.map(y_of), ink.ink, 1.8);
     if (verdict?.parting) {
       const x = x_of(verdict.parting.position);
@@ -147,17 +142,9 @@ export const figure_on = (canvas, mesh, signal, again) => {
     for (let place = 0; place <= end; place += 500) { text(String(place), x_of(place), tall - 6, ink.ink3, place ? "center" : "left"); }
     text("m", right, tall - 6, ink.ink3, "right");
   };
-  // where a pointer stands: metres, and metres per second
-  const place_of = ({clientX, clientY}) => {
-    const box = canvas.getBoundingClientRect(), {right, bottom} = edges();
-    return {
-      at: (end * (clientX - box.left - LEFT)) / (right - LEFT),
-      speed: (top * (bottom - (clientY - box.top))) / (bottom - 20),
-    };
-  };
   const fresh = () => { recolour(); again(); };
   recolour();
   new ResizeObserver(fresh).observe(canvas);
   window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(fresh), {signal});
-  return {draw, recolour, place_of};
+  return {draw, recolour};
 };

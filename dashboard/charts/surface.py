@@ -1,4 +1,4 @@
-"""What surfaces that can be turned are made of."""
+"""Scenes with surfaces that can be turned."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -48,10 +48,10 @@ class Scene(JSComponent):
     ----------
     height : int
     name : str
-        What the picture is called.
+        The name of the saved picture.
     """
 
-    traces = param.List(default=[], doc="What is drawn, as plotly.js takes it.")
+    traces = param.List(default=[], doc="Surfaces, lines and marks, as plotly.js takes them.")
     frame = param.Dict(default={}, doc="Axes, camera and colours, as plotly.js takes them.")
     options = param.Dict(default={}, doc="Buttons, as plotly.js takes them.")
 

@@ -12,7 +12,6 @@ from railjoule.core.simulation.manual import drive_manually, read_commands
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look.scripts import SCRIPTS, module, source
 from railjoule.dashboard.pages.learn.by_hand import lesson, mesh_arrays
-from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -154,29 +153,6 @@ VALUES: dict[str, dict[str, Any]] = {
         "charts_in_sight": [],
         "address": "",
         "progress": None,
-    },
-    "draw_speed": {
-        **PLAYED,
-        "given": {
-            "mesh": {
-                "position": [0, 2],
-                "length": [2],
-                "limit": [9],
-                "gradient": [0],
-                "constant": [1],
-                "linear": 0,
-                "quadratic": [0],
-                "highest2": [0, 0],
-                "half_inertia": 1,
-                "traction": {"constant": 9, "power": None, "table": []},
-                "braking": {"constant": 9, "power": None, "table": []},
-                "friction": 0,
-                "entering2": 0,
-            },
-            "target_s": 1.0,
-            "points": [9, 9],
-            "ends_kmh": [5, 9],
-        },
     },
     "drive_it": {
         **PLAYED,
@@ -535,6 +511,21 @@ def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
     assert run(page, "files", code) == {"secure": False, "done": True, "areas": [["copy", "3.2 kWh"]], "left": 0}
 
 
+def test_a_quick_hand_draws_what_it_leaves_out(page: Page) -> None:
+    code = """
+      const drawn = {data: {x: [0, 50, 100, 150, 200], y: [80, 80, 80, 80, 80]}, change: {emit() {}}}, dropped = {};
+      const on = (event_name, x, y) => m.draw_line({f: a, drawn, dropped, least: 5, most: 80}, {event_name, x, y});
+      on("panstart", 52, 40);
+      on("pan", 201, 70.4);
+      const on_the_way = [...drawn.data.y];
+      on("panend", 300, -9);
+      const dragged = [...dropped.data.y];
+      on("tap", 0, 99.4);
+      return [on_the_way, dragged, dropped.data.y];
+    """
+    assert run(page, "draw_line", code, {}) == [[80, 40, 50, 60, 70], [80, 40, 50, 60, 5], [80, 40, 50, 60, 5]]
+
+
 # --- what is driven by hand
 
 
@@ -569,35 +560,6 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
     for name, energy in wanted.items():
         # a ten-thousandth of a kilowatt hour, where a part may be zero
         assert sum_[name] == pytest.approx(energy, rel=1e-6, abs=1e-4 * J_PER_KWH), name
-
-
-DRAWINGS = {
-    "the fastest": (80,) * POINTS,
-    "one speed": (60,) * POINTS,
-    "walking pace": (5,) * POINTS,
-    "steps": (40,) * 12 + (75,) * 12 + (30,) * 11,
-    "teeth": (70, 20, 55, 35, 65) * (POINTS // 5),
-}
-
-
-@pytest.mark.parametrize("name", list(DRAWINGS))
-def test_a_drawn_run_has_the_numbers_of_the_library(page: Page, name: str) -> None:
-    """Speeds, time and each part of the account, of drawings that ask for more than the train can do."""
-    driven = run_of(DRAWINGS[name])
-    code = """
-      const drawn = m.between_points(a.mesh, a.points).map((kmh) => kmh / 3.6);
-      const driven = m.drive_drawn(a.mesh, drawn);
-      return {speed2: driven.speed2, sum: driven.sums.at(-1), net: m.net_energy(driven.sums.at(-1))};
-    """
-    given = {"mesh": mesh_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
-    found = run(page, "driving", code, given)
-    assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
-    assert found["sum"]["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
-    assert found["net"] == pytest.approx(driven.energy.net_j, rel=1e-6)
-    resisted = driven.energy.running_resistance_j + driven.energy.curve_resistance_j
-    assert found["sum"]["resistance"] == pytest.approx(resisted, rel=1e-6)
-    assert found["sum"]["losses"] == pytest.approx(sum(driven.energy.losses_j.values()), rel=1e-6)
-    assert found["sum"]["height"] == pytest.approx(driven.energy.potential_j, rel=1e-6)
 
 
 def test_a_ghost_is_where_the_run_was_at_the_time(page: Page) -> None:

@@ -13,7 +13,6 @@ from railjoule.core.phases import PhaseName
 from railjoule.core.simulation.manual import drive_drawn
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.by_hand import mesh_arrays
 from railjoule.dashboard.pages.learn.lessons import TEXTS
 from railjoule.dashboard.pages.learn.verdict import FASTER, MORE, Verdict, compare
 
@@ -45,8 +44,7 @@ def begin(text: str) -> dict[str, Any]:
         If the text is no drawing.
     """
     points = read_drawing(text) if text else (MOST_KMH,) * POINTS
-    mesh = mesh_arrays(drawing_lesson()[1])
-    return {"mesh": mesh, "target_s": TARGET_S, "points": list(points), "ends_kmh": [LEAST_KMH, MOST_KMH]}
+    return {"points": list(points)}
 
 
 @cache

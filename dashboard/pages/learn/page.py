@@ -9,7 +9,7 @@ import panel as pn
 import param
 from panel.viewable import Viewable
 
-from railjoule.core import RailjouleError
+from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TRIES, best_run, driven_run
@@ -17,9 +17,12 @@ from railjoule.dashboard.pages.learn.charts import FIGURES
 from railjoule.dashboard.pages.learn.class_view import CLASS_GUESSES, CLASS_RUNS, ClassView
 from railjoule.dashboard.pages.learn.classroom import CLASSES, ClassError, Classroom, Watcher
 from railjoule.dashboard.pages.learn.compute import compute_lessons
+from railjoule.dashboard.pages.learn.drawing import POINTS, run_of
+from railjoule.dashboard.pages.learn.drawn import DRAWN_PLOTS, DrawSpeed
 from railjoule.dashboard.pages.learn.guessed import GuessedLesson
 from railjoule.dashboard.pages.learn.lessons import LESSONS, NAMES
-from railjoule.dashboard.pages.learn.played import COMPONENTS, PLAYED, Played, begin_all, judge
+from railjoule.dashboard.pages.learn.played import PLAYED, DriveIt, begin_all, judge
+from railjoule.dashboard.pages.learn.shared import ShareOut
 from railjoule.dashboard.pages.learn.verdict import Verdict
 from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS
 from railjoule.dashboard.parts import html as parts
@@ -38,8 +41,8 @@ class Learn(Page):
 
     page = "Learn"
     kept = (*NAMES, *GUESSES, "lesson", *PLAYED, "class_token", "class_student", "class_name", "class_key")
-    passing = (*DRAFTS, "asked", "place_percent", "class_lesson", "class_best", "class_refusal")
-    figures = (*(plot for plots in FIGURES.values() for plot in plots), CLASS_RUNS, CLASS_GUESSES)
+    passing = (*DRAFTS, "asked", "sketch", "place_percent", "class_lesson", "class_best", "class_refusal")
+    figures = (*(plot for plots in FIGURES.values() for plot in plots), CLASS_RUNS, CLASS_GUESSES, *DRAWN_PLOTS)
     # lessons have scenarios of their own: their results hold whatever becomes of the one beside the pages
     follows_scenario = False
 
@@ -61,6 +64,8 @@ class Learn(Page):
     begun = result(dict, "What the lessons that are played begin with.")
     asked = param.Tuple(default=None, allow_None=True, length=3, doc="What is to be judged: field, text, count.")
     verdict = result(Verdict, "The last verdict.")
+    sketch = param.Tuple(default=None, allow_None=True, length=POINTS, doc="The drawing: speeds at its points [km/h].")
+    sketched = result(Trajectory, "The run below the drawing.")
     class_token = param.String(default="", doc="The class of the link that opened the page.")
     class_student = param.String(default="", doc="The name of this page in that class.")
     class_name = param.String(default="", doc="The name of the student.")
@@ -108,6 +113,10 @@ class Learn(Page):
     @work("asked", into="verdict")
     def _judge(self) -> Request:
         return self.asked and (judge, *self.asked)
+
+    @work("sketch", into="sketched")
+    def _drive_sketch(self) -> Request:
+        return self.sketch and (run_of, self.sketch)
 
     def hear(self, field: str, what: str, text: str) -> None:
         """Take what the browser reports of a lesson that is played."""
@@ -204,7 +213,11 @@ class Learn(Page):
 
     def layout(self) -> Viewable:
         """Make the lessons and the class, and return them laid out."""
-        self.played = {field: kind(field, self.hear) for field, kind in COMPONENTS.items()}
+        self.played: Mapping[str, Any] = {
+            "driven": DriveIt("driven", self.hear),
+            "shared": ShareOut("shared", self.hear),
+            "drawn": DrawSpeed("drawn", self),
+        }
         self.guessed = [GuessedLesson(lesson, self) for lesson in LESSONS]
         self.classroom = ClassView(self)
         self._watch_class()
@@ -225,14 +238,16 @@ class Learn(Page):
             if self.begun is not None and field in self.begun and not lesson.given:
                 lesson.begin(self.begun[field])
         linked = next((field for field, text in self.linked.items() if text), "")
-        driven = self.played["driven"]
-        if isinstance(driven, Played):
-            driven.lead = self.lesson or linked
+        self.played["driven"].lead = self.lesson or linked
 
     @shows("verdict")
     def _show_verdict(self) -> None:
         if self.verdict is not None:
             self.played[self.verdict.field].show(self.verdict, self.tries if self.verdict.field == "driven" else ())
+
+    @shows("sketched")
+    def _show_sketched(self) -> None:
+        self.played["drawn"].draw(self.sketched)
 
     @shows("lessons", "place_percent", *NAMES, *GUESSES)
     def _show_lessons(self) -> None:

@@ -11,10 +11,8 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import played_css
-from railjoule.dashboard.look.typed import clock
 from railjoule.dashboard.pages.learn import by_hand, drawing, slack
 from railjoule.dashboard.pages.learn.by_hand import TRIES
-from railjoule.dashboard.pages.learn.shared import ShareOut
 from railjoule.dashboard.pages.learn.verdict import Verdict
 from railjoule.dashboard.pages.learn.verdict_words import PLAYED_TEXTS, best_try, details, outcome
 
@@ -63,14 +61,14 @@ class Played(Form):
         super().__init__(
             lambda message: hear(field, str(message.get("what", "")), str(message.get("text", ""))),
             title=texts["title"],
-            text=texts["text"].replace("{target}", clock(drawing.TARGET_S)),
+            text=texts["text"],
             css_classes=[f"rj-lesson-{field}"],
             stylesheets=[played_css()],
         )
 
     @property
     def view(self) -> "Played":
-        """What stands on the page."""
+        """The part of the page."""
         return self
 
     def begin(self, given: Begun) -> None:
@@ -101,21 +99,11 @@ class DriveIt(Played):
     _esm = module("drive_it")
 
 
-class DrawSpeed(Played):
-    """The lesson that is drawn."""
-
-    _esm = module("draw_speed")
-
-
-COMPONENTS: Mapping[str, type[Played] | type[ShareOut]] = {"driven": DriveIt, "shared": ShareOut, "drawn": DrawSpeed}
-
-
 def buttons(verdict: Verdict, tries: Sequence[Verdict]) -> Markup:
     """Return the buttons that lead on from a verdict."""
     plain, left = Markup(""), TRIES - len(tries)
     again = f"Drive again ({left} left)" if left else "Begin again with three tries"
-    driven = [("again", again, plain), ("watch", "Watch your run", plain)]
-    made = driven if verdict.field == "driven" else [("change", "Change it", plain)]
-    made.append(("open", PLAYED_TEXTS[verdict.field]["open"], Markup(" class=main")))
+    open_it = PLAYED_TEXTS[verdict.field]["open"]
+    made = (("again", again, plain), ("watch", "Watch your run", plain), ("open", open_it, Markup(" class=main")))
     pieces = (markup("<button type=button data-what={}{}>{}</button>", what, kind, label) for what, label, kind in made)
     return markup("<div class=row>{}</div>", joined(pieces))

@@ -146,9 +146,9 @@ class ShareOut:
         return framed(markup("<div class=split>{}</div>", joined((*shares, *lines))))
 
     def _stage(self) -> Markup:
-        """Return what a second more saves on each leg, and what the line needs."""
+        """Return the saving of one more second on each leg, and the energy of the line."""
         line, fair = self.given["lines"][self.name], equal(len(self.seconds))
-        prices, usual = (prices_of(line, seconds) for seconds in (self.seconds, fair))
+        prices, usual = (find_prices(line, seconds) for seconds in (self.seconds, fair))
         # one scale as long as no price passes it, so that a bar's length can be compared with that before
         widest = max(*prices, *(1.5 * price for price in usual))
         legs = (
@@ -167,7 +167,7 @@ class ShareOut:
 
 
 def framed(html: Markup) -> Markup:
-    """Return HTML within what the style sheet of the lessons knows."""
+    """Return HTML in the style of the lessons."""
     return markup('<div class="played share-out">{}</div>', html)
 
 
@@ -181,8 +181,8 @@ def equal(legs: int) -> Seconds:
     return (SLACK_S // legs,) * legs
 
 
-def prices_of(line: dict[str, Any], seconds: Seconds) -> list[float]:
-    """Return what one more second saves on each leg [Wh]; tables begin with the least seconds, and go on by one."""
+def find_prices(line: dict[str, Any], seconds: Seconds) -> list[float]:
+    """Return the saving of one more second on each leg [Wh]; tables begin with the least seconds, and go on by one."""
     return [leg["price_wh_s"][one - LEAST_S] for leg, one in zip(line["legs"], seconds, strict=True)]
 
 

@@ -47,6 +47,8 @@ def with_guesses(state):
     learn.open_class()
     for lesson in LESSONS:
         setattr(learn, lesson.guess, lesson.guess_ends[0])
+    learn.played["drawn"].type_speed()
+    learn.hear("drawn", "done", learn.played["drawn"].text)
 
 
 def with_simple_advice(state):

@@ -34,7 +34,7 @@ def text_of(speeds: tuple[int, ...]) -> str:
 
 def test_nothing_of_the_best_is_sent_before_it_is_asked_for() -> None:
     begun = begin("")
-    assert set(begun) == {"mesh", "target_s", "points", "ends_kmh"}
+    assert set(begun) == {"points"}
     # the drawing to begin with is the fastest run
     shortest = prepare_task(drawing_lesson()[0]).shortest_travel_time_s
     assert run_of(begun["points"]).travel_time_s == pytest.approx(shortest, rel=1e-9)

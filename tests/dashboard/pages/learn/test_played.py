@@ -53,10 +53,10 @@ def test_a_late_try_is_called_late_and_has_no_share_of_the_bound() -> None:
     early, late = judge(COMMANDS), judge(LATE)
     assert early.counts
     assert not late.counts
-    head, told = outcome(late), details(late, [early, late])
+    head, table = outcome(late), details(late, [early, late])
     assert re.search(r"You are \d+\.\d s late: this try does not count\. On time, nobody can use less than 7\.81", head)
     assert "more than needed" not in head
-    shares = re.findall(r"<tr[^>]*><td>\d</td><td>[\d.]+</td><td>([^<]*)</td>", told)
+    shares = re.findall(r"<tr[^>]*><td>\d</td><td>[\d.]+</td><td>([^<]*)</td>", table)
     assert shares[0].startswith("+")
     assert shares[1] == "\u2013"
     assert best_try([late]) is None
@@ -121,11 +121,29 @@ def test_a_wrong_link_is_refused_and_the_lesson_begins_all_the_same(field: str, 
 def test_what_cannot_be_judged_is_refused_and_lets_one_go_on(learn: Any) -> None:
     learn.hear("drawn", "done", "<b>60</b>")
     assert "35 whole numbers" in str(learn.failure)
-    assert learn.played["drawn"].refusals == 1
+    assert "computed" not in str(learn.played["drawn"].outcome.object)
     learn.hear("drawn", "open", "60")
     assert learn.desk.page == "Learn"
     learn.hear("drawn", "done", EVEN)
     assert learn.failure is None
+
+
+def test_a_drawing_is_driven_and_typed_and_its_verdict_goes_with_it(learn: Any) -> None:
+    lesson = learn.played["drawn"]
+    assert "34.2 s to spare" in str(lesson.figures.object)
+    lesson.stretch.param.update(start_m=0.0, end_m=1700.0, speed_kmh=60.0)
+    lesson.type_speed()
+    assert lesson.text == EVEN
+    assert learn.sketched.energy_kwh == pytest.approx(36.40, abs=0.005)
+    learn.hear("drawn", "done", EVEN)
+    # 60 km/h as far as the train can, by `railjoule.core` in test_drawing
+    assert "You use 36.40 kWh" in str(lesson.outcome.object)
+    assert lesson.above.visible
+    lesson.stretch.param.update(end_m=100.0, speed_kmh=30.0)
+    lesson.type_speed()
+    assert lesson.points[:4] == (30, 30, 30, 60)
+    assert "class=outcome" not in str(lesson.outcome.object)
+    assert not lesson.above.visible
 
 
 def test_stations_cannot_be_driven_by_hand() -> None:

@@ -5,7 +5,7 @@ import pytest
 from railjoule.core import ScenarioError
 from railjoule.core.scenario import format_scenario
 from railjoule.core.units import J_PER_WH
-from railjoule.dashboard.pages.learn.shared import ShareOut, prices_of, total_kwh
+from railjoule.dashboard.pages.learn.shared import ShareOut, find_prices, total_kwh
 from railjoule.dashboard.pages.learn.slack import begin, driven_line, judge, line_tables, opened, read_sharing
 from railjoule.dashboard.workbench import Workbench
 
@@ -56,12 +56,12 @@ def test_tables_have_the_numbers_of_the_library(name: str) -> None:
         line = driven_line(name, seconds)
         assert total_kwh(table, seconds) == pytest.approx(line.run.energy_kwh, rel=1e-6)
         wanted = [leg.price_of_time_w / J_PER_WH for leg in line.legs]
-        assert prices_of(table, seconds) == pytest.approx(wanted, rel=1e-5)
+        assert find_prices(table, seconds) == pytest.approx(wanted, rel=1e-5)
 
 
 def test_borders_leave_each_leg_a_second_and_a_verdict_belongs_to_its_distribution() -> None:
-    told: list[tuple[str, str, str]] = []
-    lesson = ShareOut("shared", lambda *message: told.append(message))
+    messages: list[tuple[str, str, str]] = []
+    lesson = ShareOut("shared", lambda *message: messages.append(message))
     lesson.begin(begin(""))
     assert "16.267 kWh" in str(lesson.stage.object)
     for borders, seconds in (((12, 40), (12, 28, 20)), ((0, 40), (1, 39, 20)), ((60, 60), (58, 1, 1))):
@@ -71,7 +71,7 @@ def test_borders_leave_each_leg_a_second_and_a_verdict_belongs_to_its_distributi
         assert lesson.borders.value == (first, first + middle)
     lesson.borders.value = (12, 40)
     lesson.ask.param.trigger("clicks")
-    assert told == [("shared", "done", "uneven:12,28,20")]
+    assert messages == [("shared", "done", "uneven:12,28,20")]
     verdict = judge("uneven:12,28,20")
     lesson.borders.value = (13, 40)
     lesson.show(verdict, ())
