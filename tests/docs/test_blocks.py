@@ -18,8 +18,8 @@ from railjoule.dashboard.command.cli import build_parser
 
 PAGES = {name_of(page): page.read_text(encoding="utf-8") for page in pages()}
 BUILT = {name_of(DOCS / "gallery.md"), name_of(DOCS / "explanation" / "proof.md")}
-ADDED = "# core/"
-"""How a block begins that is a new file of the core: tests/docs/test_told.py adds it."""
+ADDED = ("# core/", "# dashboard/")
+"""First words of a block that is a new file of the sources: tests/docs/test_guides.py adds it."""
 SHOWN = {"text", "csv", "diff", "{toctree}", "{eval-rst}", "{include}"}
 """Kinds that are no code, or that other tests read."""
 COMMANDS = {"sh", "console", ""}
