@@ -292,7 +292,7 @@ def make_turns(document: Document) -> Callable[[Callable[[], None]], object]:
     it holds, it replaces their list, and a callback that a thread adds then is lost. So the event loop adds it. To
     be called in the loop; without one, the callback is added directly.
     """
-    # a document that is destroyed no longer knows its session
+    # a document that is destroyed no longer has its session
     context = document.session_context
 
     def ask(turn: Callable[[], None]) -> None:
