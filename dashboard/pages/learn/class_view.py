@@ -47,6 +47,7 @@ CLASS_GUESSES = Plot(
     {"guesses": Stroke("driven", {"line_width": 1.8})},
     (200, 240, 190),
     x_title="Guess, %",
+    y_title="Students",
     uprights={"answer": "optimal"},
 )
 INVITATION = "Students join with their phones; their runs and guesses appear here, beside the best."

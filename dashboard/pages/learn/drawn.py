@@ -67,7 +67,7 @@ class DrawnSpeedChart(LoneChart):
             self.line(name, stroke.token, **stroke.style)
         dropped = self.source("dropped", "y")
         dropped.on_change("data", self._take)
-        ends = {"least": LEAST_KMH, "most": MOST_KMH}
+        ends: dict[str, Any] = {"least": LEAST_KMH, "most": MOST_KMH}
         f.js_on_event("tap", dragged(f, "draw_line", drawn=self.sources["drawn"], dropped=dropped, **ends))
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:

@@ -19,8 +19,8 @@ from railjoule.dashboard.keep.link import read_link
 from railjoule.dashboard.keep.snapshot import lay
 from railjoule.dashboard.page_work import PageWorks
 from railjoule.dashboard.pages.compare.page import REST_MS, Compare
-from railjoule.dashboard.pages.drive.compute import Proven
 from railjoule.dashboard.shell.strategies import strategy_numbers
+from railjoule.dashboard.work.runs import Proven
 from railjoule.dashboard.workbench import Workbench
 
 PAGE = "Compare"

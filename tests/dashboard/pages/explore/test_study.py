@@ -250,7 +250,7 @@ def test_the_draws_of_another_page_take_the_place_of_a_study_until_they_are_clos
     look = desk.model.look
     assert look is not None
     desk.model.select({TIME: (120.0, 130.0)})
-    desk.state.explore(look.table)
+    desk.state.turn_to("Explore", draws=look.table)
     assert desk.state.page == "Explore"
     assert desk.model.rows is look.table
     assert desk.model.choice == {}
