@@ -100,7 +100,7 @@ def test_a_slider_that_moves_begins_no_study(session: Session, page: Compare) ->
 
 def test_a_page_that_leaves_sight_keeps_its_runs(session: Session, page: Compare) -> None:
     before = page.compared
-    work = next(work for work in session.works if work.page == PAGE)
+    work = next(work for work in session.works if work.of.page == PAGE)
     study = work.jobs["compared"]
     with set_curdoc(Document()):
         study.ask(page._compared())
