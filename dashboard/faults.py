@@ -4,7 +4,7 @@ import logging
 import traceback
 from collections.abc import Callable
 from pathlib import Path
-from weakref import WeakKeyDictionary
+from weakref import WeakKeyDictionary, ref
 
 import panel as pn
 from bokeh.document import Document
@@ -26,7 +26,7 @@ class Faults:
         self._known: set[tuple[object, ...]] = set()
         document = pn.state.curdoc
         if document is not None:
-            FAULTS[document] = self
+            FAULTS[document] = ref(self)
 
     def note(self, error: Exception, what: str) -> None:
         """Log an error with its traceback, unless the same one from the same line of ours is in the log already."""
@@ -44,8 +44,8 @@ class Faults:
         self._tell(SENTENCE)
 
 
-# weak, as a document must not outlive its session for this
-FAULTS: WeakKeyDictionary[Document, Faults] = WeakKeyDictionary()
+# both weak: the session that has them reaches its document, which would never be freed
+FAULTS: WeakKeyDictionary[Document, ref[Faults]] = WeakKeyDictionary()
 
 
 def handle(error: BaseException) -> None:
@@ -54,7 +54,8 @@ def handle(error: BaseException) -> None:
     It is the library's exception handler, called within the turn of a session.
     """
     document = pn.state.curdoc
-    faults = FAULTS.get(session_document(document)) if document is not None else None
+    known = FAULTS.get(session_document(document)) if document is not None else None
+    faults = None if known is None else known()
     if not isinstance(error, Exception) or faults is None:
         LOG.error("a callback failed", exc_info=error)
         return

@@ -71,7 +71,7 @@ class Learn(Page):
     class_name = param.String(default="", doc="The name of the student.")
     class_key = param.String(default="", doc="The class that is taught from this page.")
     class_lesson = param.Selector(default=NAMES[0], objects=list(NAMES), doc="The lesson whose guesses are shown.")
-    class_best = param.Boolean(default=True, doc="Whether the best run and the answer are shown to the class.")
+    class_best = param.Boolean(default=False, doc="Whether the best run and the answer are shown to the class.")
     class_refusal = param.String(default="", doc="Why something of the class cannot be done.")
     class_news = param.Event(doc="Something has come to the class.")
 
