@@ -96,9 +96,12 @@ class ReportButton:
         if self.form is None:
             self.form = ReportForm(self._make)
             self.form.dialog.param.watch(self._return_focus, "open")
+            # open from the beginning: a change that comes before the browser has drawn the dialog would be lost
+            self.form.open()
             with one_message():
                 self.place.append(self.form.dialog)
-        self.form.open()
+        else:
+            self.form.open()
 
     def _return_focus(self, event: Any) -> None:
         # the library's dialog finds no element within another one's shadow root
