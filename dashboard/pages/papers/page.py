@@ -16,6 +16,7 @@ from railjoule.core.scenario import load_scenario
 from railjoule.core.scenario.document import format_scenario
 from railjoule.core.validation import COMPARISONS, Validation
 from railjoule.core.validation.table import PaperFigure
+from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.plot import Plot
 from railjoule.dashboard.look.markup import markup
@@ -191,7 +192,7 @@ class PaperSection:
     def __init__(self, page: Papers, name: str, paper: Validation) -> None:
         self.page, self.name, self.paper = page, name, paper
         comparison = COMPARISONS[name]()
-        self._drawn: tuple[Rebuilt, ...] = ()
+        self._printed, self._drawn = comparison.figures, tuple[Rebuilt, ...]()
         self.download = pmui.FileDownload(
             callback=self._csv,
             filename=f"{name}.csv",
@@ -210,14 +211,14 @@ class PaperSection:
             **SMALL,
         )
         self.status = parts.html_pane()
-        self.places = [FigurePlace(page, printed) for printed in comparison.figures]
+        self.figures = parts.stack()
         tools = pn.FlexBox(self.button, self.download, margin=0)
         self.view = parts.stack(
             parts.html_pane(title, stylesheets=styles),
             self.tables,
             tools,
             self.status,
-            *(place.view for place in self.places),
+            self.figures,
             css=PAPER_CSS,
         )
 
@@ -226,47 +227,38 @@ class PaperSection:
         computing = self.page.drawing and self.page.drawn_paper == self.name
         if rebuilt is not None:
             self._drawn = rebuilt.figures
-        for place, one in zip(self.places, self._drawn, strict=False):
-            place.show(one)
+        shown = len(self.figures)
+        if shown < len(self._drawn):
+            pairs = list(zip(self._printed, self._drawn, strict=False))[shown:]
+            with one_message():
+                self.figures.extend([self._figure(printed, one) for printed, one in pairs])
         for one in self._drawn:
             one.palette.switch(self.page.desk.dark)
         self.button.disabled = self.page.drawing
-        self.button.visible = len(self._drawn) < len(self.places)
-        left = f"{len(self.places) - len(self._drawn)} more to compute."
+        self.button.visible = len(self._drawn) < len(self._printed)
+        left = f"{len(self._printed) - len(self._drawn)} more to compute."
         self.status.object = parts.note_paragraphs([left] if computing else [])
 
     def _csv(self) -> StringIO:
         return StringIO(tables_csv(self.paper.tables))
 
-
-class FigurePlace:
-    """The place of one printed figure; out of sight until the figure is computed."""
-
-    def __init__(self, page: Papers, printed: PaperFigure) -> None:
-        self.page, self.printed = page, printed
-        self.panels = parts.stack(css=PANELS_CSS)
-        self.note = parts.html_pane()
-        self.button = pmui.Button(
+    def _figure(self, printed: PaperFigure, rebuilt: Rebuilt) -> Viewable:
+        """Return a printed figure that is computed, and the way to its scenario."""
+        template = '<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>'
+        heading = parts.html_pane(markup(template, printed.place, printed.caption))
+        panels = [pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in rebuilt.panels]
+        note = parts.html_pane(parts.note_paragraphs([rebuilt.note] if rebuilt.note else []))
+        button = pmui.Button(
             label=f"Open {printed.place} in the workbench",
             variant="text",
             size="small",
             margin=(0, 0, 4, -6),
-            on_click=self._open,
+            on_click=partial(self._open, printed),
         )
-        template = '<h3 style="font-weight:600">{}</h3><p class="muted small">{}</p>'
-        heading = parts.html_pane(markup(template, printed.place, printed.caption))
-        self.view = parts.stack(heading, self.panels, self.note, self.button, visible=False)
+        return parts.stack(heading, parts.stack(*panels, css=PANELS_CSS), note, button)
 
-    def show(self, rebuilt: Rebuilt) -> None:
-        """Show the figure, which then stays."""
-        if not self.view.visible:
-            panes = [pn.pane.Bokeh(panel, margin=0, sizing_mode="stretch_width") for panel in rebuilt.panels]
-            self.panels[:] = panes
-            self.note.object = parts.note_paragraphs([rebuilt.note] if rebuilt.note else [])
-            self.view.visible = True
-
-    def _open(self, _: object) -> None:
-        scenario = load_scenario(self.printed.scenario).replace(**self.printed.changes)
-        title = f"{scenario.title}, {self.printed.place}" if self.printed.changes else scenario.title
+    def _open(self, printed: PaperFigure, *_: object) -> None:
+        scenario = load_scenario(printed.scenario).replace(**printed.changes)
+        title = f"{scenario.title}, {printed.place}" if printed.changes else scenario.title
         self.page.desk.scenario.open(format_scenario(scenario.model_copy(update={"title": title})), title)
         self.page.desk.page = "Drive"

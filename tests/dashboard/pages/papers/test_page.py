@@ -78,17 +78,16 @@ def test_printed_points_have_the_colour_of_their_line(dark: bool) -> None:
 
 def test_a_figure_is_computed_drawn_and_opened(papers: Papers) -> None:
     section = papers.sections["ftorek"]
-    (place,) = section.places
-    assert not place.view.visible
+    assert not len(section.figures)
     papers.desk.dark = True
     section.button.clicks += 1
     assert not papers.drawing
-    assert place.view.visible
-    assert len(place.panels) == 2
-    assert place.panels[0].object.renderers[0].glyph.line_color == THEMES["dark"]["accent"]
-    assert "All agree." in place.note.object
+    ((_, panels, note, button),) = section.figures
+    assert len(panels) == 2
+    assert panels[0].object.renderers[0].glyph.line_color == THEMES["dark"]["accent"]
+    assert "All agree." in note.object
     assert not section.button.visible
-    place.button.clicks += 1
+    button.clicks += 1
     desk = papers.desk
     assert desk.page == "Drive"
     assert desk.scenario.base.travel_time_s == 330.0
@@ -107,5 +106,5 @@ def test_figures_that_failed_are_computed_when_asked_for_again(papers: Papers, m
     assert "It was not found." in papers.host.message.object
     assert not section.button.disabled
     section.button.clicks += 1
-    assert section.places[0].view.visible
+    assert len(section.figures) == 1
     assert papers.failure is None
