@@ -28,11 +28,15 @@ const name_parts = () => {
 // Reports the charts in sight. One out of sight shares its axis and the columns of its runs with charts in sight: it would
 // be painted with them at each move, so its painting waits.
 const watch_charts = (model, signal) => {
-  const seen = new Map();
+  const seen = new Map(), held = new WeakSet();
   const rest = (place) => {
-    for (const view of Bokeh.index.query(({model: {type}, el}) => type === "Figure" && within(el, place))) {
-      if (seen.get(place) || view.has_finished()) { view.model.setv({hold_render: !seen.get(place)}, {sync: false}); }
-    }
+    const is_seen = seen.get(place);
+    if (is_seen === !held.has(place)) { return; }
+    const views = [...Bokeh.index.query(({model: {type}, el}) => type === "Figure" && within(el, place))];
+    // before its first painting a figure would stay empty
+    if (!is_seen && !(views.length && views.every((view) => view.has_finished()))) { return; }
+    held[is_seen ? "delete" : "add"](place);
+    for (const view of views) { view.model.setv({hold_render: !is_seen}, {sync: false}); }
   };
   const observer = new IntersectionObserver((entries) => {
     for (const {target, isIntersecting} of entries) {
@@ -47,6 +51,7 @@ const watch_charts = (model, signal) => {
   return () => {
     for (const place of seen.keys()) { if (!place.isConnected) { seen.delete(place); observer.unobserve(place); } }
     for (const place of deep(".rj-chart")) { if (!seen.has(place)) { seen.set(place, false); observer.observe(place); } }
+    for (const place of seen.keys()) { if (place.offsetHeight) { rest(place); } }
   };
 };
 

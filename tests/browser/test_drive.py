@@ -139,7 +139,7 @@ def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser
             return dict(user.page.evaluate(find, "Speed, km/h"))
 
         def power() -> dict[str, int]:
-            return dict(user.page.evaluate(find, "Current from the supply, A, at 750 V"))
+            return dict(user.page.evaluate(find, "Current or power from the supply"))
 
         user.page.locator(".rj-chart-current:visible:not(.rj-undrawn)").wait_for(state="attached")
         user.wait_until(lambda: bool(power()["rests"]))

@@ -244,5 +244,5 @@ def test_a_run_in_closed_loop_has_its_section_and_its_machine() -> None:
     *_, found = compute_findings(ReportRequest(scenario))
     shown = without_scripts(report_html(found, MADE_AT))
     assert "In closed loop" in shown
-    assert "Input power, integrated" in shown
+    assert "Energy at the motors, by part" in shown
     assert "Induction machine" in shown

@@ -23,7 +23,8 @@ def test_pieces_are_done_in_other_processes_of_a_lower_priority() -> None:
     pool = StudyPool(lambda: 1, NICE)
     first = pool.executor().submit(os.getpid).result()
     assert first != os.getpid()
-    assert psutil.Process(first).nice() == psutil.Process().nice() + NICE
+    # 19 is the lowest priority there is
+    assert psutil.Process(first).nice() == min(psutil.Process().nice() + NICE, 19)
     assert pool.executor().submit(os.getpid).result() == first
     pool.renew()
     assert pool.executor().submit(os.getpid).result() != first
