@@ -44,6 +44,13 @@ def box(model: Any, field: str, label: str, **params: Any) -> pmui.Checkbox:
     return _tied(pmui.Checkbox, model, field, label=label, sx=small, **params)
 
 
+def remove_button(name: str, on_click: Callable[[Any], Any]) -> pmui.IconButton:
+    """Return the cross that removes an entry of a list."""
+    return pmui.IconButton(
+        icon="close", size="small", margin=0, description=f"Remove {name}", on_click=on_click, color="default"
+    )
+
+
 def _tied(kind: Any, model: Any, field: str, **params: Any) -> Any:
     widget = kind(value=getattr(model, field), size="small", **params)
     tie(widget, model, field)

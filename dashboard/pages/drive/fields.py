@@ -9,7 +9,7 @@ import panel_material_ui as pmui
 from railjoule.dashboard.day import EventModel
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
-from railjoule.dashboard.parts.choices import menu
+from railjoule.dashboard.parts.choices import menu, remove_button
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, tie
 from railjoule.dashboard.workbench import Workbench
@@ -89,12 +89,5 @@ class ActualFields:
             take=stop.move,
         )
         lasts = NumberField(stop, "duration_s", label="for, s", of=name, narrow=True)
-        remove = pmui.IconButton(
-            icon="close",
-            size="small",
-            margin=0,
-            description=f"Remove stop {number}",
-            on_click=lambda _: self.day.remove(stop),
-            color="default",
-        )
+        remove = remove_button(f"stop {number}", lambda _: self.day.remove(stop))
         return pn.Row(place, lasts, remove, margin=(0, 4, 0, 0), sizing_mode="stretch_width", css_classes=["rj-stop"])

@@ -1,6 +1,6 @@
 """The line that was read, before it is used: height, speed limits, curves; what its tables leave open is hatched."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from operator import methodcaller
@@ -27,7 +27,6 @@ Sign = tuple[float, float, float, str]
 SIGN_PX, ROOM_PX = 11, 4
 ROOM_SHARE, LEAST_RELIEF_M = 0.3, 1.0
 SIDES = ("left", "right", "bottom", "top")
-HATCH: Mapping[str, Any] = {"fill_color": None, "hatch_pattern": "/", "hatch_alpha": 0.7}
 HATCHED = {"line_color": "line2", "hatch_color": "warn"}
 LEAST_M = 0.001
 """A shorter stretch is left by rounding."""

@@ -69,8 +69,6 @@ class LimitRun:
         What the run asks of a storage.
     points : OperatingPoints or None
         Where its motors work, if its drive tells.
-    planned_s : float
-        Travel time of the timetable [s].
     """
 
     run: Trajectory
@@ -79,7 +77,6 @@ class LimitRun:
     no_optimum: str
     need: StorageNeed
     points: OperatingPoints | None
-    planned_s: float
 
     @property
     def limits_kmh(self) -> FloatArray:
@@ -111,7 +108,6 @@ def compute_limit_run(request: LimitsRequest) -> LimitRun:
         no_optimum=reason,
         need=storage_need(run),
         points=operating_points(run) if isinstance(scenario.vehicle.drive, GearedMotors) else None,
-        planned_s=scenario.travel_time_s,
     )
 
 

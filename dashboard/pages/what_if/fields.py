@@ -12,7 +12,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.pages.what_if.chance import DRAWS, FULL_RUNS, ROBUST_FIELDS
 from railjoule.dashboard.pages.what_if.rides import RIDES
-from railjoule.dashboard.parts.choices import box
+from railjoule.dashboard.parts.choices import box, remove_button
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, number_fields
 
@@ -88,14 +88,7 @@ class WhatIfFields:
         name = f"{number} {KIND_WORDS[event.kind]}"
         of = f"{name}: "
         fields = [NumberField(event, field, label=label, of=of) for field, label in FIELDS[event.kind].items()]
-        remove = pmui.IconButton(
-            icon="close",
-            size="small",
-            margin=0,
-            description=f"Remove {name}",
-            on_click=lambda _: self.day.remove(event),
-            color="default",
-        )
+        remove = remove_button(name, lambda _: self.day.remove(event))
         head = pn.Row(
             html_pane(markup('<div class="row"><b>{}</b></div>', name), align="center"),
             remove,
