@@ -26,7 +26,7 @@ from railjoule.dashboard.server.options import ServerOptions
 
 ROOT = Path(__file__).parents[2]
 MOST_SECONDS = 90
-READ = ("index.html", "gallery.html", "explanation/strategies.html", "reference/python.html", "howto/faq.html")
+READ = ("index.html", "gallery.html", "explanation/strategies.html", "reference/python/runs.html", "howto/faq.html")
 
 
 @dataclass(frozen=True)
