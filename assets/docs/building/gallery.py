@@ -104,14 +104,14 @@ def _in_our_font(declared: str) -> str:
     return f"font: {size[1]} {family}" if size else f"font-family: {family}"
 
 
-def examples_of(text: str) -> list[Example]:
+def find_examples(text: str) -> list[Example]:
     """Return the examples of a page after they have run."""
     return [run_example(found["title"], found["code"]) for found in EXAMPLE.finditer(text)]
 
 
 def with_results(text: str) -> str:
     """Return a page with the picture and the printed lines below each example."""
-    for example in examples_of(text):
+    for example in find_examples(text):
         shown = f"```python\n{example.code}```\n"
         below = f"\n```text\n{example.printed}```\n" if example.printed else ""
         picture = f'\n````{{raw}} html\n<figure class="picture">{with_variables(example.svg)}</figure>\n````\n'

@@ -1,4 +1,4 @@
-"""What pages take from the program itself: the commands from their parser, the keys of files from their models."""
+"""Parts of pages that the program generates: commands from their parser, keys of files from their models."""
 
 import argparse
 import json
@@ -32,15 +32,15 @@ def command_line() -> str:
 def _commands(parser: argparse.ArgumentParser) -> Iterator[str]:
     subcommands = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
     for action in subcommands:
-        told = {choice.dest: choice.help for choice in action._choices_actions}
+        help_texts = {choice.dest: choice.help for choice in action._choices_actions}
         for name, child in action.choices.items():
             if any(isinstance(one, argparse._SubParsersAction) for one in child._actions):
                 yield from _commands(child)
                 continue
             yield f"## {child.prog}\n"
-            yield f"{_sentence(told[name])}\n"
+            yield f"{_sentence(help_texts[name])}\n"
             yield f"```text\n{_usage(child)}\n```\n"
-            yield "| argument | what it says |\n| --- | --- |"
+            yield "| argument | meaning |\n| --- | --- |"
             yield from (_argument(one) for one in child._actions if one.dest != "help")
             yield f"\n{child.epilog}\n" if child.epilog else ""
 
@@ -52,9 +52,9 @@ def _usage(parser: argparse.ArgumentParser) -> str:
 
 def _argument(action: argparse.Action) -> str:
     names = ", ".join(f"`{name}`" for name in action.option_strings) or f"`{action.metavar or action.dest}`"
-    told = (action.help or "").replace("%%", "%").replace("%(default)s", str(action.default))
+    meaning = (action.help or "").replace("%%", "%").replace("%(default)s", str(action.default))
     choices = f" One of {', '.join(f'`{choice}`' for choice in action.choices)}." if action.choices else ""
-    return f"| {names} | {_cell(_sentence(told) + choices)} |"
+    return f"| {names} | {_cell(_sentence(meaning) + choices)} |"
 
 
 def _sentence(text: str | None) -> str:
@@ -71,23 +71,23 @@ def scenario_keys() -> str:
     return "\n".join(_tables(Scenario, "", {}))
 
 
-def _tables(model: type[BaseModel], path: str, told: dict[type[BaseModel], str]) -> Iterator[str]:
-    """Tell a model, then those of its fields; `told` has the heading of each that has been told."""
-    heading = told[model] = _heading(model, path)
+def _tables(model: type[BaseModel], path: str, headings: dict[type[BaseModel], str]) -> Iterator[str]:
+    """Yield the tables of a model and of its fields; `headings` has the heading of each model that is done."""
+    heading = headings[model] = _heading(model, path)
     yield f"## {heading}\n"
     yield f"{_cell((model.__doc__ or '').strip().splitlines()[0])}\n"
-    yield "| key | value | default | bounds | what it says |\n| --- | --- | --- | --- | --- |"
+    yield "| key | value | default | bounds | meaning |\n| --- | --- | --- | --- | --- |"
     for key, field in model.model_fields.items():
-        yield f"| `{key}` | {_kind(field)} | {_default(field)} | {_bounds(field)} | {_cell(_told(field))} |"
+        yield f"| `{key}` | {_kind(field)} | {_default(field)} | {_bounds(field)} | {_cell(_meaning(field))} |"
     yield ""
     for key, field in model.model_fields.items():
         models = list(dict.fromkeys(_models(field.annotation)))
         place = f"{path}.{key}" if path else key
-        new = [one for one in models if one not in told]
+        new = [one for one in models if one not in headings]
         if models and not new:
-            yield f"## `[{place}]`\n\nIts keys are those of {told[models[0]].partition(' with ')[0]}.\n"
+            yield f"## `[{place}]`\n\nIts keys are those of {headings[models[0]].partition(' with ')[0]}.\n"
         for one in new:
-            yield from _tables(one, place, told)
+            yield from _tables(one, place, headings)
 
 
 def _heading(model: type[BaseModel], path: str) -> str:
@@ -166,7 +166,7 @@ def _inner(annotation: Any) -> Iterator[Any]:
         yield from _inner(inner)
 
 
-def _told(field: FieldInfo) -> str:
+def _meaning(field: FieldInfo) -> str:
     return field.description or ("Its keys stand below." if any(_models(field.annotation)) else "")
 
 
@@ -208,7 +208,7 @@ MARKS: dict[str, Callable[[], str]] = {
     "<!-- the keys of a scenario -->": scenario_keys,
     "<!-- the papers' numbers -->": papers,
 }
-"""What stands in a page where the program is to say more."""
+"""Marks in pages, with the functions whose text replaces them."""
 
 
 OPTIONAL = re.compile(r"^\? /(.+)\n", re.MULTILINE)
@@ -237,6 +237,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Fill the marked places when a page is read."""
     app.connect("source-read", _fill)
     app.connect("html-page-context", _let_the_keyboard_scroll)
-    # Pygments knows no tables
+    # Pygments has no lexer for tables
     app.add_lexer("csv", TextLexer)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
