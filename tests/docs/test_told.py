@@ -1,5 +1,6 @@
 """The pages of assets/docs tell the truth: their examples run, and their tables name what there is."""
 
+import itertools
 import json
 import re
 import shlex
@@ -8,7 +9,7 @@ import tomllib
 
 import pytest
 from commands import answer, complaint
-from documents import ROOT, blocks, text_of
+from documents import ROOT, blocks, blocks_in, text_of
 
 from railjoule.core import solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
@@ -17,9 +18,13 @@ from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.page_list import PAGES
 
 COMMANDS_PAGE = text_of("howto/commands")
-COMMANDS = [
-    line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines() if line.startswith("railjoule ")
-]
+COMMANDS = [line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines()]
+SHOWN_OUTPUT = {
+    first.text.splitlines()[0]: second.text.splitlines()
+    for first, second in itertools.pairwise(blocks_in(COMMANDS_PAGE))
+    if (first.kind, second.kind) == ("sh", "text")
+}
+"""Output that the page shows, by the first command of the block above it; an ellipsis stands for any text."""
 (SCENARIO,) = blocks(text_of("howto/scenario"), "toml")
 
 
@@ -80,6 +85,9 @@ def test_command_runs(command, folder, capsys):
         answer(capsys, *shlex.split(before)[1:])
     printed = answer(capsys, *arguments)
     assert printed
+    lines = re.sub(r"[\u00a0\u202f\u2009]", " ", printed).splitlines()
+    for shown in SHOWN_OUTPUT.get(command, ()):
+        assert any(line.startswith(shown.partition("…")[0]) for line in lines), shown
     if "--json" in arguments:
         assert json.loads(printed)["proven"]
     if "--trajectory" in arguments:
@@ -136,11 +144,6 @@ def test_presets_are_those_that_exist():
     named = re.findall(r"`([\w-]+)`", table)
     named = [f"liashenko{name}" if name.startswith("-") else name for name in named]
     assert sorted(named) == sorted([*preset_names("vehicles"), *preset_names("lines")])
-
-
-def test_shipped_scenarios_are_those_that_exist():
-    sentence = COMMANDS_PAGE.partition("The shipped scenarios are ")[2].partition(". ")[0]
-    assert re.findall(r"`([\w-]+)`", sentence) == list(preset_names("scenarios"))
 
 
 def test_pages_are_those_that_exist():

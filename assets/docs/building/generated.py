@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
-from railjoule.core.scenario import Scenario
+from railjoule.core.scenario import Scenario, load_scenario, preset_names
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.cli import build_parser
 
@@ -202,8 +202,16 @@ def strategies() -> str:
     return "\n".join(["| name | label | what it does | takes |", "| --- | --- | --- | --- |", *rows])
 
 
+def scenarios() -> str:
+    """Return the table of shipped scenarios, as Markdown."""
+    loaded = ((name, load_scenario(name)) for name in preset_names("scenarios"))
+    rows = [f"| `{name}` | {_cell(one.title)} | {one.strategy} |" for name, one in loaded]
+    return "\n".join(["| name | title | strategy |", "| --- | --- | --- |", *rows])
+
+
 MARKS: dict[str, Callable[[], str]] = {
     "<!-- the strategies -->": strategies,
+    "<!-- the scenarios -->": scenarios,
     "<!-- the commands -->": command_line,
     "<!-- the keys of a scenario -->": scenario_keys,
     "<!-- the papers' numbers -->": papers,
