@@ -5,7 +5,7 @@ from typing import Any
 
 
 class RailjouleError(Exception):
-    """Base of all errors that a user can cause and mend; its text is one clear sentence."""
+    """Base of all errors that user input causes; the text is one clear sentence."""
 
 
 class ScenarioError(RailjouleError):
@@ -20,11 +20,11 @@ class ChoiceError(ScenarioError):
     source, what : str
         The file, and what each of the things is: a sheet, a train, a path.
     names : tuple of str
-        What they are called.
+        Name of the kind in messages.
     """
 
     def __init__(self, source: str, what: str, names: tuple[str, ...]) -> None:
-        # kept beside the text, for whoever offers them
+        # kept beside the text for callers that offer them
         self.what, self.names = what, names
         shown = ", ".join(name if len(name) <= 40 else f"{name[:37]}..." for name in names[:8])
         more = f" and {len(names) - 8} more" if len(names) > 8 else ""
@@ -39,7 +39,7 @@ class UnitError(ScenarioError):
     source, doubt : str
         The file, and in words why it is in doubt.
     setting : tuple of (str, str)
-        The kind of table and the key that says the unit.
+        The kind of table and the key of the unit.
     units : tuple of str
         Those that there are.
     likely : tuple of str
@@ -91,7 +91,7 @@ class TimetableError(RailjouleError):
     """
 
     def __init__(self, travel_time_s: float, shortest_time_s: float, key: str = "timetable.travel_time_s") -> None:
-        # kept as numbers beside the text, for whoever offers the least time instead
+        # kept as numbers beside the text, for callers that offer the shortest time instead
         self.travel_time_s = travel_time_s
         self.shortest_time_s = shortest_time_s
         super().__init__(
@@ -110,7 +110,7 @@ class InfeasibleLineError(RailjouleError):
 
 
 class StrategyRefusedError(RailjouleError):
-    """A strategy that cannot honour a scenario; the text says why."""
+    """A strategy that cannot honour a scenario; the text gives the reason."""
 
 
 class CheckError(RailjouleError):
@@ -119,7 +119,7 @@ class CheckError(RailjouleError):
     Parameters
     ----------
     run : Trajectory
-        The run, whose `check` tells all that was checked.
+        The run, whose `check` lists all that was checked.
     """
 
     # Any: the module of trajectories imports this one

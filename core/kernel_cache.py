@@ -55,7 +55,7 @@ def cache_root() -> Path:
 def cache_folder() -> Path:
     """Return the folder of the kernels: the user's own choice for numba, or railjoule's cache folder.
 
-    Where it cannot be written to, this returns a temporary folder and logs the reason once.
+    If it cannot be written to, this returns a temporary folder and logs the reason once.
     """
     own = os.environ.get(VARIABLE)
     try:

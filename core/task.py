@@ -25,12 +25,12 @@ SAME_SPEED2 = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """What every strategy starts from.
+    """Input of every strategy.
 
     Parameters
     ----------
     scenario : Scenario
-        What is asked for.
+        The scenario.
     mesh : MeshedLine
         The mesh and what holds on it.
     fastest_speed2 : array of shape (n + 1,)
@@ -65,8 +65,8 @@ class Task:
 
     @property
     def dwell_energy_j(self) -> float:
-        """What the auxiliaries take while the train stands [J]."""
-        # apart from the rest, as no strategy can change it: the solver never sees a dwell
+        """Energy of the auxiliaries during dwells [J]."""
+        # separate from the rest, as no strategy can change it: the solver never sees a dwell
         return self.mesh.data.auxiliary_power_w * self.dwell_s
 
     @property
@@ -130,7 +130,7 @@ def prepare_task(
     Parameters
     ----------
     scenario : Scenario
-        What is asked for.
+        The scenario.
     initial_speed_ms, final_speed_ms : float, optional
         Speeds at the ends of the run [m/s]; those of the timetable where absent.
     position_m : array of shape (n + 1,), optional
@@ -190,14 +190,14 @@ def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
         end = mesh.position_m[int(np.min(powered[powered > cell], initial=mesh.cell_count))]
         where += f" in the neutral section from {start:.0f} to {end:.0f} m (line.neutral_sections)"
         if braking:
-            return f"{where}, friction brakes of at most {round(friction_kn, 3):.4g} kN alone {too_fast}"
+            return f"{where}, friction brakes of at most {round(friction_kn, 3):.4g} kN {too_fast}"
         if data.fixed_speed2[cell] == 0:
             return f"{where}, the train stands and cannot start: it has no traction power there."
         return f"{where}, the train comes to a stand: it has no traction power there, and its momentum is not enough."
     if braking:
         effort = round(data.braking.constant_n / N_PER_KN + friction_kn, 3)
         return f"{where}, the brakes of at most {effort:.4g} kN {too_fast}"
-    # the curve alone may be what stops it
+    # the curve may be the only reason
     resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (
         f"{where}{resisting}, the train comes to a stand: its effort of at most "

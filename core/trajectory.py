@@ -1,4 +1,4 @@
-"""A trajectory: one run as arrays over distance and time, with its energy account, whoever made it."""
+"""A trajectory: one run as arrays over distance and time, with its energy balance."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import pandas
 
 MEASURED, BY_HAND = "measured", "by hand"
-"""Who made a run that a recorder wrote, where others name a strategy."""
+"""Name of a measured run, in place of a strategy."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,9 +35,9 @@ class Trajectory:
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        The scenario.
     strategy : str
-        Who made the run.
+        Strategy that produced the run.
     position_m, speed_ms, time_s, supply_energy_j : array of nodes
         Place [m], speed [m/s], time [s], and line energy so far, auxiliaries included [J].
     tractive_effort_n, electric_braking_n, friction_braking_n : array of cells
@@ -62,7 +62,7 @@ class Trajectory:
         The best known run within the time of the timetable, or within that of the run if it keeps to a time of its own;
         None where none was looked for.
     price_of_time_w : float or None
-        By how much the optimum falls if the timetable is a second longer [J/s], if the strategy knows it.
+        By how much the optimum falls if the timetable is a second longer [J/s], if the strategy computes it.
     iterations : int
         Iterations of the solver; 0 where there are none.
     solve_time_s : float
@@ -70,7 +70,7 @@ class Trajectory:
     notes : tuple of str
         Sentences on what was simplified.
     check : CheckResult or None
-        What the independent check found, if it was asked.
+        Result of the independent check, if requested.
     """
 
     scenario: Scenario
@@ -105,7 +105,7 @@ class Trajectory:
     @property
     def nodes_m(self) -> FloatArray:
         """Nodes of the mesh [m], each once, also where the train stands; shape (m,)."""
-        # where a train stands, two nodes share a place: a bound knows the mesh without them
+        # where a train stands, two nodes share a place: a bound refers to the mesh without them
         nodes: FloatArray = self.position_m[self._moved]
         return nodes
 
@@ -227,7 +227,7 @@ class Trajectory:
     def permitted_speed_ms(self) -> FloatArray | None:
         """Speed that limits and braking curves permit at each node [m/s]; None for a vehicle without a braking curve.
 
-        Shape (n + 1,). Where the train stands, the first of both nodes has the end of a curve, the second what permits
+        Shape (n + 1,). At a stop, the first of both nodes has the end of a curve, the second what permits
         the start.
         """
         if self.scenario.vehicle.braking.permitted_deceleration is None:
@@ -243,7 +243,7 @@ class Trajectory:
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
-        """What the driver does, in order."""
+        """Driving phases in order."""
         return find_phases(self.run_data)
 
     def with_bound(self, bound: Bound | None) -> "Trajectory":
@@ -268,7 +268,7 @@ class Trajectory:
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""
-        import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+        import pandas  # noqa: PLC0415  (slow to import, and rarely needed)
 
         columns: dict[str, Any] = {
             "position_m": self.position_m,
@@ -300,11 +300,11 @@ def make_trajectory(
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        The scenario.
     mesh : MeshedLine
         The mesh and what holds on it.
     strategy : str
-        Who made the run.
+        Strategy that produced the run.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     **details
@@ -358,7 +358,7 @@ def supplied_effort_n(data: MeshData, cells: CellBalance) -> FloatArray:
 
 
 def supply_energies_j(mesh: MeshedLine, cells: CellBalance) -> tuple[float, float, float]:
-    """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
+    """Return the energies of traction, recuperation and auxiliaries at the supply [J]."""
     duration = cells.duration_s
     # a cell takes or gives, never both: its power is constant
     taken = float(np.maximum(cells.supply_power_w, 0.0) @ duration)
@@ -376,7 +376,7 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellBalance) -> 
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     cells : CellAccount
-        What `run_balance` says of them.
+        Result of `run_balance`.
     """
     data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {

@@ -22,7 +22,7 @@ M_PER_MM = 1e-3
 """Metres in one millimetre."""
 
 MAX_DIGITS = 12
-"""By which two numbers that rounding has not made equal can be told apart."""
+"""Difference above which two numbers are not equal by rounding."""
 
 VACUUM_PERMEABILITY_H_PER_M = 1.25663706127e-6
 """Magnetic constant mu_0 [H/m], CODATA 2022."""
@@ -33,7 +33,7 @@ STANDARD_GRAVITY_MS2 = 9.81
 
 
 def distinct_numbers(one: float, other: float, digits: int = 4) -> tuple[str, str]:
-    """Return two numbers in words, with as many digits as it takes to tell them apart, but no fewer than asked for."""
+    """Return two numbers in words, with enough digits to differ, but no fewer than asked for."""
     for count in range(digits, MAX_DIGITS):
         words = plain_number(one, count), plain_number(other, count)
         if words[0] != words[1]:

@@ -47,7 +47,7 @@ def _target_and_place(path: str | Path) -> tuple[Path, Path]:
     target = Path(path).resolve()
     if target.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    # in the same folder, as a file is moved at once only within a file system; the ending tells libraries the format
+    # in the same folder, as a move is atomic only within a file system; libraries take the format from the ending
     return target, target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}{target.suffix}")
 
 

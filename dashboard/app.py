@@ -118,7 +118,7 @@ class Session:
         return make
 
     def _load(self) -> None:
-        # what was changed before the page had loaded has not reached the browser: both are told now
+        # what was changed before the page had loaded has not reached the browser: both are sent now
         self.browser.start()
         if self.state.files.folder is not None:
             self.state.param.watch(self._list_files, "page")
@@ -199,7 +199,7 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
     ----------
     options : ServerOptions
     *patterns
-        What it answers beside the page, as tornado takes it.
+        Further handlers, as tornado takes them.
     **settings
         Of Bokeh's server.
     """

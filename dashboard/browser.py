@@ -2,7 +2,7 @@
 
 It draws the bar with its buttons and listens to the keys. It reports the width of the window, the colours that the
 system asks for and the charts in sight. It shows the state in the address, reads dropped files, writes to the
-clipboard, and loads the page again when the server was lost. What a user asks for with a button, an element with
+clipboard, and loads the page again when the server was lost. Requests that a user makes with a button, an element with
 `data-ask`, a key or a file comes as a message, which `listen` hands on by its kind.
 """
 

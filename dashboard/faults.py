@@ -1,4 +1,4 @@
-"""What happens when this program makes an error: the log has its traceback once, and the page goes on."""
+"""Handling of program errors: the log has the traceback once, and the page continues."""
 
 import logging
 import traceback
@@ -29,9 +29,9 @@ class Faults:
             FAULTS[document] = ref(self)
 
     def note(self, error: Exception, what: str) -> None:
-        """Log an error with its traceback, unless the same one from the same line of ours is in the log already."""
+        """Log an error with its traceback, unless the same one from the same line of railjoule is already logged."""
         frames = traceback.extract_tb(error.__traceback__)
-        # a line of a library raises the errors of many of ours
+        # a line of a library raises the errors of many lines of railjoule
         last = [frame for frame in frames if frame.filename.startswith(OURS)][-1:] or frames[-1:]
         known = (type(error), str(error), *((frame.filename, frame.lineno) for frame in last))
         if known not in self._known and len(self._known) < MOST_KNOWN:

@@ -1,6 +1,6 @@
-"""What is asked of railjoule at most, in one table: on the page Help, by `railjoule limits`, and in the docs.
+"""Input size limits in one table: on the page Help, by `railjoule limits`, and in the docs.
 
-What would take more is refused in a sentence before it begins. The bounds of the solvers are `railjoule.core.budget`'s.
+A larger request is refused in a sentence before it begins. The bounds of the solvers are `railjoule.core.budget`'s.
 """
 
 from collections.abc import Callable

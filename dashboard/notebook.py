@@ -56,7 +56,7 @@ def compare(runs: Runs, quantity: Quantity = SPEED, *, dark: bool = False) -> hv
     runs : mapping of str to Trajectory, or iterable of Trajectory
         The runs by their names; without names they have those of their strategies.
     quantity : Quantity
-        What is drawn of them, one of `railjoule.dashboard.charts.quantities`.
+        Their quantity, one of `railjoule.dashboard.charts.quantities`.
     dark : bool
         As in `to_holoviews`.
 

@@ -25,7 +25,7 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.recipes import about_numbers
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
-"""What stands beside the charts, the sidebar open, and how wide they are at least."""
+"""Width beside the charts with the sidebar open, and their minimum width."""
 STALE = "rj-stale"
 # by colours and not by opacity, which would leave text with too little contrast
 PAGE_CSS = """
@@ -161,7 +161,7 @@ class PageHost:
         self._catch_up()
 
     def _catch_up(self, *_: Any) -> None:
-        """Call all parts that are due; one that fails is told of, and the others go on."""
+        """Call all parts that are due; a failure is reported, and the others continue."""
         # what is due stays so until the page comes into sight, see `__init__`
         if not self.in_sight:
             return

@@ -116,7 +116,7 @@ class PageWorks:
         return before != request
 
     def after(self, milliseconds: int, act: Callable[[], None]) -> None:
-        """Act once the work was not ended for some time; without a page around it at once."""
+        """Act once the work was not ended for some time; without a page around it immediately."""
         document, ends = pn.state.curdoc, self._ends
         if document is None:
             act()

@@ -20,7 +20,7 @@ def as_kept(table: Table) -> dict[str, Any]:
 
 
 def computed_papers() -> dict[str, Any]:
-    """Compute all papers, and return what the file holds."""
+    """Compute all papers, and return the content of the file."""
     papers = {}
     for name, compare in COMPARISONS.items():
         validation = compare().validation()

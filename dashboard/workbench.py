@@ -65,7 +65,7 @@ class Workbench(Kept):
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
     colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
-    notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
+    notice = param.String(default="", doc="Message on a link or a file, until it has been read.")
     failure = result(RailjouleError, "Why the last request failed.")
     runs = result(Runs, "The last good runs.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
@@ -81,7 +81,7 @@ class Workbench(Kept):
         self.recorded: dict[str, Trajectory] = {}
         """Measured runs that were pinned, by the keys of their recipes: a step back finds them here."""
         # before the models of the pages: a snapshot is laid in this order, and where the scenario changes, pages take
-        # their values from it anew, so that what was laid on them before would be lost
+        # their values from it again, so that edits on them before would be lost
         self.scenario = ScenarioModel()
         self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
@@ -100,7 +100,7 @@ class Workbench(Kept):
         self.notice = sentence
 
     def marks(self, *pages: str) -> Callable[[bool], None]:
-        """Return what a piece of work calls when these pages wait for it, and when they no longer do."""
+        """Return the callback of a piece of work for when these pages wait for it, and when they no longer do."""
         # several works may wait for one page, which is marked until the last of them has its result
         key = object()
 

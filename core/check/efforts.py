@@ -112,7 +112,7 @@ def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
     limit = np.minimum(case.electric_limit_n + case.friction_limit_n, case.adhesion_n[1])
     yield _effort(case, "effort of all brakes", braking_n, limit, ROUNDED_CORNERS)
     for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):
-        yield Unchecked(name, "the table tells one effort for both brakes")
+        yield Unchecked(name, "the table has one effort for both brakes")
 
 
 def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Check:

@@ -105,7 +105,7 @@ def _power(kind: int, parameters: FloatArray, braking: bool, effort: float, spee
             power = loss_map.loss_at(parameters, table, torque, rads)
         else:
             # without this, a kind without a branch here would have no losses
-            raise ValueError("no kernel of drives knows this kind")
+            raise ValueError("there is no kernel for this kind of drive")
     p, p_m, p_w, p_mm, p_mw, p_ww = power
     return (
         motors * p + share * effort * speed,

@@ -2,7 +2,7 @@
 
 Minimised is the difference between the measured speed and the one that the train would have had under the measured
 effort, from the start of each section on (Hansen, Nawaz, Olsson compared it with fitting accelerations, and found it
-far less sensitive to the steps and the rate of a recorder). `noise` weighs it, `problem` simulates it. Where powers are
+far less sensitive to the steps and the rate of a recorder). `noise` weighs it, `problem` simulates it. If powers are
 measured beside the efforts, efficiency and auxiliaries are fitted to them; where powers are all there is, the effort
 follows from them. Calibration errors of the gauges are fitted beside the parameters (`gauges`).
 

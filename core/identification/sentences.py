@@ -85,14 +85,14 @@ def assumed_errors(gauge_errors: Sequence[GaugeError]) -> str:
 def open_parameters(
     undetermined: Sequence[str], undetermined_by_gauges: Sequence[str], confounded: Sequence[Sequence[str]]
 ) -> tuple[str, ...]:
-    """Return which parameters cannot be told apart, or not at all, and which runs would determine them.
+    """List parameters that are not identifiable, and the runs that would determine them.
 
     Parameters
     ----------
     undetermined, undetermined_by_gauges, confounded
         As `railjoule.core.identification.Fit`.
     """
-    sentences = [f"{_listed(group)} cannot be told apart from these runs{_remedy(group)}." for group in confounded]
+    sentences = [f"{_listed(group)} cannot be separated by these runs{_remedy(group)}." for group in confounded]
     known = {*undetermined_by_gauges, *(name for group in confounded for name in group)}
     sentences += [
         f"These runs do not determine {name}{_remedy((name,))}." for name in undetermined if name not in known

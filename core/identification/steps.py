@@ -35,7 +35,7 @@ class Steps:
     start_speed_ms, end_speed_ms : array of shape (n,)
         Measured speeds, not smoothed [m/s].
     begins : array of bool of shape (n,)
-        Where a section begins.
+        Start of a section.
     effort_n : array of shape (n,)
         Mean effort at the wheels [N]; NaN where it is to follow from the power.
     pulled_share : array of shape (n,)
@@ -126,7 +126,7 @@ def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
     by_power = recording.effort_n is None
     if by_power and (recording.power_w is None or recording.brake_applied is None):
         raise RecordingError(
-            f"{recording.name}: a fit needs a column of the effort, or of power and of the brake; the speed alone "
+            f"{recording.name}: a fit needs a column of the effort, or of power and of the brake; the speed only "
             "does not tell what drove the train."
         )
     speed = run.placement.scale * recording.speed_ms
@@ -190,7 +190,7 @@ def _is_between_stations(run: MeasuredRun, line: Line) -> bool:
 
 
 def _jumps(effort_n: FloatArray) -> FloatArray:
-    """Return by how much the effort changes in each step beyond what it does beside it [N]: what no curve tells."""
+    """Return the change of effort in each step beyond that of its neighbours [N], which no curve explains."""
     change = np.nan_to_num(np.diff(effort_n))
     beside = 0.5 * (np.append(change[1:], change[-1]) + np.append(change[0], change[:-1]))
     return np.asarray(np.minimum(np.abs(change), np.abs(change - beside)))

@@ -151,7 +151,7 @@ def _named_table(rows: list[Row], separator: str, notes: Notes, is_header: Heade
     # a spreadsheet may have cells under no name
     header = [column or f"column {index}" for index, column in enumerate(header, 1)]
     if not body:
-        raise ScenarioError(f"{name}: has the columns {shown_list(header)}, and no rows beneath.")
+        raise ScenarioError(f"{name}: has the columns {shown_list(header)}, and no rows below.")
     padded = tuple((number, (*cells, *[""] * (len(header) - len(cells)))) for number, cells in body)
     return CellTable(
         name,

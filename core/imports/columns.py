@@ -159,7 +159,7 @@ def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Resolved
     value = None if kind == "neutral" else chosen["value"]  # a stretch is neutral or not
     choices = f"COLUMN, of {shown_list(list(cells.header))}."
     if begin is None:
-        raise ScenarioError(f"{cells.source}: no column says where each row begins; name it, as {kind}.from={choices}")
+        raise ScenarioError(f"{cells.source}: no column has the start of each row; name it, as {kind}.from={choices}")
     if value is None and kind not in {"tunnels", "neutral"}:
         raise ScenarioError(f"{cells.source}: no column of {kind} was found; name it, as {kind}.value={choices}")
     direction = named.get("direction") or (_directions(cells) if kind == "gradients" else None)

@@ -198,7 +198,7 @@ def _directed(amount: float, direction: Cell, number: int, notes: Notes) -> floa
     if word.startswith(RISES):
         return abs(amount)
     if word.startswith(IS_LEVEL) and amount:
-        notes.add("question", f"row {number} says {show(word)} and {amount:g} per mille.")
+        notes.add("question", f"row {number} has {show(word)} and {amount:g} per mille.")
     return amount
 
 

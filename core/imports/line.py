@@ -154,7 +154,7 @@ def _extent(tables: Sequence[ImportedTable], begin_m: float | None, end_m: float
     end = max(table.end_m for table in whole) if end_m is None else end_m
     if end <= begin and end_m is None and begin_m is None:
         sources = ", ".join(dict.fromkeys(table.source for table in tables))
-        raise ScenarioError(f"{sources}: no row says where the line ends; name its end.")
+        raise ScenarioError(f"{sources}: no row has the end of the line; name it.")
     if end <= begin:
         raise ScenarioError(f"the line's end at {place(end)} m must lie beyond its begin at {place(begin)} m.")
     return begin, end
@@ -167,7 +167,7 @@ def _missing_ends(table: ImportedTable, begin: float, end: float) -> list[Findin
     last = table.intervals[-1]
     reached = end if math.isinf(last.to_m) else table.end_m
     if math.isinf(last.to_m) and end <= last.from_m:
-        sentence = f"{table.source}: no row says where row {last.row} ends, and the line ends where it begins."
+        sentence = f"{table.source}: no row has the end of row {last.row}, and the line ends where it begins."
         return [Finding("gap", sentence)]
     return [
         Finding(
@@ -197,7 +197,7 @@ def _jumps(tables: Sequence[ImportedTable]) -> list[Finding]:
     return [
         Finding(
             "question",
-            f"no table says anything from {place(start)} to {place(stop)} m: does the chainage jump there? The line is "
+            f"no table has anything from {place(start)} to {place(stop)} m: does the chainage jump there? The line is "
             f"taken to have these {place(stop - start)} m.",
         )
         for start, stop in sorted(set.intersection(*gaps))

@@ -167,7 +167,7 @@ def _braking(stock: RollingStock, notes: Notes) -> dict[str, float]:
     gamma = stock.const_gamma if stock.const_gamma is not None else stock.gamma.value if stock.gamma else None
     if gamma is None:
         raise ScenarioError(f"{notes.source}: const_gamma is missing.")
-    sentence = f"it tells of no electric brake: friction brakes for {gamma:g} m/s2, and nothing goes back."
+    sentence = f"no electric brake is given: friction brakes for {gamma:g} m/s2, and nothing goes back."
     notes.add("assumption", sentence)
     return {
         "max_effort_kn": 0.0,

@@ -157,7 +157,7 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
 
 
 def _formation(file: RollingStock, wanted: str | None, notes: Notes) -> tuple[Train, list[RailVehicle]]:
-    """Select a train and its vehicles, one by one; a vehicle alone is a train too."""
+    """Select a train and its vehicles, one by one; a single vehicle is a train too."""
     vehicles = {vehicle.id: vehicle for vehicle in file.vehicles}
     trains = {train.id: train for train in file.trains}
     what = "train" if trains and wanted not in vehicles.keys() - trains.keys() else "vehicle"
@@ -272,7 +272,7 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) 
     if sum(forces) and len(powers) == len(forces):
         braking["max_power_kw"] = sum(powers) * MS_PER_KMH
     if not forces:
-        notes.add("assumption", "it tells of no electric brake, and nothing goes back.")
+        notes.add("assumption", "no electric brake is given, and nothing is recuperated.")
     decelerations = [abs(one.deceleration) for one in formation if one.deceleration]
     services = sum(vehicle.service_brake for vehicle in formation)
     if decelerations:
@@ -281,6 +281,6 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) 
         return {**braking, "friction_effort_kn": services}
     else:
         what = f"one for {USUAL_DECELERATION_MS2} m/s2 is assumed"
-        notes.add("assumption", f"it tells of no friction brake: {what}.")
+        notes.add("assumption", f"no friction brake is given: {what}.")
     braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=USUAL_DECELERATION_MS2) / N_PER_KN
     return braking

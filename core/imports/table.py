@@ -236,7 +236,7 @@ def _against_chainage(rows: TableRows, notes: Notes) -> list[Interval]:
         return intervals
     last = intervals[-1].row
     if last not in rows.blank:
-        notes.add_unused(f"row {last}, the last in falling chainage: no row says where it ends.")
+        notes.add_unused(f"row {last}, the last in falling chainage: no row has its end.")
     ended = [replace(one, to_m=below.from_m) for one, below in pairwise(intervals)]
     _require_one_value_at_a_place([*ended, intervals[-1]], notes.source)
     # two rows at one place are judged here, in the direction of the table

@@ -189,7 +189,7 @@ def read_heading(heading: str, quantity: Quantity, names: Collection[str] | None
 def _judged(heading: str, quantity: Quantity, units: Sequence[str], unknown: Sequence[str]) -> Heading:
     unit = units[0] if len(units) == 1 else None
     if unknown:
-        return Heading(unit, f"{heading!r} says {', '.join(map(repr, unknown))}, which is not understood")
+        return Heading(unit, f"{heading!r} contains {', '.join(map(repr, unknown))}, which is not understood")
     if len(units) > 1:
         return Heading(None, f"{heading!r} names {len(units)} units, {' and '.join(map(unit_words, units))}")
     words = name_tokens(heading)

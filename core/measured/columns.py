@@ -283,7 +283,7 @@ def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
     if unit is None or (strange and not stated):
         choices = " or ".join(f"--unit {quantity}={unit}" for unit in UNITS[quantity])
         doubt = (
-            f"the unit {strange!r} of column {header!r} is not known" if strange else f"column {header!r} tells no unit"
+            f"the unit {strange!r} of column {header!r} is not known" if strange else f"column {header!r} has no unit"
         )
         raise RecordingError(f"{source}: {doubt}; add {choices}.")
     return Column(quantity, header, unit, is_assumed=not stated)

@@ -86,7 +86,7 @@ class Saving:
         if not np.isfinite(below):
             return start + "the errors of the speed are too large for the model."
         if saved <= below:
-            return start + f"the steps and the noise of the speed alone explain up to {below:.2g} kWh."
+            return start + f"the steps and the noise of the speed explain up to {below:.2g} kWh."
         if model is None:
             return start + (
                 "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error "

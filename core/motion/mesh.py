@@ -109,7 +109,7 @@ def enough_words(line: Line, max_cells: int, crossings: int = 0, lasts_m: float 
         enough_m = rounded_up(line.length_m / (max_cells - unavoidable))
         if enough_m <= LONGEST_CELL_M:
             return f". Use {enough_m:g} m or more."
-    return f", and sections, limits and stops of the line alone make {unavoidable:,}."
+    return f", and sections, limits and stops of the line already make {unavoidable:,}."
 
 
 def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray) -> FloatArray:

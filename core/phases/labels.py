@@ -70,7 +70,7 @@ def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
 
 
 def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
-    """Mark the stretches over which the speed is held, by power, brakes or short coasting; return where they begin."""
+    """Mark the stretches over which the speed is held, by power, brakes or short coasting; return their starts."""
     begins = np.zeros(len(labels), np.bool_)
     may_hold = (labels == PART_POWER) | (labels == BRAKE)
     # cells whose speed power or brakes keep

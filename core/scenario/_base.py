@@ -1,4 +1,4 @@
-"""What all parts of a scenario share: frozen values, strict numbers, known keys only."""
+"""Base of all parts of a scenario: frozen values, strict numbers, known keys only."""
 
 import unicodedata
 from collections.abc import Iterable, Mapping
@@ -27,7 +27,7 @@ def is_misleading(sign: str) -> bool:
 
 
 def without_misleading(text: str) -> str:
-    """Return a text that others wrote as it may be shown: each sign that is no text becomes one that says so."""
+    """Return a text from outside in a form that can be shown: signs that are no text become visible marks."""
     return "".join("\ufffd" if is_misleading(sign) else sign for sign in text)
 
 

@@ -36,9 +36,9 @@ ALIASES = {"vehicle.drive": "drive"}
 TAG_KEYS = ("model", "distribution")
 """Keys that tell the kind of a table."""
 TAGGED_TABLES = {"drive", *MonteCarloOptions.model_fields}
-"""Tables of which a key tells the kind."""
+"""Tables that have a key for their kind."""
 LONGEST_SHOWN = 60
-# Larger, and every misspelling would have two proposals; smaller, and of two keys that differ in their unit alone only
+# Larger, and every misspelling would have two proposals; smaller, and of two keys that differ only in their unit just
 # one would be named.
 SECOND_MATCH_MARGIN = 0.18
 """A second name is proposed where its likeness is less than this below that of the first."""
@@ -69,7 +69,7 @@ def describe_findings(error: ValidationError, model: type[BaseModel], source: st
     findings = [finding for finding in everything if not _is_consequence(finding, everything)]
     # a misspelt key is reported before the key that is therefore missing
     first = next((finding for finding in findings if finding["type"] == "extra_forbidden"), findings[0])
-    # the others are counted and not listed: one mistake is mended at a time, and most of the others follow from it
+    # the others are counted and not listed: one mistake is repaired at a time, and most of the others follow from it
     text = f"{source}: {_finding(first, model)}"
     others = len(findings) - 1
     return text + (f" (and {others} more)." if others else "" if text.endswith("?") else ".")

@@ -161,7 +161,7 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
 
 def _merged_drive(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
     """Lay a drive over another; of a drive of another kind only the recuperation factor stays."""
-    # Keys of another kind of drive would be unknown ones; the recuperation factor says what the line takes back,
+    # Keys of another kind of drive would be unknown ones; the recuperation factor is what the supply takes back,
     # whatever the drive is.
     if "model" in changes and changes["model"] != base.get("model"):
         base = {key: value for key, value in base.items() if key == "recuperation_factor"}
@@ -202,7 +202,7 @@ def _fill_line(document: Document, folder: Folder | None) -> None:
     if not isinstance(line, dict):
         return
     if (name := line.pop("file", None)) is not None:
-        # two of them would contradict each other, and no rule says which one counts
+        # two of them would contradict each other, and no rule decides which one counts
         if "sections" in line or "preset" in line:
             raise ScenarioError("line needs only one of preset, file and sections.")
         line["sections"] = read_rows("line.file", _file_name("line.file", name), folder, Section.model_fields)
@@ -309,7 +309,7 @@ def parse_scenario(
     source : str
         Its name in errors.
     folder : Path or callable, optional
-        Where files that it names are looked for; without it such keys are refused.
+        Folder of the files that it names; without it such keys are refused.
     changes : mapping, optional
         Keys to set before it is checked, named by dotted path.
 

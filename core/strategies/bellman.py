@@ -98,7 +98,7 @@ def _spacing_note(task: Task, free: DecidedRun, run: DecidedRun | None) -> str:
         return f"Its drive is switched after {shortest:.1f} s: no run was found in which it stays on or off for {said}."
     needed = energy / J_PER_KWH
     return (
-        f"The recursion alone is switched after {shortest:.1f} s and needs {needed:.{energy_decimals(needed)}f} kWh; "
+        f"Only the recursion is switched after {shortest:.1f} s and needs {needed:.{energy_decimals(needed)}f} kWh; "
         f"here the drive stays on or off for {said}, to the nearest cell."
     )
 

@@ -7,7 +7,7 @@ energy and N what of that is not auxiliary power P,
     E = P T + N,
 
 where P T is a constant, so that such a part is solved without auxiliaries: the time that they make expensive is not
-the solver's to choose. Where more time saves nothing of N either, the train leaves the last stop before the arrival
+the solver's to choose. If more time saves nothing of N either, the train leaves the last stop before the arrival
 later, which costs only the auxiliaries.
 """
 
@@ -61,9 +61,9 @@ class TimedRun:
     wait_s : float
         How much longer the train stands at the last stop before the end of the part than planned [s].
     price_of_time_w : float or None
-        By how much the energy falls with a second more, auxiliaries apart where the part takes exactly its time [J/s].
+        Energy saved by a second more, without auxiliaries where the part takes exactly its time [J/s].
     bound : Bound or None
-        Of the part alone, as `run`.
+        Of the part, as `run`.
     """
 
     part: Part

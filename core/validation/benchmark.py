@@ -23,7 +23,7 @@ BUDGET_S = 0.3
 """Time over which one call is repeated [s]."""
 # odd, so that a median is one of the times; slow strategies are timed at least five times whatever the budget
 FEWEST_CALLS, MAX_CALLS = 5, 201
-ALONE, TEXTBOOK, TUNED = "interior point alone", "IPOPT, textbook", "IPOPT, tuned"
+ALONE, TEXTBOOK, TUNED = "only interior point", "IPOPT, textbook", "IPOPT, tuned"
 """Names of the solvers that are no strategies."""
 
 

@@ -1,8 +1,8 @@
 """The axis that figures share, and the columns that the browser is sent.
 
 Of a run there is one source, whose columns all charts over the same axis draw. Each column is sent once however many
-charts draw it, and only when it has changed. What no chart in sight draws is not sent at all: its column keeps what it
-had, as nobody sees it before its chart is drawn anew.
+charts draw it, and only when it has changed. Columns that no chart in sight draws are not sent at all: they keep
+their values, as nobody sees them before their chart is drawn again.
 """
 
 from collections.abc import Collection, Mapping
@@ -116,7 +116,7 @@ class Axis:
         self.extent = (0.0, 1.0)
         """The ends of the whole axis, the room for labels included."""
         self.end = 1.0
-        """Where the longest run ends: no ticks lie beyond it."""
+        """End of the longest run: no ticks lie beyond it."""
         self._settled = 0
         self.range.js_on_change("tags", self.follow)
         palette.paint(self.cursor, line_color="ink")
@@ -125,11 +125,11 @@ class Axis:
         """Show everything up to `end`, unless that is what the axis already spans: then its zoom stays."""
         self.end = end
         extent = (0.0, end * (1 + END_LABEL_SHARE) if roomy else end)
-        # up to rounding: the end is computed anew with each run
+        # up to rounding: the end is computed again with each run
         if np.allclose(extent, self.extent, rtol=1e-9):
             return
         self.extent = extent
-        # bounds first: the browser clips the ends to the bounds that it knows
+        # bounds first: the browser clips the ends to the bounds that it has
         self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
 
     def add(self, name: str, chart: dict[str, Any]) -> None:
@@ -159,7 +159,7 @@ class Axis:
         for index, chart in enumerate(self._charts.values()):
             self._describe(chart, place=None if index else [unit, digits])
         args = {"captions": captions, "sources": dict(self._sources), "range": self.range}
-        # the browser compiles the callback anew whenever its arguments are set, and Bokeh searches the whole document
+        # the browser compiles the callback again whenever its arguments are set, and Bokeh searches the whole document
         if args != self.follow.args:
             self.follow.args = args
         else:

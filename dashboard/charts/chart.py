@@ -36,12 +36,12 @@ PLACE_CSS = """
 """On narrow screens a caption may take two lines."""
 USUAL_WIDTH_PX = 640.0
 RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
-"""What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
+"""Minimum sizes of the right and lower edges of a figure, of the numbers of its x axis and of that axis's title."""
 Layer = Callable[[Any], Any]
 """Adds to a chart what it draws: a function of the chart, or `methodcaller` with one of the methods of `Chart`."""
 
 
-# Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines anew, this 0.7 ms
+# Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines again, this 0.7 ms
 class Chart:
     """A figure with a caption above it; a grey sketch stands in its place until it is drawn for the first time.
 
@@ -56,9 +56,9 @@ class Chart:
     """
 
     kind: SketchKind = "lines"
-    """What its sketch looks like."""
+    """Shape of its sketch."""
     title = ""
-    """What the figure is called where it has no caption, or one that changes."""
+    """Name of a figure that has no caption, or one that changes."""
     stepped = False
     unit = ""
     digits = 1
@@ -67,7 +67,7 @@ class Chart:
     def __init__(self, name: str, caption: str, height: int) -> None:
         self.name, self.caption, self.height = name, caption, height
         self.sources: dict[str, ColumnDataSource] = {}
-        """What is drawn, each under the name that a saved table gives it."""
+        """Drawn quantities, under their names in a saved table."""
         self.host = pn.Column(
             # from the second one assets/scripts/dom.js reads which chart this is
             css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN, COMPUTED],
@@ -119,7 +119,7 @@ class Chart:
         self.host.css_classes = [*self._classes, UNDRAWN, *([COMPUTED] if told else [])]
 
     def show(self, draw: Callable[[], None]) -> None:
-        """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
+        """Draw the last request: immediately if the chart is in sight, else when the page has time for it."""
         self.waiting = draw
         self.enqueue(self)
 
@@ -156,7 +156,7 @@ class Chart:
         return Frame(max(self.width_px - left - RIGHT_PX, 1.0), max(self.height - below - 2.0, 1.0), x, y)
 
     def fail(self) -> None:
-        """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
+        """Say in the chart's place that it could not be drawn; the next drawing starts from scratch."""
         self.content = self.figure = None
         self.host.css_classes = self._classes
         self.host[:] = [parts.html_pane(not_drawn(self.caption, self.height))]
@@ -241,7 +241,7 @@ class Chart:
     def grounded_signs(
         self, name: str, token: str, size: int = 12, at: tuple[str, str] = ("x", "y"), **style: Any
     ) -> None:
-        """Write texts in a colour, on a ground that keeps them apart from what they lie upon."""
+        """Write texts in a colour, on a ground that separates them from the drawing below."""
         paint = {"text_color": token, "background_fill_color": "surface"}
         ground = {"background_fill_alpha": 0.8, "padding": 1}
         self.glyphs("text", name, *at, "text", paint=paint, **{**ground, **text_style(size), **style})

@@ -1,8 +1,8 @@
-"""In which order the charts of a page are drawn: those in sight at once, the others while the browser is idle.
+"""Order in which the charts of a page are drawn: those in sight immediately, the others while the browser is idle.
 
 A chart that has never been drawn costs the server and the browser some hundredths of a second each; so each goes to the
-browser by itself, and what the user does meanwhile comes between. One that is there already and out of sight is drawn
-anew when it comes into sight: while a slider moves that may be never.
+browser by itself, and actions of the user come between. One that exists and is out of sight is drawn
+again when it comes into sight: while a slider moves that may be never.
 """
 
 import asyncio
@@ -19,7 +19,7 @@ from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.work import events
 
 AT_FIRST = 4
-"""So many charts are drawn before the browser has told which are in sight."""
+"""Number of charts that are drawn before the browser has reported which are in sight."""
 LONGEST_WAIT_S, LATER_MS = 0.5, 20
 
 
@@ -33,8 +33,8 @@ class DrawingQueue:
     in_sight : callable
         Returns whether the page is in sight.
     settle : callable
-        Called after a chart was drawn by itself, within the same message; who lets several draw at once settles after
-        the last of them.
+        Called after a chart was drawn by itself, within the same message; a caller that draws several together settles
+        after         the last of them.
     """
 
     def __init__(
@@ -56,7 +56,7 @@ class DrawingQueue:
         """Take note of the charts that the browser has in sight."""
         if not self._in_sight():
             return
-        # what is said of another page's charts tells nothing of these
+        # reports on another page's charts do not apply to these
         self._told = self._told or any(chart.name in names for chart in self._charts)
         for chart in self._charts:
             chart.visible = chart.name in names
@@ -103,7 +103,7 @@ class DrawingQueue:
         return [chart for chart in self._charts if chart.waiting is not None and chart.host.visible]
 
     def _next_in_sight(self) -> Chart | None:
-        """Return the first chart in sight that waits; before the browser has told, one of the first on the page."""
+        """Return the first chart in sight that waits; before the browser has reported, one of the first on the page."""
         if self._told:
             return next((chart for chart in self._waiting if chart.visible), None)
         drawn = sum(chart.is_drawn for chart in self._charts)

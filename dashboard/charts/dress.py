@@ -41,7 +41,7 @@ TOOLBAR_CSS = """
 """The toolbar is invisible until the mouse or the keyboard focus is there; touch screens always show it."""
 TICKS = function("ticks", "tick_words(tick, digits)")
 HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
-"""What the library says over a figure, it would write on white in dark colours too."""
+"""Notes of the library over a figure, which it would write on white in dark colours too."""
 RIGHT_BORDER_PX = 30
 """The toolbar stands in it, and below it half of the last number of an axis."""
 DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"

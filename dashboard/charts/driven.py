@@ -34,7 +34,7 @@ def both(following: Following) -> dict[str, Trajectory]:
 
 
 def draw_speeds(chart: RunLines, following: Following, name: str) -> None:
-    """Draw both runs; `name` says what was driven."""
+    """Draw both runs; `name` is the name of the driven run."""
     lines = chart.fill(both(following))
     chart.set_range(0, HEADROOM * ends_of(lines.values())[1])
     tokens = chart.palette.tokens

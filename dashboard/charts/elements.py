@@ -1,4 +1,4 @@
-"""HoloViews' elements as figures of ours: what notebooks and the pages that use HoloViews share.
+"""HoloViews' elements as railjoule's figures: shared by notebooks and the pages that use HoloViews.
 
 Loading HoloViews takes a third of a second, and making a figure of an element some hundredths: pages do both in a
 thread, and import this module there.

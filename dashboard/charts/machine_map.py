@@ -48,7 +48,7 @@ class MotorMapChart(LoneChart):
     def draw(self, found: MotorMap, whose: str, operated: OperatingPoints | None) -> None:
         """Draw the map of motor or drive, and where the run works."""
         efficiency = found.motor if whose == "motor" and found.motor is not None else found.drive
-        # by identity, as a map never changes: another run moves its points alone
+        # by identity, as a map never changes: another run moves only its points
         if efficiency is not self._drawn:
             self._drawn = efficiency
             self._draw_map(found, efficiency)

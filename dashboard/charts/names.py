@@ -1,8 +1,8 @@
-"""Where the names of lines stand: never on a line, on one another or beyond the frame.
+"""Positions of the names of lines: never on a line, on one another or beyond the frame.
 
 All is pixels, counted from the lower left corner of the frame. A name that has no free place gets none: the list of
 strategies and the tables name its line too. A place stays free where the frame turns out to be larger than was
-reckoned with, or is zoomed: names keep their size while the lines move apart.
+assumed, or is zoomed: names keep their size while the lines move away from each other.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ BOX_GAP_PX = 2.0
 AROUND_PX = (10.0, 18.0, 30.0, 44.0)
 """How far beside a point its name may stand."""
 SIDEWAYS = 0.02
-"""What a pixel away from the preferred place along the line costs, in pixels of steepness or lost distance."""
+"""Cost of a pixel away from the preferred place along the line, in pixels of steepness or lost distance."""
 WIDTHS_EM = {
     letter: width
     for letters, width in {
@@ -69,7 +69,7 @@ class Label:
     at_end : bool
         Whether it stands beside the end of its line, if there is room.
     preferred : float
-        Where along the frame it stands best, 0 to 1, if it is not at the end.
+        Best place along the frame, 0 to 1, if it is not the end.
     point : tuple or None
         The point that it names, if it names no line [px].
     """
@@ -135,7 +135,7 @@ def place_labels(
 def envelopes(lines: Sequence[Polyline], width_px: float) -> tuple[FloatArray, FloatArray]:
     """Return the least and the greatest height of each line in each column, shape (lines, columns).
 
-    Where a line has no height in a column, its least one is FAR_PX and its greatest one -FAR_PX.
+    If a line has no height in a column, its least one is FAR_PX and its greatest one -FAR_PX.
     """
     count = int(np.ceil(width_px / COLUMN_PX))
     edges = COLUMN_PX * np.arange(count + 1)
@@ -185,7 +185,7 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     top = bottom + label.height_px
     others = np.arange(len(low)) != label.line
     distances = np.maximum(lowest[others, None] - top, bottom - highest[others, None])
-    # a line that is alone is as far from others as counts
+    # a single line is as far from others as counts
     distance = distances.min(axis=0, initial=CLEAR_PX)
     whole = maximum_filter1d(low[label.line], count)[starts] < FAR_PX
     free = whole & (distance >= GAP_PX) & (bottom >= 0) & (top <= height_px)
@@ -290,7 +290,7 @@ class Name:
     point : tuple or None
         The point that it names, in the units of the axes.
     preferred : float
-        Where along the frame it stands best, 0 to 1.
+        Best place along the frame, 0 to 1.
     """
 
     line: str

@@ -1,4 +1,4 @@
-"""What charts draw of a run: each quantity once, with its unit, its digits and the words above it."""
+"""Quantities of a run that charts draw: each once, with unit, digits and title."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ N_PER_KN, W_PER_MW = 1e3, 1e6
 
 @dataclass(frozen=True)
 class Quantity:
-    """What is drawn of a run.
+    """A quantity of a run.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ def at_nodes(cells: FloatArray) -> FloatArray:
 
 
 def read(attribute: str, divisor: float = 1.0) -> Callable[[Any], FloatArray]:
-    """Return what reads a quantity at the nodes of a run; one that never changes counts everywhere."""
+    """Return a function that reads a quantity at the nodes of a run; a constant counts everywhere."""
 
     def values(run: Any) -> FloatArray:
         found = np.asarray(getattr(run, attribute), dtype=float) / divisor
@@ -55,7 +55,7 @@ def read(attribute: str, divisor: float = 1.0) -> Callable[[Any], FloatArray]:
 
 
 def read_cells(attribute: str, divisor: float = 1.0) -> Callable[[Any], FloatArray]:
-    """Return what reads a quantity that a run has in its cells; zero where the run does not know it."""
+    """Return a function that reads a quantity in the cells of a run; zero where the run has none."""
 
     def values(run: Any) -> FloatArray:
         cells = getattr(run, attribute)
@@ -81,5 +81,5 @@ PATH = Quantity("path", "Train path: time, min", "min", 2, read("time_s", S_PER_
 
 
 def along(over_time: bool) -> Quantity:
-    """Return what a shared x axis shows: the time or the distance."""
+    """Return the quantity of a shared x axis: time or distance."""
     return TIME if over_time else POSITION

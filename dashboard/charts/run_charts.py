@@ -40,7 +40,7 @@ from railjoule.dashboard.charts.scene import (
 from railjoule.dashboard.look import words
 
 WORD_PX = 7.2
-"""How wide a letter is, a little more than the mean: assets/scripts/report.js reckons with the same."""
+"""How wide a letter is, a little more than the mean: assets/scripts/report.js uses the same value."""
 GROUND, SIGNS, CURVES, TOP = 0.08, 1.22, (1.58, 1.68), 1.7
 """Heights in the strip of the line, in units of its relief above its lowest point (of the ground: below it). The relief
 ends at 1, so that gradients stand above it, and curves above these at the upper edge."""
@@ -48,11 +48,11 @@ CENTRED: Mapping[str, Any] = {"text_align": "center", "text_baseline": "middle",
 LEAST_KWH = 0.05
 """The axis of a difference of energies reaches at least so far."""
 END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
-"""What stands at the end of a line, beside its number, where the whole name has no room."""
+"""Short name at the end of a line, beside its number, where the whole name has no room."""
 
 
 def end_words(name: str, scene: RunScene) -> str:
-    """Return what stands at the end of a line, beside its number."""
+    """Return the name at the end of a line, beside its number."""
     short = None if scene.actual is not None and name == scene.chosen else END_WORDS.get(name)
     return short or line_words(name, scene)
 
@@ -207,7 +207,7 @@ class EnergyChart(RunChart):
         self.place_names(lines, names, source="ends")
 
     def _extra_name(self, scene: RunScene, lines: Mapping[str, Curve]) -> Name:
-        """Return what the actual run costs beyond the plan, between the ends of both."""
+        """Return the extra energy of the actual run over the plan, between the ends of both."""
         assert scene.actual is not None
         (x, driven), (_, planned) = lines[ACTUAL], lines[scene.chosen]
         between = 0.5 * (float(driven[-1]) + float(planned[-1]))
@@ -306,7 +306,7 @@ class SupplyChart(RunChart):
         return run.current_a is not None or run.supply_current_a is not None
 
     def draw(self, scene: RunScene) -> None:
-        """Draw the power where it is chosen or no current is known, else the current; the title says which it is."""
+        """Draw the power where it is chosen or no current is known, else the current; the title names it."""
         run, at = scene.run, ""
         if scene.with_power or not self.knows(run):
             self.quantity = POWER

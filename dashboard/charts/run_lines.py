@@ -50,7 +50,7 @@ class Line:
     of : str
         Which run is drawn, where that is not the one of the line's own name.
     quantity : Quantity or None
-        What of it, where that is not the chart's.
+        Its quantity, if it is not the chart's.
     """
 
     token: str
@@ -182,7 +182,7 @@ class RunLines(DistanceChart):
         return self.quantity.values(run)
 
     def fill(self, runs: Mapping[str, Any], over_time: bool = False) -> dict[str, Curve]:
-        """Draw these runs and no other; return what their lines are."""
+        """Draw exactly these runs; return their lines."""
         x = along(over_time)
         self._lie_over(x)
         drawn = {}
@@ -201,7 +201,7 @@ class RunLines(DistanceChart):
         return drawn
 
     def read(self, name: str, word: str, *unit: Any, y: str = "") -> list[Any]:
-        """Return what the cursor needs of a line: its word, its source and columns, a unit and digits of its own."""
+        """Return the cursor's data of a line: its word, its source and columns, its own unit and digits."""
         line = self.lines[name]
         source = self.axis.columns(line.of or name).source
         return [word, source, self._over.name, y or self._column(line), *unit]

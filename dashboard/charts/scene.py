@@ -1,4 +1,4 @@
-"""What the charts of Drive draw, and those that draw a line for each run."""
+"""Content of the charts of Drive, and of those that draw a line for each run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ PINNED, ACTUAL, VARIANT = "pinned", "actual", "variant"
 
 @dataclass(frozen=True, eq=False)
 class RunScene:
-    """What the charts of Drive draw.
+    """Content of the charts of Drive.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class RunScene:
     actual : ActualRun or None
         The actual run, if it is drawn beside the plan.
     fastest : Trajectory or None
-        The fastest run, drawn or not: the cursor tells its speed.
+        The fastest run, drawn or not: the cursor shows its speed.
     variant : (str, Trajectory) or None
         A run beside the chosen one, and its name at its line: simple advice, or a moved instruction.
     with_power : bool
@@ -68,16 +68,16 @@ class RunScene:
         return self.runs[self.chosen]
 
     def x(self, run: Trajectory) -> FloatArray:
-        """Return where a run's nodes lie on the axis."""
+        """Return the positions of a run's nodes on the axis."""
         return along(self.over_time).values(run)
 
     def x_of_place(self, place_m: FloatArray) -> FloatArray:
-        """Return where places [m] lie on the axis, as the chosen run passes them."""
+        """Return the positions on the axis of places [m], as the chosen run passes them."""
         return np.interp(place_m, self.run.position_m, self.run.time_s) if self.over_time else np.asarray(place_m)
 
     @property
     def end(self) -> float:
-        """Where the longest run ends on the axis."""
+        """End of the longest run on the axis."""
         drawn = [*self.runs.values(), *([self.pinned] if self.pinned else [])]
         drawn += [self.actual.actual] if self.actual else []
         drawn += [self.variant[1]] if self.variant else []
@@ -94,7 +94,7 @@ class RunScene:
 
     @property
     def stops(self) -> list[tuple[float, float]]:
-        """Where the actual run makes unplanned stops on the axis, and how long it stands there [s]."""
+        """Unplanned stops of the actual run on the axis, with their durations [s]."""
         if self.actual is None or self.actual.disturbed is None:
             return []
         run = self.actual.actual
@@ -124,7 +124,7 @@ class SceneChart(DistanceChart):
     """A chart of Drive."""
 
     fits = False
-    """Whether its axis follows its lines, so that a report must fit it anew where they move."""
+    """Whether its axis follows its lines, so that a report must fit it again where they move."""
     called = "", ""
     """Its name and its caption."""
 
@@ -180,7 +180,7 @@ class RunChart(RunLines, SceneChart):
 
 
 def line_words(name: str, scene: RunScene) -> str:
-    """Return what a line is called in a chart."""
+    """Return the name of a line in a chart."""
     if name == PINNED:
         assert scene.pinned is not None
         return f"pinned: {words.strategy(scene.pinned.strategy).lower()}"

@@ -17,7 +17,7 @@ SKETCH_CSS = """
 :host(.rj-undrawn) { position: relative; }
 :host(.rj-undrawn)::before { content: %(caption)s; padding-left: 50px; white-space: pre;
   font: 500 12px/1.6 var(--rj-font); color: var(--rj-ink2); }
-:host(.rj-computing)::before { content: %(told)s / %(name)s; }
+:host(.rj-computing)::before { content: %(message)s / %(name)s; }
 :host(.rj-undrawn)::after { content: ""; position: absolute; inset: %(top)spx 14px 10px 50px;
   background: var(--rj-%(colour)s); mask: url("data:image/svg+xml,%(drawn)s") 0 0 / 100%% 100%%; }
 """
@@ -29,7 +29,7 @@ def sketch_css(kind: SketchKind, caption: str, name: str) -> str:
     Parameters
     ----------
     kind : str
-        What it will look like.
+        Its future shape.
     caption : str
         Empty where the chart has none.
     name : str
@@ -37,10 +37,10 @@ def sketch_css(kind: SketchKind, caption: str, name: str) -> str:
     """
     style = ' fill="none" stroke="#000" stroke-width="2"' if kind == "lines" else ""
     drawn = quote(SVG.format(style, shapes(kind).replace("<path", '<path vector-effect="non-scaling-stroke"')))
-    told = f"{caption}\\A {COMPUTING}" if kind != "strip" else caption
+    message = f"{caption}\\A {COMPUTING}" if kind != "strip" else caption
     return SKETCH_CSS % {
         "caption": _quoted(caption),
-        "told": _quoted(told).replace("\\\\A", "\\A"),
+        "message": _quoted(message).replace("\\\\A", "\\A"),
         "name": _quoted(f"Being computed: {name}"),
         "drawn": drawn,
         "colour": "line2" if kind == "lines" else "ground",
@@ -85,6 +85,6 @@ def numbers_sketch(count: int = 5) -> Markup:
 
 
 def not_drawn(words: str, height: int) -> Markup:
-    """Return what stands in the place of a chart that could not be drawn."""
+    """Return the placeholder of a chart that could not be drawn."""
     failed = '{}<div class="failed" role="alert" style="min-height:{}px"><p>{}</p></div>'
     return markup(failed, markup('<div class="caption">{}</div>', words) if words else "", height, NOT_DRAWN)

@@ -66,10 +66,10 @@ class SpeedChart(RunChart):
     _limits: Curve
     top: float
     _braking: Curve | None = None
-    """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
+    """Drawn limit: the permitted speed, which is below the limits only on a braking curve."""
 
     def _draw_day(self, scene: RunScene) -> None:
-        """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
+        """Draw the signs of the actual run; on a narrow screen its delay stands only in the numbers."""
         stops, actual = scene.stops, scene.actual
         self.put(
             "stops",

@@ -108,7 +108,7 @@ def add_passing_points(chart: Chart) -> None:
 
 
 def draw_passing_points(chart: Chart, line: ScenarioLine, x_of_place: Callable[[FloatArray], FloatArray]) -> None:
-    """Draw the passing points of a line in running order, which lie on the axis where `x_of_place` says."""
+    """Draw the passing points of a line in running order, at the axis positions that `x_of_place` returns."""
     points = line.passing_points
     x = x_of_place(np.array([point.position_m for point in points]))
     speeds = np.array([point.speed_kmh for point in points])

@@ -1,1 +1,1 @@
-"""What a terminal asks for and is told."""
+"""The command line."""

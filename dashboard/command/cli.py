@@ -47,7 +47,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     try:
         status = _run(arguments)
-        # here, so that a closed pipe or a full disk is noticed while it can be told
+        # here, so that a closed pipe or a full disk is noticed while it can be reported
         sys.stdout.flush()
     except BrokenPipeError:
         _drop_output()
@@ -98,9 +98,13 @@ def _add_commands(
 ) -> None:
     added = parser.add_subparsers(dest=name, metavar=metavar, required=True)
     for word, command in commands.items():
-        told = command.words
+        help_text = command.words
         child = added.add_parser(
-            word, help=told, description=f"{told[0].upper()}{told[1:]}.", epilog=command.epilog, allow_abbrev=False
+            word,
+            help=help_text,
+            description=f"{help_text[0].upper()}{help_text[1:]}.",
+            epilog=command.epilog,
+            allow_abbrev=False,
         )
         if isinstance(command, Group):
             _add_commands(child, command.commands, command.metavar.lower(), command.metavar)

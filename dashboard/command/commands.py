@@ -1,4 +1,4 @@
-"""What the commands of `railjoule` do that compute one scenario, or none."""
+"""Commands of `railjoule` that compute one scenario, or none."""
 
 import argparse
 from collections.abc import Iterator, Mapping
@@ -90,7 +90,7 @@ def simulate(options: argparse.Namespace) -> None:
     """Plan a scenario, drive it under its disturbance, and show both."""
     scenario = files.scenario(options)
     with refusals_named(scenario.strategy):
-        # each kind alone: all of them take a tenth of a second to import
+        # each kind separately: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
             from railjoule.core.simulation.field_oriented import simulate_field_oriented  # noqa: PLC0415
 
@@ -173,8 +173,8 @@ def serve(options: argparse.Namespace) -> None:
     try:
         app.serve(place, folder)
     except OSError as error:
-        told = error.strerror or error
-        raise CommandError(f"cannot serve at {place.address}, port {place.port}: {told}.") from None
+        reason = error.strerror or error
+        raise CommandError(f"cannot serve at {place.address}, port {place.port}: {reason}.") from None
 
 
 def scenario_folder(named: str | None, options: ServerOptions) -> ScenarioFolder | None:
@@ -201,7 +201,7 @@ def scenario_folder(named: str | None, options: ServerOptions) -> ScenarioFolder
 
 @contextmanager
 def missing_named(what: str) -> Iterator[None]:
-    """Turn the lack of a package of the page into a sentence that says what to install."""
+    """Turn the lack of a package of the page into a sentence that names the extra to install."""
     try:
         yield
     except ModuleNotFoundError as error:

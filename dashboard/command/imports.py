@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from railjoule.core.imports.ttobench import ImportedScenario
 
 ASSUMED_SLACK = 0.1
-"""Slack over the shortest time where nothing tells a travel time; told, and easily changed in the file."""
+"""Slack over the shortest time if no travel time is given; reported, and easily changed in the file."""
 
 
 def intervals(options: argparse.Namespace) -> None:
@@ -39,7 +39,7 @@ def intervals(options: argparse.Namespace) -> None:
     target: Path = options.output
     as_table = target.suffix.lower() == ".csv"
     if options.vehicle is None and options.travel_time_s is not None:
-        raise CommandError("--travel-time-s needs --vehicle: a line alone has no timetable.")
+        raise CommandError("--travel-time-s needs --vehicle: a line has no timetable.")
     if options.vehicle is not None and as_table:
         raise CommandError(f"-o {shortened(target)}: must end in .toml with --vehicle, which makes a scenario.")
     train = {} if options.vehicle is None else _train(options.vehicle)
@@ -60,7 +60,7 @@ def intervals(options: argparse.Namespace) -> None:
     files.write(target, line.to_csv() if as_table else line.to_toml())
     # a table of sections has no row for them
     if as_table and line.line.neutral_sections:
-        line = replace(line, unused=(*line.unused, f"{target.name}: it holds sections alone, no neutral ones."))
+        line = replace(line, unused=(*line.unused, f"{target.name}: it contains only sections, no neutral ones."))
     _tell(line, target, _line_words(line.line))
 
 
@@ -177,7 +177,7 @@ def _line_words(line: Line) -> str:
 
 
 def _column_maps(options: argparse.Namespace) -> dict[IntervalKind, ColumnMap]:
-    """Return what the options say of each table's columns."""
+    """Return the options for the columns of each table."""
     maps: dict[IntervalKind, ColumnMap] = {}
     for name in options.preset:
         if name not in PRESETS:

@@ -1,4 +1,4 @@
-"""What the commands `railjoule measured` and `railjoule fit` do with the files of a train's recorder."""
+"""Commands `railjoule measured` and `railjoule fit`, for the files of a train's recorder."""
 
 import argparse
 import math
@@ -25,7 +25,7 @@ def measured(options: argparse.Namespace) -> None:
     try:
         saving = possible_saving(run)
     except RecordingError as error:
-        # the run itself is told all the same: what it lacks is a train that can drive it
+        # the run itself is reported all the same: it only lacks a train that can drive it
         refusal = str(error)
     if options.trajectory is not None:
         files.write_table(run.trajectory.to_dataframe(), options.trajectory)
@@ -128,8 +128,8 @@ def measured_text(run: Summary) -> str:
         bound = run["lower_bound_kwh"]
         bounded = "no bound known" if bound is None else f"bound {terminal.energy(bound)} kWh"
         proof = "proven optimal" if run["proven"] else bounded
-        told = f"{terminal.energy(run['optimal_kwh'])} kWh in the same time with the same stops, {proof}"
-        lines += labelled("Optimal", told)
+        optimal = f"{terminal.energy(run['optimal_kwh'])} kWh in the same time with the same stops, {proof}"
+        lines += labelled("Optimal", optimal)
         lines += labelled("Saving", _saving_words(run))
     return "\n".join([*lines, "", *(line for note in run["notes"] for line in terminal.wrapped(note))])
 
@@ -149,12 +149,12 @@ def fit_text(found: Summary) -> str:
     rows = [
         (
             name if name not in found["undetermined"] else f"{name} *",
-            _digits(told["value"]),
-            f"{_digits(told['low'])} to {_digits(told['high'])}",
-            _digits(told["before"]),
-            told["unit"],
+            _digits(row["value"]),
+            f"{_digits(row['low'])} to {_digits(row['high'])}",
+            _digits(row["before"]),
+            row["unit"],
         )
-        for name, told in found["parameters"].items()
+        for name, row in found["parameters"].items()
     ]
     head = ("parameter", "value", "95 % interval", "scenario", "unit")
     lines = [

@@ -24,7 +24,7 @@ Summary = dict[str, Any]
 
 EVERY_RUN, MESH_RUNS = "every run", "runs over this mesh"
 """The runs that a bound covers: every driving of the train, or runs over one mesh with one effort in each cell."""
-ALTERNATIVE_KEYS = ("quantity", "ours", "difference_percent", "difference_points", "note")
+ALTERNATIVE_KEYS = ("quantity", "railjoule", "difference_percent", "difference_points", "note")
 """Keys of a further comparison of a printed number."""
 
 
@@ -91,7 +91,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
 
 
 def summarise_check(result: CheckResult) -> Summary:
-    """Return what a check found as plain values; a deviation that no number tells is null."""
+    """Return the result of a check as plain values; a deviation without a number is null."""
     return {
         "ok": result.ok,
         "verdict": result.verdict,
@@ -169,7 +169,7 @@ def summarise_validation(validation: "Validation") -> Summary:
         "citation": validation.citation,
         "rows": _rows(validation.tables),
         "claims": [
-            {**picked(claim, "place", "claim"), "ours": claim.found, **picked(claim, "verdict", "reason")}
+            {**picked(claim, "place", "claim"), "railjoule": claim.found, **picked(claim, "verdict", "reason")}
             for claim in validation.claims
         ],
         "tables": [
@@ -226,7 +226,7 @@ def _phase(phase: Phase) -> Summary:
 def _row(row: "Row") -> Summary:
     return {
         **picked(row, "case", "quantity", "unit", "printed"),
-        "ours": row.value,
+        "railjoule": row.value,
         **picked(row, "difference_percent", "difference_points"),
         "close": row.is_close,
         "note": row.note,
@@ -234,7 +234,7 @@ def _row(row: "Row") -> Summary:
 
 
 def _finite(value: float | None) -> float | None:
-    """Return a number that JSON knows, or None."""
+    """Return a number that JSON can contain, or None."""
     return value if value is not None and math.isfinite(value) else None
 
 

@@ -76,7 +76,7 @@ def sweep(options: argparse.Namespace) -> None:
 
 
 def summarise_sweep(results: SweepFile) -> dict[str, Any]:
-    """Return what a sweep took, and which field decides its energy, as plain values."""
+    """Return time and size of a sweep and the influence of each field on its energy, as plain values."""
     without = [reason for chunk in results.chunks() for reason in chunk.reasons.values()]
     return {
         "rows": results.done,
@@ -110,19 +110,19 @@ def _ranges(given: Sequence[tuple[str, tuple[float, float]]]) -> dict[str, tuple
 
 
 def _results(study: Study, path: Path, kept: Path, resume: bool) -> SweepFile:
-    """Return where the rows go: a new file, or that of a sweep that did not come to its end."""
+    """Return the file of the rows: a new one, or that of an unfinished sweep."""
     if kept.exists():
         if resume:
             return SweepFile.open(kept, study)
         raise CommandError(
             f"{shortened(kept)} keeps the rows of a sweep that did not come to its end: --resume goes on with it; "
-            "to begin anew, remove it."
+            "to begin again, remove it."
         )
-    # a script that is started again and again always says --resume
+    # a script that is started again and again always has --resume
     if resume and path.exists():
         raise CommandError(
             f"--resume: {shortened(path)} is there, and nothing is left to be done for it; without --resume it is "
-            "made anew."
+            "made again."
         )
     return SweepFile.create(kept, study)
 
@@ -142,7 +142,7 @@ def _workers(scheduler: str | None) -> Iterator[tuple[Executor | None, Callable[
     if scheduler is None:
         yield None, None
         return
-    # what Dask logs of a lost worker is no news: its chunks are done again, or the sweep says in a sentence why not
+    # what Dask logs of a lost worker is no news: its chunks are done again, or the sweep gives the reason in a sentence
     logging.getLogger("distributed").setLevel(logging.CRITICAL)
     with cluster(scheduler) as workers:
         yield workers
@@ -179,7 +179,7 @@ def _text(path: Path, values: Mapping[str, Any]) -> str:
     if values["without_run"]:
         lines.append(f"{values['without_run']:,} of them without a run, such as: {values['first_reason']}")
     if values["sensitivities"]:
-        lines.append("Share of the energy's spread that a field decides, alone and with the others (Sobol' indices):")
+        lines.append("Share of the energy's spread by field, of itself and with the others (Sobol' indices):")
         widest = max(map(len, values["sensitivities"]))
         lines += [
             f"  {field:{widest}}  {100 * of['first']:5.1f} % ± {100 * of['first_error']:.1f}"

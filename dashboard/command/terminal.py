@@ -33,7 +33,7 @@ notice = words.plain(words.notice)
 
 
 def title_words(title: str) -> str:
-    """Return what a scenario is called."""
+    """Return the name of a scenario."""
     return words.title(printable(title))
 
 
@@ -93,7 +93,7 @@ def simple_advice_text(advice: Summary) -> str:
         (str(run["changes"]), energy(run["energy_kwh"]), _price_of_orders(run, advice["optimum_kwh"]))
         for run in advice["runs"]
     ]
-    orders = advice_in_words([Instruction(**told) for told in advice["advice"]], number)
+    orders = advice_in_words([Instruction(**entry) for entry in advice["advice"]], number)
     return "\n".join(
         [
             f"{title_words(advice['title'])}: simple advice",
@@ -109,14 +109,14 @@ def simple_advice_text(advice: Summary) -> str:
 
 
 def _price_of_orders(run: Summary, optimum_kwh: float | None) -> str:
-    """Return what a simple run needs more than the optimum, in kWh and per cent."""
+    """Return the extra energy of a simple run over the optimum, in kWh and per cent."""
     if run["price_kwh"] is None or not optimum_kwh:
         return "no optimum known"
     return f"{energy(run['price_kwh'])} kWh, {number(100 * run['price_kwh'] / abs(optimum_kwh), 2)} %"
 
 
 def _crush_load_lines(summary: Summary) -> list[str]:
-    """Return the line that tells a load above the capacity."""
+    """Return the line on a load above the capacity."""
     return [f"{load(summary['load_factor']).capitalize()}."] if summary["load_factor"] > 1 else []
 
 
@@ -127,7 +127,7 @@ def following_text(following: Summary) -> str:
 
 def ride_text(ride: Summary) -> str:
     """Return a plan, the events on the way, and the run."""
-    learned = [notice(told["position_m"], told["time_s"], told["event"]) for told in ride["notices"]]
+    learned = [notice(one["position_m"], one["time_s"], one["event"]) for one in ride["notices"]]
     causes = [f"{CAUSE_WORDS[cause].lower()} {energy_difference(kwh)} kWh" for cause, kwh in ride["causes_kwh"].items()]
     added = [f"Added in this order: {', '.join(causes)}."] if len(causes) > 1 else []
     lines = [*learned, _outcome(ride), *added, *ride["notes"], _driver_line(ride)]
@@ -174,7 +174,7 @@ def _beside_plan(run: Summary, how: str, *lines: str, planned: str = "planned") 
 
 
 def _outcome(run: Summary) -> str:
-    """Return what became of a plan."""
+    """Return the result of following a plan."""
     energies = run["actual"]["energy_kwh"], run["planned"]["energy_kwh"]
     return words.plain_text(comparisons.outcome(*energies, run["delay_s"], run["stop_error_m"]))
 
@@ -184,7 +184,7 @@ def _driver_line(run: Summary) -> str:
 
 
 def validations_text(validations: Summary) -> str:
-    """Return all papers' published numbers compared with ours."""
+    """Return all papers' published numbers compared with railjoule's."""
     return "\n\n".join(validation_text(validation) for validation in validations["papers"].values())
 
 
@@ -198,11 +198,11 @@ def validation_text(validation: Summary) -> str:
     lines += ["", "Claims"]
     for claim in validation["claims"]:
         lines += wrapped(f"{claim['place']}: {claim['claim']}", "  ")
-        lines += wrapped(f"{claim['verdict']}: {claim['ours']}. {claim['reason']}", "    ")
+        lines += wrapped(f"{claim['verdict']}: {claim['railjoule']}. {claim['reason']}", "    ")
     lines += ["", "Errata"]
     for erratum in validation["errata"]:
-        told = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
-        lines += wrapped(told, "  ")
+        sentence = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
+        lines += wrapped(sentence, "  ")
     return "\n".join(lines)
 
 
@@ -241,13 +241,13 @@ def verdict(summary: Summary) -> str:
 def bound_words(summary: Summary) -> str:
     """Return in words how far a run is from its bound."""
     amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
-    told = "no bound known" if amount is None else f"{amount.sentence} the bound"
-    return words.plain_text(f"{'proven optimal, ' if summary['proven'] and amount is not None else ''}{told}")
+    bound = "no bound known" if amount is None else f"{amount.sentence} the bound"
+    return words.plain_text(f"{'proven optimal, ' if summary['proven'] and amount is not None else ''}{bound}")
 
 
 def driver_words(advice: Sequence[Summary]) -> str:
-    """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
-    return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
+    """Return the driving advice, such as 'full power to 57.2 km/h, coast from 342 m'."""
+    return ", ".join(advice_in_words([Instruction(**entry) for entry in advice], number))
 
 
 # by hand, as rich takes 50 ms more at each command and is one more dependency
@@ -338,8 +338,8 @@ def _time_words(summary: Summary) -> str:
 
 
 def _other_time(summary: Summary) -> str:
-    told = comparisons.other_time(summary["strategy"], summary["travel_time_s"], summary["allowed_time_s"])
-    return words.plain_text(told)
+    time = comparisons.other_time(summary["strategy"], summary["travel_time_s"], summary["allowed_time_s"])
+    return words.plain_text(time)
 
 
 def _account_lines(summary: Summary) -> list[str]:
@@ -372,15 +372,15 @@ def _validation_table(table: Summary) -> list[str]:
             row["unit"],
             "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
             # one decimal more than was printed, which may have been rounded
-            number(row["ours"], decimals(row["printed"]) + 1),
+            number(row["railjoule"], decimals(row["printed"]) + 1),
             words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
             f"[{notes.index(row['note']) + 1}]" if row["note"] else "",
         )
         for row in table["rows"]
     ]
-    head = ("case", "quantity", "unit", table["reference"], "ours", "difference", "")
-    told = (line for index, note in enumerate(notes, 1) for line in wrapped(f"[{index}] {note}", "  "))
-    return [*table_lines(head, rows, left={0, 1, 2, 6}), *told]
+    head = ("case", "quantity", "unit", table["reference"], "railjoule", "difference", "")
+    wrapped_notes = (line for index, note in enumerate(notes, 1) for line in wrapped(f"[{index}] {note}", "  "))
+    return [*table_lines(head, rows, left={0, 1, 2, 6}), *wrapped_notes]
 
 
 def labelled(label: str, words: str) -> list[str]:

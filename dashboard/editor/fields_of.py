@@ -22,7 +22,7 @@ Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
 Schema = Mapping[str, Any]
 
 SMALL_UNIT = re.compile(r" \[[^\[\]]+\]")
-"""The unit in a description: the label says it already."""
+"""The unit in a description: the label contains it already."""
 POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
     "curve": ("speed_kmh", "effort_kn"),
     "permitted_deceleration": ("speed_kmh", "deceleration_ms2"),
@@ -58,9 +58,9 @@ class Field:
     Parameters
     ----------
     key : str
-        Dotted path in the file; in a table's row the key alone.
+        Dotted path in the file; in a table's row only the key.
     kind : str
-        What its values are.
+        Kind of its values.
     help : str
         Its meaning.
     optional : bool
@@ -106,7 +106,7 @@ class Field:
 
     @property
     def quantity(self) -> str:
-        """What it is called, without its unit."""
+        """Name without unit."""
         return words_of(split_unit(self.name)[0] if self.unit else self.name)
 
     @property
@@ -132,7 +132,7 @@ class Field:
 
     @property
     def meaning(self) -> str:
-        """What it means, in a sentence without its unit."""
+        """Meaning in a sentence without unit."""
         return SMALL_UNIT.sub("", self.help)
 
     @property
@@ -221,7 +221,7 @@ class Table:
     key : str
         Dotted path in the file.
     columns : tuple of Field
-        What an entry has.
+        Model of an entry.
     of_lists : bool
         Whether an entry is a plain list of numbers.
     help : str
@@ -242,7 +242,7 @@ class Table:
 
     @property
     def label(self) -> str:
-        """What it holds, in words."""
+        """Content in words."""
         return words_of(self.key)
 
 

@@ -11,7 +11,7 @@ from railjoule.dashboard.look.theme import editor_css
 
 
 class Form(JSComponent):
-    """What all forms share: their sheet, no space around them, and who hears the browser.
+    """Base of all forms: style sheet, no space around them, handlers of browser messages.
 
     Parameters
     ----------

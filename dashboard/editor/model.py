@@ -42,7 +42,7 @@ WHOLE_TABLES = {"vehicle": ("vehicle", "drive"), "drive": ("drive",), "line": ("
 # abbreviations, of which `words_of` would make Eoc and Enoc
 HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 STILL_PERMILLE = 1e-6
-"""What rounding alone makes of a gradient."""
+"""Difference of gradients by rounding only."""
 SOURCE = "scenario: "
 
 

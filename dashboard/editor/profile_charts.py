@@ -21,7 +21,7 @@ MIN_SECTION_M = 1.0
 MIN_LIMIT_KMH = 1.0
 ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
 """Room above and below the line as a share of its relief, which counts as at least this share of its length."""
-# over the highest limit: so much higher it can be dragged at once
+# over the highest limit: a limit can be dragged this much higher in one go
 LIMIT_ROOM = 1.15
 
 
@@ -64,7 +64,7 @@ class ProfileChart(DraggedChart):
         self.line("nodes", "groundline", line_width=1.6)
         self.dots("nodes", "surface", "accent", size=10, line_width=2)
         self.grounded_signs("sign", "ink", text_align="center", y_offset=-12, padding=2)
-        # the browser alone moves what is dragged, and only what was let go is sent here
+        # only the browser moves a dragged item, and only its final place is sent here
         dropped = self.source("dropped", *self.columns)
         dropped.on_change("data", self._take)
         bounds: dict[str, Any] = {"shortest": MIN_SECTION_M, "steepest": STEEPEST_PERMILLE}

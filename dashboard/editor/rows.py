@@ -166,7 +166,7 @@ def _row_after(table: str, rows: Sequence[Row], index: int, scenario: Scenario) 
 
 
 def _first_passing_point(scenario: Scenario) -> Row:
-    """Return a passing point away from the stations: in the middle between the two stops furthest apart."""
+    """Return a passing point away from the stations: in the middle between the two stops with the largest distance."""
     line = scenario.line
     stops = sorted({0.0, *(station.position_m for station in line.stations), line.length_m})
     start, end = max(pairwise(stops), key=lambda ends: ends[1] - ends[0])

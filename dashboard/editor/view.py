@@ -28,7 +28,7 @@ from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, s
 if TYPE_CHECKING:
     from railjoule.dashboard.workbench import Workbench
 
-# beneath the bar of the pages, 48 px and a hairline; as high as Material's bars (1100), below its menus (1300)
+# below the bar of the pages, 48 px and a hairline; as high as Material's bars (1100), below its menus (1300)
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
 DRAWER_CSS = f"""
 :host {{ position: fixed !important; right: 0; top: {BAR_PX}px !important; height: calc(100dvh - {BAR_PX}px) !important;
@@ -95,7 +95,7 @@ class EditorView:
         self.groups: list[Group] = []
         self.folds: Any = None
         self._is_acting = False
-        # assets/scripts knows the drawer by its name, and what has the focus in it by its class
+        # assets/scripts finds the drawer by its name, and its focused field by its class
         self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
         self.queue = DrawingQueue(browser, state.faults, lambda: self.editor.open, self._settle)
         self.editor.param.watch(self._turn, "open")
@@ -191,7 +191,7 @@ class Group:
         return markup(HEAD, self.name, Markup("<i class=dot></i>") if count else "", note)
 
     def show(self, look: Look) -> None:
-        """Show the scenario; the parts are made anew only where others are needed, as one of them has the focus."""
+        """Show the scenario; the parts are made again only where others are needed, as one of them has the focus."""
         groups = self.editor.parts(self.name, look.now)
         shape = [(heading, [part.key for part in parts]) for heading, parts in groups]
         if shape != self._shape:
@@ -383,7 +383,7 @@ def field_options(field: Field, look: Look) -> dict[str, str]:
 
 
 def table_entry(table: Table, look: Look, refusal: Refusal | None) -> dict[str, Any]:
-    """Return what the browser shows of a list."""
+    """Return the browser's view of a list."""
     rows = look.rows(table)
     beyond = len(rows) - MAX_ROWS
     return {

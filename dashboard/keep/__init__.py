@@ -1,1 +1,1 @@
-"""What outlasts a page: the address, undo, pinned runs, files, and the page itself where the connection is lost."""
+"""State that outlasts a page: address, undo, pinned runs, files, and the page itself after a lost connection."""

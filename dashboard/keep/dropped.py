@@ -43,7 +43,7 @@ def scenario_in_report(html: str, name: str) -> str:
     html : str
         The report.
     name : str
-        What its file is called.
+        Name of its file.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What keeps a page: its address follows its state, each change can be undone, files and links are opened."""
+"""Persistence of a page: its address follows its state, each change can be undone, files and links are opened."""
 
 import base64
 import logging
@@ -26,7 +26,7 @@ from railjoule.dashboard.workbench import Workbench
 
 LOG = logging.getLogger(__name__)
 NOTE_MS = 200
-"""Changes are taken note of no more often; the first one after a rest at once, as the server may be gone soon."""
+"""Shortest interval between two recorded changes; the first one after a rest is recorded immediately."""
 # characters of a file's name in a sentence: it comes from the browser, however long
 LONGEST_NAME = 80
 LONGEST_AT_ONCE = 50_000
@@ -146,7 +146,7 @@ class Keeping(param.Parameterized):
         try:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
-            return  # no browser of ours sends it
+            return  # the page's script never sends it
         suffix = PurePath(name).suffix.lower()
         if suffix not in {*FILE_SUFFIXES, *STUDIES}:
             try:
@@ -190,7 +190,7 @@ class Keeping(param.Parameterized):
             act()
         except Exception:  # MemoryError and RecursionError are among them
             LOG.exception("a %s could not be opened", what)
-            # what has broken the page may break this too: the sentence must be told all the same
+            # what has broken the page may break this too: the sentence must be shown all the same
             with suppress(Exception):
                 self._lay(before)
             self.tell(f"The {what} could not be opened; the server's log has the details.")
@@ -284,7 +284,7 @@ class Keeping(param.Parameterized):
     def _publish(self, snapshot: Snapshot) -> None:
         """Show a snapshot in the address, mark what differs from the preset, and say what can be undone."""
         base = snapshot["preset"], snapshot["toml"], snapshot["edits"]
-        # the originals take the state of a whole new page: they are made anew only where they may be others
+        # the originals take the state of a whole new page: they are made again only where they may differ
         if base != self._base:
             self._base, self._originals = base, originals_of(snapshot)
             self._mark()
@@ -307,6 +307,6 @@ class Keeping(param.Parameterized):
             model.originals = {field: self._originals.get(f"{model.address_prefix}{field}") for field in model.kept}
 
     def _take_copied(self, message: dict[str, Any]) -> None:
-        # so that a second copy that ends alike is a change, and is told
+        # so that a second copy that ends alike is a change, and is reported
         self.copied = None
         self.copied = bool(message.get("done"))

@@ -70,7 +70,7 @@ LONGEST_QUERY = 1_500
 # a shorter one stays readable, and can be changed by hand in the address
 LONGEST_PLAIN = 200
 """A longer text is packed."""
-# values that a sentence tells of where they cannot be opened
+# values that a sentence lists where they cannot be opened
 MOST_TOLD = 3
 PACKED, NOTHING, EMPTY = "~", "none", "[]"
 
@@ -81,7 +81,7 @@ class LinkTooLongError(RailjouleError):
 
 @dataclass(frozen=True)
 class ReadLink:
-    """What a link opens, and one sentence on what of it cannot be opened."""
+    """Content of a link, and one sentence on the parts that cannot be opened."""
 
     snapshot: Snapshot = field(default_factory=dict)
     refusal: str = ""
@@ -126,8 +126,8 @@ def write_link(snapshot: Mapping[str, Any], originals: Mapping[str, Any]) -> str
 def read_link(query: str) -> ReadLink:
     """Return the snapshot that a query or a fragment holds; every value in it is of its kind and in its bounds.
 
-    It never fails: what cannot be read is left out, and told in one sentence. All of its values together have as many
-    characters as one text may have.
+    It never fails: unreadable values are left out, and reported in one sentence. All of its values together have
+    as many characters as one text may have.
     """
     text = query.lstrip("?#")
     if len(text) > LONGEST_LINK:
@@ -144,8 +144,8 @@ def read_link(query: str) -> ReadLink:
         # an address without a version may carry anybody's values
         pairs = {key: value for key, value in pairs.items() if present_key(key, known) in known}
     elif version != VERSION:
-        told = short(version)
-        sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
+        shown = short(version)
+        sentence_of_version = f"The link has version {shown}, but this page reads version {VERSION}; it was not opened."
         return ReadLink(refusal=sentence_of_version)
     snapshot: Snapshot = {}
     refusals: list[str] = []
@@ -170,8 +170,8 @@ def sentence(refusals: list[str]) -> str:
     if not refusals:
         return ""
     more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
-    told = "; ".join(refusals[:MOST_TOLD])
-    return f"Parts of the link were ignored: {told}{more}{'' if told.endswith('?') and not more else '.'}"
+    shown = "; ".join(refusals[:MOST_TOLD])
+    return f"Parts of the link were ignored: {shown}{more}{'' if shown.endswith('?') and not more else '.'}"
 
 
 @lru_cache(maxsize=1)
@@ -199,7 +199,7 @@ def _text(value: Any) -> str:
 @lru_cache(maxsize=4)
 def _packed(text: str) -> str:
     """Return a text packed; kept, as a long one takes a tenth of a second and is written at every change."""
-    # padding left out, as an address would have three signs for each `=`; `_unpacked` knows how much it was
+    # padding left out, as an address would have three signs for each `=`; `_unpacked` restores it
     return PACKED + base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
 
@@ -257,7 +257,7 @@ def _from_json(text: str) -> Any:
         raise ValueError("must be finite")
 
     try:
-        # Python's reader takes NaN and Infinity, unless it is told not to
+        # Python's reader takes NaN and Infinity, unless it is set not to
         value = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError):
         raise ValueError("is not a readable list or table") from None
@@ -268,7 +268,7 @@ def _from_json(text: str) -> Any:
 def _require_small(value: Any) -> None:
     """Raise ValueError if lists and tables are nested too deeply or have too many entries.
 
-    What copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
+    Code that copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
     """
     # level by level: a function that calls itself would fail at the depth that is refused here
     level = [value] if isinstance(value, (list, dict)) else []

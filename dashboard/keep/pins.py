@@ -1,4 +1,4 @@
-"""The work behind the pins: runs again what an address or a step back says was pinned."""
+"""The work behind the pins: repeats the runs that an address or an undo step names."""
 
 from typing import Any, NamedTuple
 
@@ -48,7 +48,7 @@ class Pins:
         if self._alike():
             return
         wanted = self.state.kept_pins
-        # the colour tells pins apart: Compare has one row and one line for each
+        # the colour distinguishes pins: Compare has one row and one line for each
         if len(wanted) > MOST_PINS or len({one.colour for one in wanted}) < len(wanted):
             self._refuse(TOO_MANY if len(wanted) > MOST_PINS else "Two pinned runs of the link have one colour.")
             return

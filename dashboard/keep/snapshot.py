@@ -19,7 +19,7 @@ from railjoule.dashboard.workbench import Workbench
 
 Snapshot = dict[str, Any]
 BASE = ("preset", "toml")
-"""What names the scenario under all edits."""
+"""Name of the scenario below all edits."""
 VIEW = ("page", "tab", "colours", "class_token", "class_student", "class_name", "class_key")
 """The fields of the view, of whichever model: their changes are no steps of undo and redo."""
 
@@ -73,15 +73,15 @@ def _originals(preset: str, toml: str, edits: str) -> Snapshot:
 
 
 def changed(snapshot: Mapping[str, Any], before: Mapping[str, Any]) -> Snapshot:
-    """Return what of a snapshot is otherwise before."""
+    """Return the part of a snapshot that differs from the one before."""
     return {key: value for key, value in snapshot.items() if key not in before or before[key] != value}
 
 
 def lay(state: Workbench, snapshot: Mapping[str, Any]) -> tuple[str, ...]:
     """Bring a page to the state of a snapshot, and return sentences on what of it cannot be.
 
-    What the snapshot does not name becomes as on a new page with its scenario. The page in sight turns last, so that
-    it asks for its results once.
+    Values that the snapshot does not name are those of a new page with its scenario. The page in sight turns last,
+    so that it asks for its results once.
     """
     refusals: list[str] = []
     wanted = dict(snapshot)
@@ -165,7 +165,7 @@ class History:
     Parameters
     ----------
     snapshot : mapping
-        Where it begins.
+        Its base.
     clock : callable
         Returns a time that only grows [s].
     """
@@ -193,7 +193,7 @@ class History:
             return
         step = Step(self._now, now, _place(snapshot), self._clock())
         self._now = now
-        # what follows an undo is a step of its own: joined to the one before, it could not be taken back alone
+        # what follows an undo is a step of its own: joined to the one before, it could not be taken back separately
         last = self._past[-1] if self._past and not self._future else None
         if last is not None and last.keys == step.keys and step.ended_s - last.ended_s < ONE_MOVE_S:
             step = replace(step, before=last.before)

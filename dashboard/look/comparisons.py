@@ -1,6 +1,6 @@
 """How runs compare, in words: with the best known run, with a bound, with another run, with the time asked for.
 
-A page's numbers and tables, a report and the command line all call this module. What a run is measured against is
+A page's numbers and tables, a report and the command line all call this module. The reference of a run is
 decided in `railjoule.core.best_known`, and when a share of an energy means anything in
 `railjoule.core.energy.share_above`.
 """
@@ -16,14 +16,14 @@ from railjoule.core.energy import share_above
 from railjoule.core.lower_bound import Reference
 from railjoule.dashboard.look import words
 
-# half of the tenth in which times are told
+# half of the tenth in which times are shown
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
-# told with one decimal, a smaller one would read 0.0 m
+# shown with one decimal, a smaller one would read 0.0 m
 STOP_ERROR_TOLD_M = 0.05
 """From this stopping error on, a run misses its stop."""
 MISSED = "Runs that say late, beyond or short need less energy, but arrive late or miss the stop: that saves nothing."
-"""What the words of `extra_cell` mean."""
+"""Meaning of the words of `extra_cell`."""
 STANDS = "stands"
 """A cell of a run that does not reach the end."""
 WAITING = "more time saves nothing"
@@ -43,7 +43,7 @@ class Amount(NamedTuple):
 
     @property
     def cell(self) -> str:
-        """The amount under a heading that says %."""
+        """The amount under a heading in %."""
         return self.value if self.unit == "%" else str(self)
 
     @property
@@ -79,7 +79,7 @@ def above(energy_kwh: float, reference_kwh: float) -> Amount:
 
 
 def misses(delay_s: float, stop_error_m: float) -> tuple[Amount, ...]:
-    """Return what an actual run misses of timetable and stop, as '3.2 s late' and '14.5 m beyond the stop'."""
+    """Return how far an actual run misses timetable and stop, as '3.2 s late' and '14.5 m beyond the stop'."""
     missed = []
     if delay_s >= OTHER_TIME_S:
         missed.append(Amount(words.time(delay_s), "s late"))
@@ -110,7 +110,7 @@ def extra(energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m:
 def headline(
     energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m: float, detail: str
 ) -> tuple[Amount, str]:
-    """Return the main number of an actual run and what stands beneath it: what was missed comes before less energy."""
+    """Return the main number of an actual run and the text below it: a missed stop comes before less energy."""
     if not is_false_saving(energy_kwh, reference_kwh, delay_s, stop_error_m):
         return above(energy_kwh, reference_kwh), detail
     first, *others = misses(delay_s, stop_error_m)
@@ -118,7 +118,7 @@ def headline(
 
 
 def extra_cell(energy_kwh: float, reference_kwh: float, delay_s: float, stop_error_m: float) -> str:
-    """Return `extra` under a heading that says %, where what was missed has the room of one word."""
+    """Return `extra` under a heading in %, where a missed stop has the room of one word."""
     if not math.isfinite(energy_kwh):
         return STANDS
     if is_false_saving(energy_kwh, reference_kwh, delay_s, stop_error_m):
@@ -159,7 +159,7 @@ def late_of(run: Trajectory) -> str:
 def in_time_asked(run: Trajectory) -> str:
     """Return by how much a run lies above the best known one in the time of the timetable, or how late it is.
 
-    It stands under a heading that says %. A late run has no percentage: an optimum in more time is another measure.
+    It stands under a heading in %. A late run has no percentage: an optimum in more time is another measure.
     """
     return late_of(run) or cell(above_reference(run))
 
@@ -167,7 +167,7 @@ def in_time_asked(run: Trajectory) -> str:
 def beside(run: Trajectory, other: Trajectory) -> str:
     """Return by how much a run lies above another, or how late it is where it keeps neither that time nor its own.
 
-    It stands under a heading that says %.
+    It stands under a heading in %.
     """
     later = late(run.travel_time_s, max(run.scenario.travel_time_s, other.travel_time_s))
     return late_of(run) if later else cell(above(run.energy_kwh, other.energy_kwh))
@@ -196,7 +196,7 @@ def above_own_bound(run: Trajectory) -> Amount | None:
 
 
 def cell(amount: Amount | None) -> str:
-    """Return an amount under a heading that says %; a dash where there is none."""
+    """Return an amount under a heading in %; a dash where there is none."""
     return words.UNKNOWN if amount is None else amount.cell
 
 
@@ -208,7 +208,7 @@ def is_reference(run: Trajectory) -> bool:
 
 
 def reference_name(proven: bool) -> str:
-    """Return what others are measured against is called at the head of a column: the optimum only where proven."""
+    """Return the name of the reference at the head of a column: the optimum only where proven."""
     return "optimum" if proven else "best known"
 
 
@@ -224,7 +224,7 @@ def reference_words(reference: Reference, asked_s: float) -> str:
 
 
 def reference_detail(run: Trajectory) -> str:
-    """Return what stands beneath a distance to the reference: the optimum, or the bound where none is proven."""
+    """Return the text below a distance to the reference: the optimum, or the bound where none is proven."""
     reference, bound_kwh = run.reference, run.lower_bound_kwh
     if reference is None:
         return ""
@@ -239,7 +239,7 @@ def _energy_and_time(reference: Reference, asked_s: float) -> str:
 
 
 def printed_difference(percent: float | None, points: float | None) -> str:
-    """Return how a number of ours differs from a printed one, as `Row` has it; of percentages in percentage points."""
+    """Return the difference of railjoule's number from a printed one, as `Row` has it; percentages differ by points."""
     if points is not None:
         return f"{words.share_difference(points / 100)} pp"
     return "" if percent is None else f"{words.share_difference(percent / 100)} %"
@@ -264,7 +264,7 @@ def other_time(strategy: str, travel_time_s: float, asked_s: float) -> str:
 
 
 def time_asked(run: Trajectory) -> str:
-    """Return the time asked for where a run takes another one, beneath a number; empty where it does not."""
+    """Return the time asked for where a run takes another one, below a number; empty where it does not."""
     return f"allowed {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
 
 

@@ -12,7 +12,7 @@ from importlib.resources import files
 from railjoule.core import strategy
 from railjoule.dashboard.look.markup import Markup, markup
 
-# an entry opens within the page, and pushes down what stands beneath it
+# an entry opens within the page, and pushes down the content below it
 MOST_WORDS = 35
 
 
@@ -23,11 +23,11 @@ class Term:
     Parameters
     ----------
     name : str
-        What it is looked up by.
+        Label by which it is looked up.
     text : str
-        What it means here.
+        Meaning here.
     labels : tuple of str
-        What else it is called on the pages: labels of numbers and of fields.
+        Other names on the pages: labels of numbers and of fields.
     """
 
     name: str

@@ -17,7 +17,7 @@ NAMES = {
     "gradient_at": "gradient acts on",
     "stop_deceleration": "braking rate",
 }
-"""What a field is called whose key does not read well."""
+"""Names of fields whose keys do not read well."""
 UNITS = {
     "_m_n_per_kn": "N m/kN",
     "_n_per_kn_per_kmh2": "N/kN/(km/h)\u00b2",
@@ -62,7 +62,7 @@ IN_BRACKETS = re.compile(r" \(([a-z]+(?:\.[a-z_0-9]+)+)\)")
 
 
 def words_of(key: str) -> str:
-    """Return what the last part of a key is called; no unit ends it any more."""
+    """Return the name of the last part of a key, without unit."""
     name = key.rpartition(".")[2]
     words = NAMES.get(name, name.replace("_", " "))
     return words[:1].upper() + words[1:]

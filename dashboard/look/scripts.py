@@ -6,7 +6,7 @@ from importlib.resources import files
 
 SCRIPTS = files("railjoule.assets") / "scripts"
 IMPORT = re.compile(r'^import \{[^}]+\} from "\./(\w+)\.js";\n', re.MULTILINE)
-# whole lines alone: within one, `//` may be that of an address
+# only whole lines: within one, `//` may be that of an address
 COMMENT = re.compile(r"^ *//.*\n|^\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const |function )", re.MULTILINE)
 

@@ -112,7 +112,7 @@ def bare_css() -> str:
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
     colours = (
         f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n"
-        # on the screen alone, as paper is white
+        # only on the screen, as paper is white
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} color-scheme: dark }} }}"
     )
     return "\n".join([colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])

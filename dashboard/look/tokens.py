@@ -1,7 +1,7 @@
 """The colours of the workbench, light and dark; look and measure are described where they are used.
 
-Strategy colours keep apart under the three kinds of colour blindness and in grey print; the dash tells them
-apart without any colour. Both stand in `railjoule.core.strategy`.
+Strategy colours can be distinguished under the three kinds of colour blindness and in grey print, dashes
+without any colour. Both stand in `railjoule.core.strategy`.
 """
 
 from typing import Literal
@@ -124,14 +124,14 @@ PIN_DASHES: dict[str, list[int]] = {
     "pin_5": [9, 2, 2, 2, 2, 2],
     "pin_6": [2, 3],
 }
-"""Strokes of the pinned runs where several are drawn; the numbers at the lines tell them apart too."""
+"""Strokes of the pinned runs where several are drawn; the numbers at the lines distinguish them too."""
 WIDE_PX, NARROW_PX = 1600, 900
 """Windows from the one on, and up to the other, are laid out in other ways; the style sheets have 1599px and 899px."""
 FONT = "Inter, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
 
 def variable(token: str) -> str:
-    """Return what a token is called in style sheets."""
+    """Return the name of a token in style sheets."""
     return token.replace("_", "-")
 
 

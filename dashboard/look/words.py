@@ -1,7 +1,7 @@
 """Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits.
 
 Each quantity has one function here, so that it reads alike on every page, in charts, in reports and, made plain, in a
-terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
+terminal. Comparisons of runs are in `railjoule.dashboard.look.comparisons`.
 """
 
 import math
@@ -20,7 +20,7 @@ from railjoule.core.strategy import STRATEGIES
 from railjoule.core.trajectory import BY_HAND, MEASURED
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 
-# for mypy alone, as simulations are slow to import, and every command imports this module
+# only for mypy, as simulations are slow to import, and every command imports this module
 if TYPE_CHECKING:
     from railjoule.core.simulation.actual_run import CauseName
 
@@ -29,18 +29,18 @@ MINUS = "\u2212"
 PER_MILLE = "\u2030"
 UNKNOWN = "\u2013"
 PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
-"""What a terminal shows for them."""
+"""Their form in a terminal."""
 
 STRATEGY_WORDS: dict[str, str] = {name: strategy.label for name, strategy in STRATEGIES.items()}
 ADVISED = "advised"
 NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simple advice", BY_HAND: "Driven by hand"}
-"""What runs are called that no strategy made."""
+"""Names of runs without a strategy."""
 REACTION_WORDS: dict[Reaction, str] = {
     "driver": "Driver",
     "computer": "Replanned",
     "known": "With advance notice",
 }
-"""Who reacts to an event on the way."""
+"""Reactions to an event on the way."""
 PHASE_WORDS: dict[PhaseName, str] = {
     "full_power": "full power",
     "part_power": "part power",
@@ -73,7 +73,7 @@ LOSS_WORDS = {
     "friction_brakes": "Friction brakes",
     "unexplained": "Measured, not explained by the model",
 }
-"""What the energy of a run is lost to, by the account's names."""
+"""Names of energy losses, by the balance's keys."""
 PART_WORDS = {
     "shaft": "Shaft",
     "stator_copper": "Stator copper, torque current",
@@ -82,14 +82,14 @@ PART_WORDS = {
     "iron": "Iron",
     "stored": "Stored in the magnetic fields",
 }
-"""Where the energy of machines in closed loop goes."""
+"""Energy breakdown of machines in closed loop."""
 # half of the last decimal that small energies have
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
 GRADUAL_FROM = 3
 """So many pieces of one action make a gradual one."""
-# places are told in whole metres
+# places are shown in whole metres
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
@@ -202,17 +202,17 @@ def load(factor: float) -> str:
 
 
 def strategy(name: str) -> str:
-    """Return what the strategy of a run is called, or the run where it is none."""
+    """Return the name of a run's strategy, or of the run if it has none."""
     return NOT_STRATEGIES.get(name) or STRATEGY_WORDS[name]
 
 
 def title(given: str) -> str:
-    """Return what a scenario is called."""
+    """Return the name of a scenario."""
     return given or "Untitled scenario"
 
 
 def subtitle(distance_m: float, vehicle: str, load_factor: float) -> str:
-    """Return what stands beneath a scenario's title: length of the track, vehicle and load."""
+    """Return the line below a scenario's title: length of the track, vehicle and load."""
     return f"{distance(distance_m)} km, {vehicle}, {load(load_factor)}"
 
 
@@ -222,7 +222,7 @@ def about(strategy: str, sentence: str) -> str:
 
 
 def notice(position_m: float, time_s: float, event: str) -> str:
-    """Return where and when a train learns of an event."""
+    """Return place and time at which a train learns of an event."""
     return f"At {number(position_m, 0)} m, after {time(time_s)} s: {event}."
 
 
@@ -236,38 +236,40 @@ def tenths(value: float, number: Callable[[float, int], str] = number) -> str:
     return number(value, 0 if value == round(value) else 1)
 
 
-def advice_words(told: Instruction, number: Callable[[float, int], str] = number, named: Collection[float] = ()) -> str:
-    """Return what a driver is told, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
+def advice_words(
+    instruction: Instruction, number: Callable[[float, int], str] = number, named: Collection[float] = ()
+) -> str:
+    """Return an instruction in words, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
 
     Parameters
     ----------
-    told : Instruction
+    instruction : Instruction
         One line of the advice, whose numbers are printed as they are.
     number : callable
         Writes a number with its decimals.
     named : collection of float
-        Places that are named beside it, and not told again [m].
+        Places that are named beside it, and not repeated [m].
     """
 
     def place(word: str, place_m: float | None) -> str:
         return "" if place_m is None or place_m in named else f" {word} {number(place_m, 0)} m"
 
-    action = "brake fully" if told.fully else PHASE_WORDS[told.action]
-    if told.action == "stand":
-        return f"{action} {tenths(told.stand_s or 0.0, number)} s{place('at', told.from_m)}"
-    start = place("from", told.from_m) if told.from_m >= AT_START_M else ""
-    if told.action == "hold":
-        return f"{action} {tenths(told.to_kmh or 0.0, number)} km/h{start}{_turns_words(told, number)}"
-    if told.to_kmh is None:
+    action = "brake fully" if instruction.fully else PHASE_WORDS[instruction.action]
+    if instruction.action == "stand":
+        return f"{action} {tenths(instruction.stand_s or 0.0, number)} s{place('at', instruction.from_m)}"
+    start = place("from", instruction.from_m) if instruction.from_m >= AT_START_M else ""
+    if instruction.action == "hold":
+        return f"{action} {tenths(instruction.to_kmh or 0.0, number)} km/h{start}{_turns_words(instruction, number)}"
+    if instruction.to_kmh is None:
         return f"{action}{start}" if start else "roll"
-    aim = f"{tenths(told.to_kmh, number)} km/h" if told.to_kmh > 0 else "a stop"
-    return f"{action}{start} to {aim}{place('at', told.at_m)}"
+    aim = f"{tenths(instruction.to_kmh, number)} km/h" if instruction.to_kmh > 0 else "a stop"
+    return f"{action}{start} to {aim}{place('at', instruction.at_m)}"
 
 
 def instruction_groups(advice: Sequence[Instruction]) -> list[tuple[int, ...]]:
     """Return the indices of instructions that a driver carries out as one.
 
-    Where an optimum eases power or brake continuously, its instructions are the pieces of one curve: from three of one
+    If an optimum eases power or brake continuously, its instructions are the pieces of one curve: from three of one
     action in succession on, they are one group.
     """
     chains: list[tuple[int, ...]] = []
@@ -307,12 +309,12 @@ def advice_in_words(
         yield whole.replace(action, f"{action} gradually", 1)
 
 
-def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:
+def _turns_words(instruction: Instruction, number: Callable[[float, int], str]) -> str:
     """Return how a speed is held by turns; nothing where it just is."""
-    if told.between_kmh is None:
+    if instruction.between_kmh is None:
         return ""
-    low, high = (tenths(speed, number) for speed in told.between_kmh)
-    share = told.power_share or 1.0
+    low, high = (tenths(speed, number) for speed in instruction.between_kmh)
+    share = instruction.power_share or 1.0
     power = "full power" if share == 1 else f"{100 * share:.0f} % power"
     return f" by turns: {power} to {high} km/h, coast to {low} km/h"
 

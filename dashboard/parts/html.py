@@ -27,7 +27,7 @@ LEAST_BAR = 0.004
 """Share of the whole that a bar takes at least, so that it is seen."""
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
-# without quotes and end tags where HTML can do without: a move of a slider sends most of this module's pieces anew
+# without quotes and end tags where HTML can do without: a move of a slider sends most of this module's pieces again
 PROVEN = Markup("<span class=proven>\u2713 proven</span>")
 NO_SWATCH = Markup("<svg class=stroke aria-hidden=true></svg>")
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
@@ -57,7 +57,7 @@ def patch(token: str) -> Markup:
 
 
 def heading(page: str, title: str, subtitle: str, aside: str) -> Markup:
-    """Return the heading of a page: the question that it answers, and beneath it the scenario and more."""
+    """Return the heading of a page: the question that it answers, and below it the scenario and more."""
     return markup(
         "<div class=head><h1>{question}</h1><p class=muted><span class=scenario>{title}</span> {subtitle}</p>"
         "<span class=push></span><span class='muted small wide'>{aside}</span></div>",
@@ -106,7 +106,7 @@ def figures(cells: Iterable[str], stale: bool = False, role: str = "status") -> 
 
 
 def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> Markup:
-    """Return a row of numbers no lower than a former one, so that what lies beneath it stays where it is."""
+    """Return a row of numbers no lower than a former one, so that the content below it stays in place."""
     # a former row that nobody sees lies in the same cell of a grid, and keeps its height whatever the window's width
     return markup(
         '<div style="display: grid"><div style="grid-area: 1 / 1; visibility: hidden" aria-hidden="true">{}</div>'
@@ -139,8 +139,10 @@ def proof_figure(run: Trajectory) -> Markup:
         return late_figure(run)
     if amount is not None and reference is not None and not comparisons.is_reference(run):
         label = "Above the optimum" if reference.proven else "Above best known"
-        told = comparisons.reference_words(reference, run.scenario.travel_time_s)
-        return figure(label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {told}")
+        reference_text = comparisons.reference_words(reference, run.scenario.travel_time_s)
+        return figure(
+            label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {reference_text}"
+        )
     amount = comparisons.above_own_bound(run)
     if amount is None:
         return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
@@ -164,7 +166,7 @@ def late_figure(run: Trajectory) -> Markup:
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
-    """Return the price of a second: that of the run, or where its strategy tells none, that of the optimum."""
+    """Return the price of a second: that of the run, or that of the optimum if its strategy has none."""
     priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
     price = priced.price_of_time_w
     if price is None:
@@ -228,7 +230,7 @@ def advice(run: Trajectory, stale: bool, note: str = "") -> Markup:
     groups = words.instruction_groups(run.advice)
     departures = [k for k, group in enumerate(groups) if k == 0 or _departs(run.phases[group[0]])]
     stops = [*(run.phases[groups[k][0]].start_m for k in departures), run.phases[-1].end_m]
-    # a leg's name tells where it starts and stops
+    # a leg's name contains its start and end
     texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
     texts[0] = texts[0][0].upper() + texts[0][1:]
     items = [markup("<li><b>{}</b>{}</li>", number, text) for number, text in enumerate(texts, 1)]
@@ -275,14 +277,14 @@ def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> 
 
 
 def _place_name(run: Trajectory, place_m: float) -> str:
-    """Return what a stop is called."""
+    """Return the name of a stop."""
     stations = run.scenario.line.in_running_order().stations
     near = (station.name for station in stations if abs(station.position_m - place_m) < SAME_STOP_M)
     return next(near, "") or f"{words.number(place_m, 0)} m"
 
 
 def account(run: Trajectory) -> Markup:
-    """Return where the energy goes, as bars that follow one another."""
+    """Return the energy breakdown as bars that follow one another."""
     energy = run.energy
     gains = [
         ("From height lost", -energy.potential_j),
@@ -331,7 +333,7 @@ def account(run: Trajectory) -> Markup:
 def flow_bar(word: str, amount: str, left: float, width: float, kind: str, strong: bool) -> Markup:
     """Return a bar of bars that follow one another; its place and width are shares of the whole.
 
-    Its kind tells its colour: `supply`, `back`, `cost` or `all`; none for one like most.
+    Its kind decides its colour: `supply`, `back`, `cost` or `all`; none for one like most.
     """
     return markup(
         "<b>{0}</b>{2}<b>{1}</b>" if strong else "<span>{0}</span>{2}<span>{1}</span>",
@@ -352,7 +354,7 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
     # the widest tables have thousands of cells, so each is not a template of its own; nor is text added to a piece of
     # HTML, which would escape it
     head = "<th scope=col>".join(map(safe, ("", *header)))
-    # the ends of cells and rows need not be told
+    # HTML needs no end tags of cells and rows
     body = "".join(
         "<td>".join(map(safe, (Markup("<tr class=chosen>" if chosen else "<tr>"), *cells))) for cells, chosen in rows
     )
@@ -363,7 +365,7 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
     """Return a table under its title; without a title it is saved under its name."""
     heading = markup("<div class=titled><h2>{}</h2></div>", title) if title else ""
-    # of a title that is HTML the text alone: it becomes the name of the file
+    # of a title that is HTML only the text: it becomes the name of the file
     return markup("<div class=block>{}{}</div>", heading, plain_table(header, rows, name or escaped(title).striptags()))
 
 
@@ -395,8 +397,8 @@ def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, st
 
 def other_times(runs: Iterable[Trajectory]) -> Markup:
     """Return which runs take another time than asked, as notes to a table."""
-    told = ((words.strategy(run.strategy), comparisons.other_time_of(run)) for run in runs)
-    return note_paragraphs(f"{name}: {sentence}." for name, sentence in told if sentence)
+    sentences = ((words.strategy(run.strategy), comparisons.other_time_of(run)) for run in runs)
+    return note_paragraphs(f"{name}: {sentence}." for name, sentence in sentences if sentence)
 
 
 def phase_table(run: Trajectory) -> Markup:
@@ -404,12 +406,12 @@ def phase_table(run: Trajectory) -> Markup:
     rows: list[tuple[tuple[str, ...], bool]] = []
     # further pieces of a gradual action have no number, as the advice has one line for all of them
     numbers = {group[0]: f"{number} " for number, group in enumerate(words.instruction_groups(run.advice), 1)}
-    for k, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True)):
+    for k, (phase, instruction) in enumerate(zip(run.phases, run.advice, strict=True)):
         cells = (
             markup("{}{}{}", patch(phase.phase), numbers.get(k, ""), words.PHASE_WORDS[phase.phase]),
-            words.number(told.from_m, 0),
+            words.number(instruction.from_m, 0),
             words.number(phase.end_s - phase.start_s),
-            words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
+            words.speed(phase.end_ms) if instruction.to_kmh is None else words.tenths(instruction.to_kmh),
             words.energy(phase.energy_j / J_PER_KWH),
         )
         rows.append((cells, False))
@@ -420,12 +422,12 @@ def phase_table(run: Trajectory) -> Markup:
 
 
 def inset(*pieces: str) -> Markup:
-    """Return pieces with a little room at both sides, as beneath a chart."""
+    """Return pieces with a little room at both sides, as below a chart."""
     return markup('<div style="padding:0 6px">{}</div>', joined(pieces))
 
 
 def notes(run: Trajectory) -> Markup:
-    """Return what a run simplified, and what its bound covers."""
+    """Return the simplifications of a run, and the runs that its bound covers."""
     return note_paragraphs([*run.all_notes, *([run.bound.statement] if run.bound is not None else [])])
 
 

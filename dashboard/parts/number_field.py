@@ -1,4 +1,4 @@
-"""The field of a number: a text field, perhaps a slider, and the sentence that says why a text was not taken."""
+"""The field of a number: a text field, perhaps a slider, and the reason why a text was not accepted."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -20,7 +20,7 @@ Ends = tuple[float, float]
 class NumberField(JSComponent):
     """One number of a model, as the model declares it; it has a slider where the model names a step for one.
 
-    The browser writes the numbers down: of a move of the slider it hears nothing more, as it knows what it has sent.
+    The browser writes the numbers down: it receives no answer to a move of the slider, as it has sent the value itself.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class NumberField(JSComponent):
                 refusal = str(error)
             else:
                 self._set(None) if number is None else self._take(number)
-            # the same refusal twice is no change: the count tells the browser that its second text was answered too
+            # the same refusal twice is no change: the count shows the browser that its second text was answered too
             self.param.update(refusal=refusal, answers=self.answers + 1)
 
     def _handle_msg(self, data: Any) -> None:
@@ -129,7 +129,7 @@ class NumberField(JSComponent):
         setattr(self.model, self.field, number)
 
     def _slide(self, event: param.parameterized.Event) -> None:
-        """Give the model what the slider says; what the field has of the model is no news to it."""
+        """Set the model to the slider's value; the model's own value in the field is not sent back."""
         if event.new is not None and event.new != getattr(self.model, self.field):
             # whatever follows the number reaches the browser as one message
             with pn.io.hold():
@@ -138,12 +138,12 @@ class NumberField(JSComponent):
     def _follow(self, *_: Any) -> None:
         """Show the number that the model holds."""
         number = getattr(self.model, self.field)
-        # what the slider says it shows already
+        # the field shows the slider's value already
         if number != self.value or self.refusal:
             self.param.update(value=number, refusal="", **self._wide_enough(number))
 
     def _wide_enough(self, number: float | None) -> dict[str, float]:
-        """Return ends of the slider, where there is one, moved apart as far as a number needs."""
+        """Return ends of the slider, where there is one, widened as far as a number needs."""
         return {} if self.step is None else around((self.start, self.end), number)
 
     def _compare(self, *_: Any) -> None:
@@ -153,7 +153,7 @@ class NumberField(JSComponent):
 
 
 class LoadField(NumberField):
-    """The load of a vehicle: beyond its capacity it is told, and the vehicle's crush load is the end of the slider.
+    """The load of a vehicle: beyond its capacity a note appears, and the vehicle's crush load is the end of the slider.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ class LoadField(NumberField):
 
 
 def around(ends: Ends, number: float | None) -> dict[str, float]:
-    """Return the ends of a slider, moved apart where a number lies beyond them."""
+    """Return the ends of a slider, widened where a number lies beyond them."""
     inside = ends if number is None else (*ends, number)
     return {"start": min(inside), "end": max(inside)}
 
@@ -188,7 +188,7 @@ def number_fields(model: TypedParameters, *fields: str, **params: Any) -> list[N
 def tie(widget: Any, model: Any, field: str) -> None:
     """Let a widget's value and a field of a model follow each other."""
 
-    # the values of now, not those of the event: Panel gives a widget another value while it hears of one that is none
+    # the values of now, not those of the event: Panel gives a widget another value while it handles an invalid one
     # of its options, and two that each restore the event's value would go on without end
     def to_model(*_: Any) -> None:
         setattr(model, field, widget.value)

@@ -1,1 +1,1 @@
-"""The report: one file of HTML that tells a scenario's results, works without a network, and can be loaded again."""
+"""The report: one file of HTML with a scenario's results, which works without a network, and can be loaded again."""

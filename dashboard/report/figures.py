@@ -202,8 +202,8 @@ class Figures:
             return chart.alternative(self._scene(None))
         if isinstance(chart, TimeChart):
             ends = (self.findings.optima[0], self.findings.optima[-1])
-            told = (f"{words.energy(run.energy_kwh)} kWh at {words.number(run.travel_time_s)} s" for run in ends)
-            return f"Least energy over travel time: {', '.join(told)}; a table follows."
+            points = (f"{words.energy(run.energy_kwh)} kWh at {words.number(run.travel_time_s)} s" for run in ends)
+            return f"Least energy over travel time: {', '.join(points)}; a table follows."
         return f"{chart.caption}, over distance, as planned and as driven."
 
     def data(self) -> dict[str, Any]:

@@ -38,7 +38,7 @@ class FieldRow(NamedTuple):
 
     @property
     def says_more(self) -> bool:
-        """Whether the meaning says more than the name."""
+        """Whether the meaning adds to the name."""
         return self.meaning.rstrip(".").lower() not in {"", self.quantity.lower()}
 
 

@@ -1,1 +1,1 @@
-"""What the server answers beside its pages: its health, addresses that lead nowhere; and its log."""
+"""Answers of the server beside its pages: health, addresses that lead nowhere; and its log."""

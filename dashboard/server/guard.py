@@ -1,9 +1,9 @@
-"""What holds for all answers of the server: their headers, for whom they are, and how many pages may be open.
+"""Rules of all answers of the server: headers, accepted names, and the number of open pages.
 
 The page has no login, and its address holds its whole state. So a browser may send the address to nobody, may run no
-script but ours, and may not show the page within another site's; and a request is answered only if it calls the server
-by a name that it has. Without that a site of any name could let its own name point to this machine, and then read from
-a visitor's browser what is served here.
+script but railjoule's, and may not show the page within another site's; and a request is answered only if it calls the
+server by a name that it has. Otherwise a site of any name could let its own name point to this machine, and then
+read these pages from a visitor's browser.
 """
 
 import re
@@ -44,19 +44,19 @@ MISDIRECTED = 421
 NO_SUCH_HOST = {
     "status": MISDIRECTED,
     "title": "This server has no such name",
-    "advice": "Whoever runs it can add the name in your browser's address: railjoule serve --origin NAME.",
+    "advice": "Its operator can add the name in your browser's address: railjoule serve --origin NAME.",
 }
 FULL = {
     "status": SERVICE_UNAVAILABLE,
     "title": "All places are taken",
     "advice": "This server keeps {} pages open at a time. Yours opens by itself once there is a place.",
-    # whoever loads a page anew waits once too: the browser asks before it leaves the place that it had
+    # a reload waits once too: the browser asks before it leaves the place that it had
     "again_after_s": 3,
 }
 
 
 class SafeHeaders(OutputTransform):
-    """Gives each answer, whoever makes it, the headers of this server."""
+    """Gives each answer of any handler the headers of this server."""
 
     def transform_first_chunk(
         self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool

@@ -1,7 +1,7 @@
 """How a page opens: its first answer is the same for all, and its state is made where its connection arrives.
 
-What the browser gets first names the scripts and holds nothing of the page but its token, in which its address is. So
-it is written once for all, and whoever only asks for it costs next to nothing. The browser then opens a connection with
+The first answer names the scripts and contains nothing of the page but its token, which contains its address. So
+it is written once for all, and a request for it costs next to nothing. The browser then opens a connection with
 that token: the page is made then, and sent once. Behind a proxy, another server may receive that connection.
 """
 
@@ -39,18 +39,18 @@ LOOK_AGAIN_S = 0.005
 TOKEN = "@token@"
 """Stands where the token of a page comes."""
 MARK = "railjoule"
-"""What all pages give their template, see `first_paint` in shell.py."""
+"""Variables of the template, equal for all pages, see `first_paint` in shell.py."""
 COULD_NOT, TRY_LATER = 1011, 1013
 FORBIDDEN = 403
 
 
 class Opening:
-    """What the pages of one server that open have in common.
+    """State shared by the opening pages of one server.
 
     Parameters
     ----------
     html : str
-        What each browser gets first, with TOKEN where its own comes.
+        First answer to each browser, with TOKEN where its own comes.
     most : int or None
         How many pages may be open at a time; None for any number.
     count_open : callable
@@ -73,7 +73,7 @@ class Opening:
         self._opened: deque[float] = deque()
 
     def html(self, token: str) -> str:
-        """Return what a browser gets first."""
+        """Return the first answer to a browser."""
         self._answered.append(time.monotonic())
         return "".join((self._before, token, self._after))
 
@@ -109,7 +109,7 @@ class Opening:
 
 
 class PageHandler(PageAnswer):
-    """Answers whoever asks for the page."""
+    """Answers requests for the page."""
 
     def initialize(self, opening: Opening, **kwargs: Any) -> None:
         """Take what pages that open have in common."""
@@ -147,7 +147,7 @@ class PageSocket(PageConnection):
 
     async def _async_open(self, token: str) -> None:
         async with self._opening.turn():
-            # whoever closes the window while others open costs nothing
+            # a window that is closed while others open costs nothing
             if is_gone(self):
                 return
             if not self._opening.has_place:

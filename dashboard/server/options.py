@@ -1,4 +1,4 @@
-"""Where the dashboard is served, and under which names; without the libraries of the page, for the command line."""
+"""Address and names under which the dashboard is served; without the libraries of the page, for the command line."""
 
 import contextlib
 import ipaddress
@@ -9,9 +9,9 @@ from dataclasses import dataclass
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 NO_LOGIN = "There is no login: everybody who reaches the port can use the pages, and save in the folder of --folder."
 EXPOSED = (
-    "Whoever reaches the port sees every page, can let this machine compute within the limits of a page, and asks at "
-    "/health and /ready how the server is. No file of this machine can be read there but those of the folder of "
-    "--folder."
+    "Anyone who reaches the port sees every page, can let this machine compute within the limits of a page, and can "
+    "read the state of the server at /health and /ready. No file of this machine can be read there but those of "
+    "the folder of --folder."
 )
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 """A browser on this machine may call the server by any of them."""
@@ -23,12 +23,12 @@ HIGHEST_PORT = 65_535
 
 @dataclass(frozen=True)
 class ServerOptions:
-    """Where the dashboard is served, and to whom.
+    """Address of the dashboard and its permitted visitors.
 
     Parameters
     ----------
     address : str
-        Where to listen.
+        Address to listen at.
     port : int
         The port to listen on.
     origins : tuple of str
@@ -81,7 +81,7 @@ def is_this_machine(address: str) -> bool:
 
 
 def this_machine() -> tuple[str, ...]:
-    """Return this machine's names and addresses, as far as it knows them."""
+    """Return this machine's names and addresses, as far as they can be found."""
     names = {socket.gethostname(), socket.getfqdn()}
     # a machine may not know its own name; --origin names it then
     with contextlib.suppress(OSError):

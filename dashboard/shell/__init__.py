@@ -1,1 +1,1 @@
-"""What stands around each page: bar, sidebar, sharing."""
+"""Frame of each page: bar, sidebar, sharing."""

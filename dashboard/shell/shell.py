@@ -48,7 +48,7 @@ COMPILING = (
 )
 HEADER_STYLE = {
     ".MuiAppBar-root": {
-        # with this pair of names alone the library does not force colours of its own on the bar
+        # only with this pair of names the library does not force colours of its own on the bar
         "bgcolor": "primary.contrastText",
         "color": "primary.main",
         "boxShadow": "none",
@@ -71,7 +71,7 @@ def asset(*path: str) -> str:
 
 @cache
 def first_paint() -> dict[str, Any]:
-    """Return what the document shows and does before its scripts are read."""
+    """Return the document's content before its scripts are read."""
     return {
         "first": source("first"),
         "repairs": source("repairs") + lent("number_field"),
@@ -105,7 +105,7 @@ class Page(pmui.Page):
 
 
 def document_settings() -> dict[str, Any]:
-    """Return what is the same for all pages."""
+    """Return the part that is equal for all pages."""
     return {
         # the library would write it in white on the white bar: the brand stands in the bar of pages
         "title": "",
@@ -132,7 +132,7 @@ class Shell:
     browser : Browser
     keeping : Keeping
     pages : mapping of str to callable
-        What makes each page, called when it is first in sight.
+        Makes a page, called when it is first in sight.
     editor : Viewable
         The scenario's editor, which lies over a side of the page.
     """
@@ -219,7 +219,7 @@ class Shell:
                 self.main.remove(self._made.pop(name))
             if name not in self._made:
                 with one_message():
-                    # the browser's half knows by this name where the page stands: assets/scripts/browser.js
+                    # the browser's half finds the page by this name: assets/scripts/browser.js
                     self._made[name] = stack(self._opened(name), css=AWAY_CSS, name=f"page {name}")
                     self.main.append(self._made[name])
             for other, holder in self._made.items():
@@ -260,7 +260,7 @@ class Shell:
 
     def _show_sidebar(self) -> None:
         """Open or close the sidebar as the user has left it; pages without one have the whole width."""
-        # on a page without a sidebar, its being closed says nothing of what the user wants
+        # on a page without a sidebar, its being closed is not the user's choice
         if self._beside:
             self._open = self.page.sidebar_open
         self._beside = PAGES[self.state.page].has_sidebar

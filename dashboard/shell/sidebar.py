@@ -31,7 +31,7 @@ from railjoule.dashboard.workbench import Workbench
 
 FIELDS_AFTER_MS = 200
 FROM_FILE = "file"
-"""The value of a scenario from a file begins with this; its number tells it from the one opened before it."""
+"""The value of a scenario from a file begins with this; its number distinguishes it from the one opened before."""
 NOT_SHOWN = "These fields could not be shown because of a program error; the server\u2019s log describes it."
 BUTTONS = Markup(
     '<div class="asks">'
@@ -154,7 +154,7 @@ class Sidebar:
         value = self.state.scenario.preset if opened is None else file
         if not events and value == self.preset.value:
             return
-        # or `_choose` would take the shipped scenario anew, without what was edited in it
+        # or `_choose` would take the shipped scenario again, without what was edited in it
         self._quiet = True
         with pn.io.hold():
             # both together, as a value must be among the options

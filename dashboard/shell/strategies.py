@@ -110,6 +110,6 @@ def strategy_numbers(runs: Runs, name: str) -> str:
         return markup('<span class="reason">{}</span>', runs.refused[name].rstrip("."))
     run = runs.runs[name]
     amount = comparisons.above_reference(run)
-    # the column's head says kWh, and there is no room for it
+    # the column's head has kWh, and there is no room for it
     above = comparisons.late_of(run) or (words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh"))
     return markup("<span>{}</span><span>{}</span>", words.energy(run.energy_kwh), above)

@@ -1,4 +1,4 @@
-"""What a page makes of a scenario, as one value: where it begins, what is edited, and what the sliders say.
+"""A page's scenario as one value: its base, the edits, and the values of the sliders.
 
 All that follows from it is derived once and kept with it: while a slider moves, half a dozen places of the page ask for
 the same scenario.
@@ -59,7 +59,7 @@ class ScenarioDraft:
     Parameters
     ----------
     plan : Edited
-        What the sliders' values are laid over.
+        Base of the sliders' values.
     sliders : mapping
         Their values by field, in the units that the page shows.
     """
@@ -111,7 +111,7 @@ class ScenarioDraft:
         return self.base.replace(**self.changes) if self.changes else self.base
 
     def original(self, key: str) -> Any:
-        """Return what the base has at a key of the file; None where it has nothing."""
+        """Return the base's value of a key of the file, or None."""
         if key == "timetable.travel_time_s":
             return self.base.travel_time_s
         value: Any = self.base
@@ -153,7 +153,7 @@ def open_scenario(text: str, name: str) -> Opened:
     text : str
         The TOML.
     name : str
-        What it is called.
+        Its name.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def open_scenario(text: str, name: str) -> Opened:
     raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
 
 
-# keyed by the text alone, as `open_scenario` lays the file's name on; eight texts have at most 16 MB (LONGEST_TEXT)
+# keyed only by the text, as `open_scenario` lays the file's name on; eight texts have at most 16 MB (LONGEST_TEXT)
 @lru_cache(maxsize=8)
 def outcome_of(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""

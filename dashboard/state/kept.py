@@ -1,4 +1,4 @@
-"""What of a model belongs to the page's state, and the one check of every value that comes from outside."""
+"""Persisted fields of a model, and the one check of every value that comes from outside."""
 
 import difflib
 import math
@@ -26,9 +26,9 @@ class Kept(param.Parameterized):
 
     kept: ClassVar[tuple[str, ...]] = ()
     passing: ClassVar[tuple[str, ...]] = ()
-    """What is set by hand, but is only of the moment or follows from the rest."""
+    """Fields that a user sets, but that are temporary or follow from the others."""
     address_prefix: str | None = None
-    """What its fields are called by in the page's address, before their names; None where it is no part of a page."""
+    """Prefix of its fields in the page's address; None if it is no part of a page."""
 
     originals = param.Dict(default={}, doc="Values of the shipped scenario, by field.")
 
@@ -44,13 +44,13 @@ class Kept(param.Parameterized):
         RailjouleError
             If the values are impossible together.
         """
-        # only what differs is set: models in lists would be made anew, and their fields on the page with them
+        # only what differs is set: models in lists would be made again, and their fields on the page with them
         now = self.keep()
         new = {field: value for field, value in values.items() if field not in now or now[field] != value}
         self.param.update(**{field: self._made(field, value) for field, value in new.items()})
 
     def bounds_of(self, field: str) -> tuple[float | None, float | None]:
-        """Return the least and the largest number that a field takes; `open_end` says whether it takes these."""
+        """Return the least and the largest number that a field takes; `open_end` is whether it takes these."""
         return getattr(self.param[field], "bounds", None) or (None, None)
 
     def closed_ends(self, field: str) -> tuple[bool, bool]:
@@ -142,7 +142,7 @@ def _number(value: Any, bounds: tuple[float | None, float | None], whole: bool) 
     # to Python, True is a number
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError("must be a number")
-    # of floats alone: a whole number beyond the largest float would raise OverflowError
+    # only of floats: a whole number beyond the largest float would raise OverflowError
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("must be a finite number")
     if whole and value != int(value):

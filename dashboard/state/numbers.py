@@ -49,7 +49,7 @@ class TypedNumber(param.Number):
         beyond them can be typed, as far as the `bounds` go.
     """
 
-    # param's parameters keep values in slots alone
+    # param's parameters keep values only in slots
     __slots__ = ("digits", "unit")
 
     def __init__(self, label: str, unit: str = "", digits: int = 0, **params: Any) -> None:
@@ -118,7 +118,7 @@ class TypedParameters(Kept):
             With a sentence that names the bound that it misses; of a time also the text and its forms.
         """
         bounds = self.bounds_of(field)
-        # the names of fields end in their units: times alone may be typed as on a clock
+        # the names of fields end in their units: only times may be typed as on a clock
         if field.endswith("_s"):
             name = self.param[field].label.split(",")[0]
             number = parse_time(text, bounds, name[:1].upper() + name[1:])

@@ -24,7 +24,7 @@ TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
 LONGEST_NAME = 60
 LONGEST_KEY = 16
 OF_RECIPE = ("strategy", "simple", "recording", "driven", "preset")
-"""What an address has of the recipe of a pin as it is."""
+"""Recipe of a pin as in an address."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Pin:
         return PIN_KEYS.index(self.colour) + 1
 
     def renamed(self, name: str) -> "Pin":
-        """Return the pin under another name; an empty one gives back the name that tells what was run."""
+        """Return the pin under another name; an empty one restores the name that describes the run."""
         # one line without gaps, as it stands at lines of charts and in tables
         plain = without_misleading(" ".join(name.split()))[:LONGEST_NAME]
         return replace(self, name=plain or pin_name(self.trajectory))
@@ -80,7 +80,7 @@ class KeptPin(Kept):
 
     @classmethod
     def of(cls, pin: Pin) -> "KeptPin":
-        """Return what is kept of a pin."""
+        """Return the persisted part of a pin."""
         recipe = pin.recipe
         return cls(
             called=pin.name,
@@ -103,7 +103,7 @@ class KeptPin(Kept):
 
 
 def pin_name(run: Trajectory) -> str:
-    """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
+    """Return the name of a pin until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
     strategy, vehicle = words.strategy(run.strategy), run.scenario.vehicle
     load = words.load(vehicle.load_factor)
     recuperation = words.setting(vehicle.drive.recuperation_factor)
@@ -111,7 +111,7 @@ def pin_name(run: Trajectory) -> str:
 
 
 def measured_name(run: Trajectory, has_energy: bool, file: str) -> str:
-    """Return what the pin of a measured run is called: without an effort or a power its energy is the model's."""
+    """Return the name of the pin of a measured run: without an effort or a power its energy is the model's."""
     what = "Measured" if has_energy else "Measured speeds"
     return f"{what}, {words.time(run.travel_time_s)} s, {without_misleading(' '.join(file.split()))}"[:LONGEST_NAME]
 

@@ -206,7 +206,7 @@ FOLLOWING = simulation("simulate_following", "following")
 
 
 def page_run(state: "Workbench") -> PageRun:
-    """Return what the page in sight computes."""
+    """Return the program of the page in sight."""
     computed: PageRun = state.pages[state.page].page_run()
     return computed
 
@@ -274,6 +274,6 @@ def _is_as_planned(state: "Workbench", changes: Mapping[str, Any]) -> bool:
 
 
 def followed(state: "Workbench") -> Mapping[str, Any]:
-    """Return what keeps a command from simulating the control loop that a file may ask for."""
+    """Return the option that keeps a command from simulating the control loop that a file may request."""
     in_loop = state.scenario.edited.simulation.kind == "field_oriented"
     return {"simulation.kind": "following"} if in_loop else {}

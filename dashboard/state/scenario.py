@@ -18,9 +18,9 @@ from railjoule.dashboard.state.numbers import TypedParameters, keyed
 
 FIRST_SCENARIO = "metro-with-limit"
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
-"""What every plan depends on."""
+"""Fields that every plan depends on."""
 RUN_FIELDS = (*PLAN_FIELDS, "acceleration_time_s")
-"""What the runs of all strategies depend on: ENOC's has a field of its own."""
+"""Fields that the runs of all strategies depend on: ENOC's has a field of its own."""
 LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
 """The slider of the travel time begins and ends at these times the shortest time."""
 LEAST_OF_TIMETABLE = 0.75
@@ -100,7 +100,7 @@ class ScenarioModel(TypedParameters):
         text : str
             The TOML.
         name : str
-            What the file is called.
+            Name of the file.
 
         Raises
         ------
@@ -159,7 +159,7 @@ class ScenarioModel(TypedParameters):
         if load > most:
             fields.pop("load_percent")
         self.param.update(**fields)
-        # told last, so that all else is taken over
+        # set last, so that all else is taken over
         if load > most:
             raise ScenarioError(f"load_percent = {load:g} must be at most {most:g}, the crush load of the vehicle.")
 
@@ -179,7 +179,7 @@ class ScenarioModel(TypedParameters):
             nonlocal known
             scenario = self.edited
             before, known = known, part(scenario)
-            # another scenario is told even where that part is alike: what was set by hand on a page is reset
+            # another scenario is announced even where that part is equal: what was set by hand on a page is reset
             if known != before or any(event.name != "edits" for event in events):
                 take(scenario)
 
@@ -221,7 +221,7 @@ class ScenarioModel(TypedParameters):
         return self.base
 
     def original(self, key: str) -> Any:
-        """Return what the base has at a key of the file; None where it has nothing."""
+        """Return the base's value of a key of the file, or None."""
         return self.draft.original(key)
 
     @property
@@ -247,7 +247,7 @@ class ScenarioModel(TypedParameters):
     @property
     def most_load_percent(self) -> float:
         """The vehicle's crush load, % of capacity."""
-        # 100 times a factor is seldom round in binary, and a sentence would read 110.00000000000001
+        # 100 times a factor is rarely round in binary, and a sentence would read 110.00000000000001
         return float(round(100 * self.edited.vehicle.crush_load_factor, 6))
 
     def parse(self, field: str, text: str) -> float:

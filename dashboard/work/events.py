@@ -68,7 +68,7 @@ def begin(document: Any, page: Callable[[], str], began_s: float) -> None:
     """
     if document is None or document.session_context is None:
         return
-    # whoever knows the whole name of a session can speak in its place, and logs are read by others
+    # anyone with the whole name of a session can act in its place, and logs are read by others
     name = hashlib.sha256(str(document.session_context.id).encode()).hexdigest()[:ID_DIGITS]
     visit = VISITS[document] = Visit(name, page, time.monotonic())
     write("opened", visit, time.monotonic() - began_s)

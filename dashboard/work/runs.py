@@ -27,7 +27,7 @@ from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 
 
-# results equal themselves alone, as arrays have no single answer to `==`; requests are compared by their values
+# results equal only themselves, as arrays have no single answer to `==`; requests are compared by their values
 @dataclass(frozen=True, eq=False)
 class Runs:
     """The runs of several strategies over one scenario.
@@ -35,7 +35,7 @@ class Runs:
     Parameters
     ----------
     scenario : Scenario
-        What was asked for.
+        The request.
     shortest_time_s : float
         Shortest possible time, dwells included [s].
     cell_count : int
@@ -45,7 +45,7 @@ class Runs:
     refused : mapping
         Why a strategy does not take the scenario.
     law : ControlLaw or None
-        What dynamic programming would do at any speed and place, if asked for.
+        Decision of dynamic programming at any speed and place, if requested.
     """
 
     scenario: Scenario
@@ -91,7 +91,7 @@ OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 for each squared cell."""
 RELAY_SECONDS_PER_STEP = 1e-3
 """Of a search with the printed relay, which drives every combination of set speeds in steps of time."""
-# what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
+# a page that opens computes tasks shorter than AT_ONCE_S on the event loop, where all other pages wait
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 

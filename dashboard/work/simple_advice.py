@@ -52,7 +52,7 @@ def simple_run(scenario: Scenario, changes_allowed: int) -> Trajectory:
 
 def by_changes(advice: "SimpleAdvice") -> "Mapping[int, SimpleRun]":
     """Return the runs by how often they change the regime, the fewest changes first."""
-    # one that was allowed more changes than it uses replaces the dearer one that was allowed no more
+    # one that was allowed more changes than it uses replaces the more expensive one with no more permitted
     return {run.changes: run for run in advice.runs}
 
 

@@ -24,7 +24,7 @@ def begin_worker(nice: int) -> None:
     """Begin a worker process: with a lower priority, and with an end when its server has gone."""
     if hasattr(os, "nice"):
         os.nice(nice)
-    # pressed keys reach all processes of a terminal: the server alone answers them
+    # pressed keys reach all processes of a terminal: only the server answers them
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -33,17 +33,17 @@ def begin_worker(nice: int) -> None:
 
 def _end_with(sentinel: int) -> None:
     wait([sentinel])
-    # a process that waits for work, or is in a kernel, would not notice: it is left at once
+    # a process that waits for work, or is in a kernel, would not notice: it is left immediately
     os._exit(0)
 
 
 class StudyPool:
-    """Worker processes that are made at first use, and anew where one has died.
+    """Worker processes that are made at first use, and again where one has died.
 
     Parameters
     ----------
     workers : callable
-        Tells how many.
+        Returns their number.
     nice : int
         By how much their priority is lower.
     """
@@ -54,7 +54,7 @@ class StudyPool:
         self._executor: ProcessPoolExecutor | None = None
 
     def executor(self) -> Executor:
-        """Return what runs in the processes."""
+        """Return the function that runs in the processes."""
         with self._lock:
             if self._executor is None:
                 # a fork would take the threads' locks with it

@@ -1,6 +1,7 @@
 """Work in threads, as the core's kernels release the interpreter.
 
-Each page has at most one piece of each kind of work under way, and of what it asks meanwhile only the last is done.
+Each page has at most one piece of each kind of work under way; of the requests that arrive in the meantime, only the
+last is computed.
 """
 
 import logging
@@ -29,7 +30,7 @@ SLOW_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-s
 PROOF_THREADS = ThreadPoolExecutor(max_workers=1, thread_name_prefix="railjoule-proof")
 """For proofs that are asked for by hand, one at a time: each may take a gigabyte."""
 LATE_MS = 250
-"""After this long without a result the page says that what it shows is from before the last change."""
+"""After this long without a result the page marks its results as older than the last change."""
 PAUSE_S = 0.002
 """A study sleeps this long after each step: the page's own turns come first."""
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
@@ -47,7 +48,7 @@ def told(error: BaseException) -> RailjouleError:
 
 
 class Lateness:
-    """Tells a page when a result keeps it waiting, and when it has come.
+    """Reports to a page when a result keeps it waiting, and when it has come.
 
     Parameters
     ----------
@@ -67,8 +68,8 @@ class Lateness:
             self._time()
 
     def answered(self, more: bool = False) -> None:
-        """Take note that a result has come, perhaps with more asked for meanwhile."""
-        # the wait begins anew: a slider that moves on is answered all the while, and what is shown follows it
+        """Take note that a result has come, perhaps with a newer request."""
+        # the wait begins again: a moving slider is answered all the time, and the page follows it
         self._asked_s = time.monotonic() if more else 0.0
         self._tell(False)
         if more:
@@ -96,7 +97,7 @@ class Lateness:
 
 
 def name_of(work: Callable[..., object]) -> str:
-    """Return what the log calls a piece of work: the function that does it."""
+    """Return the name of a piece of work in the log: the function that does it."""
     return str(getattr(work, "__name__", type(work).__name__)).strip("_")
 
 
@@ -105,12 +106,12 @@ def nobody(_: bool) -> None:
 
 
 def without_page(turn: Callable[[], None]) -> None:
-    """Take a turn at once, as there is no page around it."""
+    """Take a turn immediately, as there is no page around it."""
     turn()
 
 
 def nothing() -> None:
-    """Return what a page is about whose results always belong to it."""
+    """Return the subject of a page whose results always belong to it."""
 
 
 # not `pn.state.execute`, which leaves out no request that a later one has made useless
@@ -124,16 +125,16 @@ class Worker(Generic[Request, Result]):
     deliver : callable
         Takes a result into the page; runs in the page's own turn.
     fail : callable
-        Takes an error that the user can mend.
+        Called with an error that user input causes.
     mark : callable
-        Told True when what the page shows is from before the last change, False when it no longer is.
+        Called with True when the page's results are older than the last change, False when they no longer are.
     is_slow : callable
         Whether a request takes seconds: then it does not keep the short ones of other pages waiting.
     about : callable
         Returns what the page is about, such as its scenario without edits. A result, or an error, is dropped where that
         is another object than when it was asked for; who asks for nothing twice has to forget that it asked.
     threads : executor, optional
-        Where all requests are computed, slow or not.
+        Executor of all requests, slow or not.
     """
 
     def __init__(
@@ -207,7 +208,7 @@ class Worker(Generic[Request, Result]):
         self._late.answered(more=self._request is not None)
         outcome = future.result() if error is None else told(error)
         try:
-            # still running: what is asked for meanwhile replaces the request that waits, which is older
+            # still running: a newer request replaces the one that waits, which is older
             if about is self._about():
                 settle(outcome, self._deliver, self._fail)
         finally:
@@ -244,11 +245,11 @@ class Study(Generic[Request, Result]):
         Takes a result and whether it is the last into the page, in the page's own turn; steps that come faster than
         the page takes them are left out.
     fail : callable
-        Takes an error that the user can mend.
+        Called with an error that user input causes.
     mark : callable
         As for a worker; the first step of a request is what is waited for.
     threads : executor
-        Where the steps are computed.
+        Executor of the steps.
     """
 
     def __init__(
@@ -265,7 +266,7 @@ class Study(Generic[Request, Result]):
         self._job: _Job[Result] | None = None
 
     def ask(self, request: Request) -> None:
-        """Begin anew; without a page around it, in the caller's own turn."""
+        """Begin again; without a page around it, in the caller's own turn."""
         self.stop()
         document = pn.state.curdoc
         job: _Job[Result] = _Job(document)
@@ -338,7 +339,7 @@ class _Job(Generic[Result]):
             called, self._called = self._called, True
         if called:
             return
-        # outside the lock: without a page the turn is taken at once, and `take` needs the lock itself
+        # outside the lock: without a page the turn is taken immediately, and `take` needs the lock itself
         self._turn(partial(take, self))
 
     def take(self) -> tuple[Result | RailjouleError | None, bool]:

@@ -128,7 +128,7 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
             f"drive.model = '{model}' has no induction machine; 'induction' and 'copper_loss' may have one."
         )
     elif drive.machine is None:
-        raise ScenarioError("drive.machine is missing: of its motors this drive knows only the resistance.")
+        raise ScenarioError("drive.machine is missing: this drive has only the resistance of its motors.")
     else:
         gear, parameters = 1.0, drive.machine
         currents = drive.machine.max_current_a, drive.machine.max_current_a

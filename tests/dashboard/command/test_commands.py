@@ -201,14 +201,14 @@ def test_validate_prints_json(capsys):
     assert list(papers) == ["ftorek"]
     rows = papers["ftorek"]["rows"]
     assert list(rows[0]) == [
-        "table", "place", "case", "quantity", "unit", "printed", "ours", "difference_percent", "difference_points",
+        "table", "place", "case", "quantity", "unit", "printed", "railjoule", "difference_percent", "difference_points",
         "close", "note", "independent", "alternatives",
     ]  # fmt: skip
     # one row for each printed number: the energies of Table 1 are also compared with the optimum and a closed loop
     energies = [row for row in rows if row["printed"] == 4251.8]
     assert len(energies) == 1
     assert len(energies[0]["alternatives"]) == 2
-    assert list(papers["ftorek"]["claims"][0]) == ["place", "claim", "ours", "verdict", "reason"]
+    assert list(papers["ftorek"]["claims"][0]) == ["place", "claim", "railjoule", "verdict", "reason"]
 
 
 @pytest.mark.nightly
