@@ -1,5 +1,6 @@
 """The paper, the citation and the list of changes: in their forms, and with the numbers that the program computes."""
 
+import collections
 import json
 import re
 import tomllib
@@ -61,7 +62,7 @@ def test_references_are_those_that_are_cited():
 def test_numbers_are_those_that_validate_prints():
     rows = ROW.findall(BODY)
     assert len(rows) == 6
-    for paper, case, quantity, unit, printed, ours in rows:
+    for paper, case, quantity, unit, printed, computed in rows:
         candidates = [
             row
             for table in COMPUTED[paper.lower()]["tables"]
@@ -69,12 +70,25 @@ def test_numbers_are_those_that_validate_prints():
             if (row["case"], row["quantity"], row["unit"]) == (case, quantity, unit)
         ]
         assert any(
-            row["printed"] == float(printed) and f"{row['value']:.{decimals(ours)}f}" == ours for row in candidates
+            row["printed"] == float(printed) and f"{row['value']:.{decimals(computed)}f}" == computed
+            for row in candidates
         ), (paper, case, quantity)
 
 
+def test_claims_are_counted_by_their_verdicts():
+    verdicts = collections.Counter(claim["verdict"] for paper in COMPUTED.values() for claim in paper["claims"])
+    counts = re.search(
+        r"of (\d+) claims, .*?(\d+) are supported, (\d+) are refuted and (\d+) cannot", " ".join(BODY.split())
+    )
+    assert counts is not None
+    names = ("supports", "refutes", "cannot be decided")
+    assert list(map(int, counts.groups())) == [verdicts.total(), *(verdicts[name] for name in names)]
+
+
 def test_the_saving_over_the_printed_optima_is_as_told():
-    shares = [1 - float(ours) / float(printed) for paper, *_, printed, ours in ROW.findall(BODY) if paper == "Ftorek"]
+    shares = [
+        1 - float(computed) / float(printed) for paper, *_, printed, computed in ROW.findall(BODY) if paper == "Ftorek"
+    ]
     assert f"undercut by {100 * min(shares):.1f} to {100 * max(shares):.1f} %" in " ".join(BODY.split())
 
 
