@@ -33,7 +33,7 @@ def read_data_sheet(values: Mapping[str, Any], source: str) -> ImportedVehicle:
     document = sheet.to_document()
     bases: dict[str, list[str]] = {}
     for one in document["assumed"]:
-        bases.setdefault(one["basis"], []).append(f"{one['key'].removeprefix('vehicle.')} = {one['value']:g}")
+        bases.setdefault(one["basis"], []).append(f"{one['key']} = {one['value']:g}")
     for basis, keys in bases.items():
         notes.add("assumption", f"{', '.join(keys)}: {basis}.")
     return imported_vehicle(document, notes)

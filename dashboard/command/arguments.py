@@ -222,8 +222,8 @@ DATA_SHEET = (
         type=values.sheet_value,
         help="values of the sheet: mass_t, power_kw, max_speed_kmh, length_m, max_effort_kn or max_acceleration_ms2, "
         "and where it gives them name, kind (multiple_unit, light_rail, high_speed, freight), cars, axles, "
-        "driven_axles, capacity_passengers, rotating_mass_factor, service_deceleration_ms2, electric_brake_kn, regenerative, "
-        "efficiency, auxiliary_power_kw, front_area_m2, line_voltage_v",
+        "driven_axles, capacity_passengers, rotating_mass_factor, service_deceleration_ms2, electric_brake_kn, "
+        "regenerative, efficiency, auxiliary_power_kw, front_area_m2, line_voltage_v",
     ),
     TOML_OUTPUT,
 )
