@@ -31,10 +31,11 @@ def read_data_sheet(values: Mapping[str, Any], source: str) -> ImportedVehicle:
     """
     sheet, notes = validated(DataSheet, dict(values), source), Notes(source)
     document = sheet.to_document()
-    bases: dict[str, list[str]] = {}
+    bases: dict[tuple[str, str], list[str]] = {}
     for one in document["assumed"]:
-        bases.setdefault(one["basis"], []).append(f"{one['key']} = {one['value']:g}")
-    for basis, keys in bases.items():
+        table = one["key"].rpartition(".")[0]
+        bases.setdefault((one["basis"], table), []).append(f"{one['key']} = {one['value']:g}")
+    for (basis, _), keys in bases.items():
         notes.add("assumption", f"{', '.join(keys)}: {basis}.")
     return imported_vehicle(document, notes)
 
