@@ -47,6 +47,7 @@ ABOUT = {
     "line": "The scenario\u2019s vehicle stays: {vehicle}.",
     "train": "The scenario\u2019s line stays: {line}.",
 }
+ASSUMED = '{}<br><span class="muted small">{} {}</span>'
 COLUMNS_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr); align-items: start; }
 @media (min-width: 1100px) { :host { grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); } }
@@ -280,11 +281,9 @@ def train_table(reading: Reading) -> Markup:
     if reading.vehicle is None:
         return Markup("")
     document = reading.vehicle.document["vehicle"]
-    bases = {one.key: one.basis for one in reading.vehicle.vehicle.assumptions}
-    rows = [
-        (name, value, f"assumed: {bases[key]}" if key in bases else "") for key, name, value in vehicle_rows(document)
-    ]
-    columns = 3 if bases else 2
+    assumed = {one.key for one in reading.vehicle.vehicle.assumptions}
+    columns = 3 if assumed else 2
+    rows = [(name, value, "assumed" if key in assumed else "") for key, name, value in vehicle_rows(document)]
     head = ("Quantity", "Value", "Origin")[:columns]
     return parts.table("Train", head, [(row[:columns], False) for row in rows], "train")
 
@@ -294,10 +293,10 @@ def effects_table(table: StudyTable) -> Markup:
     change = words.share(table.change)
     differences = zip(table["lower_value_difference"], table["higher_value_difference"], strict=True)
     rows = [
-        (assumption_words(label), *map(_percent, pair), f"{basis}. {without_keys(reason)}".rstrip())
+        (markup(ASSUMED, assumption_words(label), basis, without_keys(reason)), *map(_percent, pair))
         for label, pair, basis, reason in zip(table.assumption, differences, table.bases, table.reasons, strict=True)
     ]
-    head = ("Assumed value", f"{change} % lower", f"{change} % higher", "Basis")
+    head = ("Assumed value", f"{change} % lower", f"{change} % higher")
     note = (
         f"Change of the {words.energy(table.energy_kwh)} kWh in the same time, in per cent. Look up the first values "
         "first. Of an efficiency, the losses are varied. Assumed values stay marked in the saved scenario and in the "

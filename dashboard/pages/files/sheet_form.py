@@ -20,6 +20,15 @@ ABOUT = (
     "are not given are assumed by formulas for this kind of train; the card of the train lists each assumption, and a "
     "table shows the energy that each of them is worth."
 )
+FOLD: dict[str, Any] = {
+    "margin": (8, 0),
+    "sizing_mode": "stretch_width",
+    "elevation": 0,
+    "square": True,
+    "disable_gutters": True,
+    "title_variant": "subtitle2",
+    "sx": {"&::before": {"display": "none"}, "& .MuiAccordionSummary-root": {"padding": 0}},
+}
 GRID_CSS = """
 :host { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(190px, 100%), 1fr)); gap: 12px 8px;
   padding: 8px 0; align-items: start; }
@@ -48,9 +57,7 @@ class SheetForm:
         )
         note = parts.html_pane(f"<p class=note>{ABOUT}</p>")
         content = parts.stack(note, parts.stack(*self.widgets.values(), css=GRID_CSS), self.refused, self.button)
-        self.view = pmui.Accordion(
-            (TITLE, content), margin=(8, 0), sizing_mode="stretch_width", elevation=0, disable_gutters=True
-        )
+        self.view = pmui.Accordion((TITLE, content), **FOLD)
 
     def make(self, *_: Any) -> None:
         """Bring the sheet as a file, or say at the fields or above the button why not."""
