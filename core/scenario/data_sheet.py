@@ -176,7 +176,7 @@ class _Builder:
             basis = "electric brake as strong as traction"
             self.put("vehicle.braking.max_effort_kn", sheet.electric_brake_kn, traction["max_effort_kn"], basis)
             self.put("vehicle.braking.max_power_kw", None, traction["max_power_kw"], basis)
-        basis = f"friction brakes alone give {rate:g} m/s2"
+        basis = f"friction brakes for {rate:g} m/s2 without the electric brake"
         self.put("vehicle.braking.friction_effort_kn", None, inertia_t * rate, basis)
 
     def _drive(self) -> None:

@@ -54,7 +54,7 @@ def assumption_effects(scenario: Scenario, change: float = CHANGE, executor: Exe
     """Return the energy if each assumption is off by a share, those with the largest effect first.
 
     NaN stands where the value is not possible, as a share above 1, or where the train cannot keep its time; `reasons`
-    of the table says why.
+    of the table lists the causes.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ from railjoule.dashboard.parts import html as parts
 
 TITLE = "Train from a data sheet"
 ABOUT = (
-    "Type what the sheet says: mass, power, largest speed, length, and the largest effort or acceleration. Values that "
+    "Type the values of the sheet: mass, power, largest speed, length, largest effort or acceleration. Values that "
     "are not given are assumed by formulas for this kind of train; the card of the train lists each assumption, and a "
     "table shows the energy that each of them is worth."
 )

@@ -21,7 +21,7 @@ def resistance_n(vehicle: Vehicle, speed_kmh: float) -> float:
     return constant + linear * speed + quadratic * speed**2
 
 
-def basis_of(vehicle: Vehicle, key: str) -> str:
+def find_basis(vehicle: Vehicle, key: str) -> str:
     return next(one.basis for one in vehicle.assumed if one.key == key)
 
 
@@ -63,7 +63,7 @@ def test_effort_from_the_acceleration():
     standing_kn = (1.9 * 40.37 * 9.81 + 4.8 * 3.7 * 0.0145 * 15**2) / 1e3
     assert vehicle.traction.max_effort_kn == pytest.approx(1.04 * 40.37 * 1.07 + standing_kn, rel=1e-5)
     assert vehicle.traction.max_acceleration_ms2 == 1.07
-    assert "41.985 t" in basis_of(vehicle, "vehicle.traction.max_effort_kn")
+    assert "41.985 t" in find_basis(vehicle, "vehicle.traction.max_effort_kn")
 
 
 def test_what_the_sheet_gives_is_not_assumed():

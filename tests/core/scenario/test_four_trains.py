@@ -98,7 +98,7 @@ def test_time_and_distance_from_a_stand(name, to_kmh):
 @pytest.mark.parametrize("gradient", [0.0, 15.0])
 @pytest.mark.parametrize("name", TRAINS)
 def test_balancing_speed(name, gradient):
-    """Where effort and resistance are equal, found by bisection, our resistance is the effort."""
+    """At the speed at which effort and resistance are equal, by bisection, our resistance is the effort."""
     mass, _, resistance, effort, _ = train(name)
     low, high = 1.0, 300.0
     for _ in range(60):
@@ -169,7 +169,7 @@ def test_every_shipped_vehicle_has_a_scenario():
         assert load_scenario(scenario_of_vehicle(name)).vehicle.preset == name
 
 
-def test_another_train_on_a_metro_line_says_what_it_needs():
+def test_another_train_on_a_tram_line_gets_the_shortest_time():
     with pytest.raises(TimetableError, match="shortest"):
         solve(
             load_scenario("tram-950m").replace({"vehicle": {"preset": "freight-vectron"}, "drive": None}),

@@ -273,7 +273,7 @@ def test_a_data_sheet_becomes_a_vehicle_and_its_assumptions_are_weighed(tmp_path
     assert "nothing of the vehicle is assumed" in capsys.readouterr().err
 
 
-def test_a_shipped_vehicle_alone_runs_in_its_scenario(capsys):
+def test_a_shipped_vehicle_without_a_file_runs_in_its_scenario(capsys):
     assert main(["solve", "--strategy", "fastest", "--set", "vehicle.preset=light-rail-sd160"]) == OK
     assert capsys.readouterr().out.startswith("Light rail, seven stations: Fastest")
     assert main(["solve", "--set", "vehicle.preset=light-rail"]) == BAD_INPUT
