@@ -10,7 +10,7 @@ from railjoule.core.scenario.document import (
     to_document,
 )
 from railjoule.core.scenario.line import Line, NeutralSection, Section, SpeedLimit, Station
-from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
+from railjoule.core.scenario.presets import preset_document, preset_names, preset_text, scenario_of_vehicle
 from railjoule.core.scenario.scenario import Scenario, Timetable
 from railjoule.core.scenario.vehicle import Braking, Resistance, Traction, Vehicle
 
@@ -35,5 +35,6 @@ __all__ = [
     "preset_text",
     "save_scenario",
     "scenario_from_document",
+    "scenario_of_vehicle",
     "to_document",
 ]

@@ -43,6 +43,21 @@ def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
     return tomllib.loads(preset_text(kind, name))
 
 
+def scenario_of_vehicle(name: str) -> str:
+    """Return the name of the shipped scenario in which a shipped vehicle runs: a line and a timetable that fit it.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such vehicle.
+    """
+    preset_text("vehicles", name)
+    scenarios = preset_names("scenarios")
+    if name in scenarios:
+        return name
+    return next(one for one in scenarios if preset_document("scenarios", one)["vehicle"].get("preset") == name)
+
+
 def _folder(kind: PresetKind) -> Traversable:
     # importlib.resources: the assets may lie in a wheel or in a checkout, and only this finds both
     return files("railjoule.assets") / kind

@@ -1,12 +1,14 @@
 """A vehicle: masses, running resistance, limits of traction and braking, drive."""
 
 from collections.abc import Iterable
+from importlib import import_module
 from itertools import pairwise
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Name, Number, Part, PresetPart
+from railjoule.core.scenario.assumed import Assumed, require_known_keys, value_at
 from railjoule.core.scenario.drive import Drive
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
@@ -184,6 +186,40 @@ class Vehicle(PresetPart):
     braking: Braking
     adhesion: Adhesion = Adhesion()
     drive: Drive
+    # data and no comments, which would be lost when a scenario is saved
+    assumed: tuple[Assumed, ...] = Field(
+        (), max_length=100, description="Values that are assumed, with their formula and source."
+    )
+
+    @classmethod
+    def from_data_sheet(cls, **sheet: Any) -> "Vehicle":
+        """Return a vehicle of the values of a data sheet; all others are assumed and listed in `assumed`.
+
+        Parameters
+        ----------
+        **sheet
+            `mass_t`, `power_kw`, `max_speed_kmh`, `length_m`, one of `max_effort_kn` and `max_acceleration_ms2`, and
+            what else the sheet gives: the fields of `railjoule.core.scenario.data_sheet.DataSheet`.
+
+        Raises
+        ------
+        ScenarioError
+            If a value is missing, unknown, of a wrong type or out of bounds, or has no effect.
+        """
+        # Data sheets import vehicles; after an import statement all kernels would depend on their formulas.
+        module = import_module("railjoule.core.scenario.data_sheet")
+        vehicle: Vehicle = module.DataSheet(**sheet).to_vehicle()
+        return vehicle
+
+    @model_validator(mode="after")
+    def _assumed_values_are_of_known_keys(self) -> Self:
+        require_known_keys(self)
+        return self
+
+    @property
+    def assumptions(self) -> tuple[Assumed, ...]:
+        """The assumed values that are in force: one that was replaced by another value is assumed no more."""
+        return tuple(one for one in self.assumed if value_at(self, one.key) == one.value)
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

@@ -1,5 +1,6 @@
 """Studies of many runs, as labelled tables."""
 
+from railjoule.core.studies.assumptions import assumption_effects, assumption_steps
 from railjoule.core.studies.braking_sensors import BrakingSensors, study_braking_sensors
 from railjoule.core.studies.montecarlo import monte_carlo, monte_carlo_steps
 from railjoule.core.studies.robust_plan import RobustPlan, find_robust_plan, robust_plan_steps
@@ -23,6 +24,8 @@ __all__ = [
     "StorageNeed",
     "StorageRun",
     "StudyTable",
+    "assumption_effects",
+    "assumption_steps",
     "energy_time_frontier",
     "enoc_frontier",
     "find_robust_plan",

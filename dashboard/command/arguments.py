@@ -111,6 +111,9 @@ STUDIES = {
     "sensitivity": Command(
         "drive a plan with other loads and errors of place than planned", "studies.sensitivity", STUDY
     ),
+    "assumptions": Command(
+        "solve with each assumed value of the vehicle 20 %% too low and too high", "studies.assumptions", STUDY
+    ),
     "montecarlo": Command("drive a plan under what chance brings", "studies.montecarlo", STUDY),
     "braking": Command(
         "stop with errors of the braking sensors and the measured speed, with precision braking and without",
@@ -211,6 +214,19 @@ RAILTOOLKIT = (
     ENCODING,
     TOML_OUTPUT,
 )
+DATA_SHEET = (
+    argument(
+        "sheet",
+        metavar="KEY=VALUE",
+        nargs="+",
+        type=values.sheet_value,
+        help="values of the sheet: mass_t, power_kw, max_speed_kmh, length_m, max_effort_kn or max_acceleration_ms2, "
+        "and where it gives them name, kind (multiple_unit, light_rail, high_speed, freight), cars, axles, "
+        "driven_axles, capacity_passengers, rotating_mass_factor, service_deceleration_ms2, electric_brake_kn, "
+        "regenerative, efficiency, auxiliary_power_kw, front_area_m2, line_voltage_v",
+    ),
+    TOML_OUTPUT,
+)
 RECORDED = (
     file_argument("FILE", "FILE.csv or FILE.xlsx"),
     *columns("--columns"),
@@ -226,6 +242,11 @@ FORMATS = {
     ),
     "railtoolkit": Command(
         "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07", "imports.railtoolkit", RAILTOOLKIT
+    ),
+    "data-sheet": Command(
+        "make a vehicle of the values of a data sheet; all others are assumed and listed",
+        "imports.data_sheet",
+        DATA_SHEET,
     ),
     "run": Command(
         "make the table of a run of what a recorder measured, CSV or XLSX", "imports.measured_run", RECORDED

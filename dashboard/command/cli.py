@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any, NoReturn
 
 from railjoule.dashboard.command.arguments import COMMANDS, Command, Group
-from railjoule.dashboard.command.values import UsageError, changes, printable
+from railjoule.dashboard.command.values import VEHICLE, UsageError, changes, printable
 
 OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
@@ -119,9 +119,11 @@ def _settle_changes(options: argparse.Namespace) -> None:
     words = getattr(options, "set", [])
     if getattr(options, "file", "") is None:
         without = [word for word in words if "=" not in word]
-        if len(without) != 1:
+        vehicle = next((word for word in words if word.startswith(VEHICLE)), "")
+        if len(without) > 1 or not (without or vehicle):
             raise UsageError("FILE is missing: a scenario file or the name of a scenario.")
-        options.file, words = without[0], [word for word in words if word != without[0]]
+        options.file = without[0] if without else vehicle
+        words = [word for word in words if word not in without]
     options.set = changes(words)
 
 

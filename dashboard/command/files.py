@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError, StrategyRefusedError, load_scenario
 from railjoule.core.csv_text import plain_table, write_csv
-from railjoule.core.scenario import parse_scenario, preset_names
+from railjoule.core.scenario import parse_scenario, preset_names, scenario_of_vehicle
 from railjoule.core.scenario.text_file import read_text, read_toml
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command.arguments import REPORT_SUFFIXES
-from railjoule.dashboard.command.values import shortened
+from railjoule.dashboard.command.values import VEHICLE, shortened
 from railjoule.dashboard.keep.dropped import scenario_in_report
 from railjoule.dashboard.provenance import file_attributes
 
@@ -63,6 +63,8 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
     RailjouleError
         If there is none, or anything in it is wrong.
     """
+    if file.startswith(VEHICLE):
+        file = scenario_of_vehicle(file.removeprefix(VEHICLE))
     try:
         known = Path(file).exists() or file in preset_names("scenarios")
         # a name with a suffix is meant for a file, which is missing then

@@ -151,6 +151,15 @@ def railtoolkit(options: argparse.Namespace) -> None:
     _tell(imported, options.output, told)
 
 
+def data_sheet(options: argparse.Namespace) -> None:
+    """Make a vehicle of the values of a data sheet."""
+    from railjoule.core.imports.data_sheet import read_data_sheet  # noqa: PLC0415
+
+    vehicle = read_data_sheet(dict(options.sheet), "data sheet")
+    files.write(options.output, vehicle.to_toml())
+    _tell(vehicle, options.output, _vehicle_words(vehicle.vehicle))
+
+
 def measured_run(options: argparse.Namespace) -> None:
     """Convert a table of a recorder to a table of a run with the columns of railjoule."""
     import pandas  # noqa: PLC0415  (slow to import, and rarely needed)

@@ -4,6 +4,7 @@ The sweep, which may take hours and a cluster, has a module of its own.
 """
 
 import argparse
+import math
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import contextmanager
@@ -13,6 +14,7 @@ from railjoule.core import Scenario
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import (
     StudyTable,
+    assumption_effects,
     energy_time_frontier,
     frontier_times,
     monte_carlo,
@@ -72,6 +74,30 @@ def sensitivity(options: argparse.Namespace) -> None:
 def montecarlo(options: argparse.Namespace) -> None:
     """Drive a plan under what chance brings."""
     _study(options, monte_carlo)
+
+
+def assumptions(options: argparse.Namespace) -> None:
+    """Solve with each assumed value of the vehicle too low and too high, and list the effects."""
+    scenario = files.scenario(options)
+    with _workers(scenario) as executor:
+        table = assumption_effects(scenario, executor=executor)
+    files.write_labelled_table(table.to_xarray(), options.output)
+    change = share(table.change)
+    rows = [
+        (name.removeprefix("vehicle."), *map(_difference, differences))
+        for name, *differences in zip(
+            table.assumption, table["lower_value_difference"], table["higher_value_difference"], strict=True
+        )
+    ]
+    print(f"{title_words(scenario.title)}: {energy(table.energy_kwh)} kWh; change in per cent if a value is off\n")
+    for (name, *cells), basis, reason in zip(rows, table.bases, table.reasons, strict=True):
+        print("\n".join(wrapped(f"{cells[0]:>7} {cells[1]:>7}  {name}: {basis}. {reason}".rstrip())))
+    print(f"\nLeft: {change} % lower, right: {change} % higher; of efficiencies the losses.")
+    print(f"{shortened(options.output)}: {len(rows)} assumptions")
+
+
+def _difference(part: float) -> str:
+    return "-" if math.isnan(part) else f"{100 * part:+.1f}".replace("-0.0", "+0.0")
 
 
 def braking(options: argparse.Namespace) -> None:

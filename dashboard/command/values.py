@@ -19,6 +19,8 @@ LONGEST_TIME_S = 86_400.0
 OTHER_NAMES = {"brake_pressure": "brake"}
 """Quantities of a recorder by the names that they had."""
 ANY = (None, None)
+VEHICLE = "vehicle.preset="
+"""Names a shipped vehicle; without FILE its own scenario is solved."""
 
 
 class UsageError(Exception):
@@ -60,6 +62,11 @@ def _share(text: str) -> float:
     return parse_number(plain, ANY) / (1 if plain == text else 100)
 
 
+def _sheet_value(text: str) -> tuple[str, Any]:
+    key, word = _parts(text)
+    return key, toml_value(word)
+
+
 def _range(text: str) -> tuple[str, tuple[float, float]]:
     field, ends = _parts(text)
     low, _, high = ends.partition(":")
@@ -72,6 +79,7 @@ share = must_be("a share, as 0.9 or 90 %", _share)
 seconds = must_be(
     f"a time from 0 to {LONGEST_TIME_S:g} s, as 150 or 2:30", lambda text: parse_time(text, (0.0, LONGEST_TIME_S))
 )
+sheet_value = must_be("KEY=VALUE, such as mass_t=120", _sheet_value)
 field_range = must_be("FIELD=LOW:HIGH, such as vehicle.load_factor=0:1", _range)
 
 

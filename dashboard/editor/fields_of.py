@@ -12,6 +12,7 @@ from typing import Any, Literal
 from pydantic import BaseModel
 
 from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.data_sheet import DataSheet
 from railjoule.core.scenario.text_file import MAP_COLUMNS
 from railjoule.core.strategy import STRATEGIES
 from railjoule.dashboard.look.key_names import split_unit, words_of
@@ -284,9 +285,9 @@ def describe(model: type[BaseModel]) -> tuple[Field | Table, ...]:
 
 @cache
 def _schemas() -> Mapping[str, Schema]:
-    """Return pydantic's JSON schemas of a scenario's models, by their names."""
-    schema = Scenario.model_json_schema()
-    return {**schema["$defs"], schema["title"]: schema}
+    """Return pydantic's JSON schemas of a scenario's models and of a data sheet, by their names."""
+    schema, sheet = Scenario.model_json_schema(), DataSheet.model_json_schema()
+    return {**schema["$defs"], schema["title"]: schema, sheet["title"]: sheet}
 
 
 def _resolved(schema: Schema) -> Schema:

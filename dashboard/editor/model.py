@@ -29,7 +29,11 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Strategy options": ("search", "simulation", "phases", "eoc", "enoc", "solver"),
 }
 """The editor's sections, with the tables of the file in each."""
-VEHICLE = Field("vehicle", "choice", "A shipped vehicle with its powertrain; the load is kept.")
+VEHICLE = Field(
+    "vehicle",
+    "choice",
+    "A shipped vehicle with its powertrain; load, line and time are kept. Its own line is in the list of scenarios.",
+)
 LINE = Field("line", "choice", "A shipped line with its limits and stations.")
 DRIVE = Field(
     "drive",

@@ -67,6 +67,7 @@ def scenario_tables(scenario: Scenario) -> list[ScenarioTable]:
     tables = [
         ScenarioTable(f"Vehicle: {vehicle.name}", [*_fields(vehicle), *masses]),
         *(ScenarioTable(title, _fields(getattr(vehicle, part))) for part, title in PARTS.items()),
+        _entries("Assumed values of the vehicle", vehicle.assumptions),
         # of a drive that has an induction machine beside its own loss model
         ScenarioTable("Induction machine", _fields(getattr(vehicle.drive, "machine", None))),
         ScenarioTable("Timetable and mesh", timetable),
@@ -89,7 +90,12 @@ def _fields(part: BaseModel | None, keys: Sequence[str] = ()) -> list[FieldRow]:
     for field in describe(type(part)):
         value = getattr(part, field.key)
         # the name is in the title, events have tables of their own
-        if value is None or value == () or field.key in {"name", *EVENTS} or (keys and field.key not in keys):
+        if (
+            value is None
+            or value == ()
+            or field.key in {"name", "assumed", *EVENTS}
+            or (keys and field.key not in keys)
+        ):
             continue
         if isinstance(field, Table):
             rows.append(FieldRow(field.label, f"{len(value)} entries", "", field.help))

@@ -129,6 +129,20 @@ def test_imports_are_those_that_exist():
     assert sorted(named) == sorted(FORMATS)
 
 
+def test_a_train_of_a_data_sheet_is_made_solved_and_its_assumptions_weighed(tmp_path, monkeypatch, capsys):
+    """The commands of the questions, in the order of the page."""
+    monkeypatch.chdir(tmp_path)
+    (block,) = (one for one in blocks(text_of("howto/faq"), "sh") if "data-sheet" in one)
+    printed = []
+    for command in block.splitlines():
+        assert main(shlex.split(command)[1:]) == OK
+        printed.append(capsys.readouterr().out)
+    made, solved, weighed = printed
+    assert made.startswith("railcar.toml: Train from a data sheet, 60.0 t")
+    assert "proven optimal" in solved
+    assert weighed.rstrip().endswith("assumptions")
+
+
 def test_bad_input_ends_as_told(folder, capsys):
     assert complaint(capsys, "solve", "metro.toml", "--set", "timetable.travel_time_s=30")
 

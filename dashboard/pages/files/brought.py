@@ -9,11 +9,12 @@ from railjoule.core.errors import ChoiceError, RailjouleError, ScenarioError
 from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
+from railjoule.core.imports.data_sheet import KEY
 from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json
 from railjoule.core.measured import recorder_cells
 from railjoule.dashboard.pages.files.columns import RunFile, find_quantities, read_runs
 
-OtherKind = Literal["track", "train", "journey", "run"]
+OtherKind = Literal["track", "train", "journey", "sheet", "run"]
 Kind = IntervalKind | OtherKind | Literal[""]
 TABLE_WORDS: dict[str, str] = {
     "gradients": "Gradients",
@@ -29,11 +30,13 @@ KIND_WORDS: dict[str, str] = {
     "track": "Track of TTOBench",
     "train": "Train of TTOBench",
     "journey": "Journey of TTOBench",
+    "sheet": "Data sheet",
 }
 KEYS_OF_JSON: dict[OtherKind, str] = {
     "track": "stops",
     "journey": "timing points",
     "train": "rolling resistance r0",
+    "sheet": KEY,
 }
 """By which key of a JSON file its kind is known."""
 WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")

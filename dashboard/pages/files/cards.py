@@ -11,12 +11,14 @@ from railjoule.core.errors import ChoiceError, UnitError
 from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
 from railjoule.core.imports.cells import CellTable
 from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
+from railjoule.core.imports.data_sheet import read_data_sheet_file
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.vehicle import ImportedVehicle, checked_vehicle, questions, short_numbers
 from railjoule.core.measured.columns import UNITS
+from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.pages.files.brought import ENCODING, SHEET, Brought, selectors_of
 from railjoule.dashboard.pages.files.columns import QUANTITY_WORDS, Meaning, Question
 from railjoule.dashboard.pages.files.columns import UNIT_WORDS as RUN_UNIT_WORDS
@@ -236,8 +238,9 @@ def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
     source = file.source
     if file.kind == "track":
         return read_track(source)
-    if file.kind == "train":
-        return with_factors(read_train(source), file.factors)
+    if file.kind in {"train", "sheet"}:
+        read = read_train if file.kind == "train" else read_data_sheet_file
+        return with_factors(read(source), file.factors)
     return None
 
 
@@ -279,10 +282,18 @@ def _with_result(card: Card, file: Brought, result: Any) -> Card:
     return replace(
         card,
         result=result,
-        findings=tuple(without_name(finding.sentence, file.name) for finding in others),
+        findings=tuple(_shown(without_name(finding.sentence, file.name), file) for finding in others),
         unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
         questions=tuple(_asked(finding) for finding in result.findings if finding.other_unit is not None),
     )
+
+
+def _shown(sentence: str, file: Brought) -> str:
+    # of a data sheet each finding lists keys with their assumed values
+    if file.kind != "sheet":
+        return sentence
+    named = without_keys(f"{sentence[:1].lower()}{sentence[1:]}")
+    return f"{named[:1].upper()}{named[1:]}"
 
 
 def _asked(finding: Finding) -> Question:

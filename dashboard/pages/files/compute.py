@@ -10,9 +10,10 @@ from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, 
 from railjoule.core.imports.numbers import parse_position
 from railjoule.core.imports.ttobench import read_ttobench
 from railjoule.core.imports.vehicle import ImportedVehicle
-from railjoule.core.scenario import format_scenario, scenario_from_document
+from railjoule.core.scenario import format_scenario, parse_scenario, scenario_from_document
 from railjoule.core.scenario.document import to_document
 from railjoule.core.strategies import prepare_task
+from railjoule.core.studies import StudyTable, assumption_steps
 from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
 from railjoule.dashboard.pages.files.cards import Card, card_of
 from railjoule.dashboard.pages.files.columns import RunFile
@@ -134,7 +135,9 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
     track = kinds.get("track")
     if track is not None and tables:
         unused.append(f"{track.name}: {TABLES_AND_LINE}.")
-    train = kinds["train"].result if "train" in kinds else None
+    # of a train of TTOBench and one of a data sheet the last one counts, too
+    trains = [card for card in kinds.values() if isinstance(card.result, ImportedVehicle)]
+    train = max(trains, key=lambda card: card.number).result if trains else None
     reading = Reading(tuple(cards), vehicle=train, unused=tuple(unused), runs=runs)
     try:
         if tables:
@@ -267,6 +270,11 @@ def _offer(what: str, document: Mapping[str, Any], reading: Reading, now_s: floa
     elif now_s is not None and now_s >= shortest:
         time, why = round(now_s, 1), "as now"
     return Offer(what, titled, shortest, time, why)
+
+
+def assumed_effects(offer: Offer) -> Iterator[StudyTable]:
+    """Yield the effects of the vehicle's assumptions on the scenario of an offer in its proposed time, run by run."""
+    yield from assumption_steps(parse_scenario(taken(offer, offer.time_s), "the import"))
 
 
 def taken(offer: Offer, time_s: float) -> str:

@@ -1,5 +1,6 @@
 """The tab of lines and trains: a card of each file, the line drawn, and the scenarios that can be made of it."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -9,10 +10,11 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.core.scenario._sentences import counted
+from railjoule.core.studies import StudyTable
 from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.editor.fields_of import Field, parts_of, plain
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.key_names import words_of
+from railjoule.dashboard.look.key_names import split_unit, without_keys, words_of
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.typed import parse_time
@@ -20,7 +22,15 @@ from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.files.brought import TABLE_WORDS, Brought
 from railjoule.dashboard.pages.files.card_view import FileCard, message_lists
 from railjoule.dashboard.pages.files.cards import Card
-from railjoule.dashboard.pages.files.compute import LONGEST_TIME_S, Offer, Reading, Stretch, read_files, taken
+from railjoule.dashboard.pages.files.compute import (
+    LONGEST_TIME_S,
+    Offer,
+    Reading,
+    Stretch,
+    assumed_effects,
+    read_files,
+    taken,
+)
 from railjoule.dashboard.pages.files.compute import Request as FilesRequest
 from railjoule.dashboard.pages.files.line_charts import LINE_PLOTS, previews
 from railjoule.dashboard.parts import html as parts
@@ -37,6 +47,7 @@ ABOUT = {
     "line": "The scenario\u2019s vehicle stays: {vehicle}.",
     "train": "The scenario\u2019s line stays: {line}.",
 }
+ASSUMED = '{}<br><span class="muted small">{} {}</span>'
 COLUMNS_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr); align-items: start; }
 @media (min-width: 1100px) { :host { grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); } }
@@ -59,6 +70,7 @@ class LineTab(Page):
     line_name = param.String(default="", doc="Name of the line, in the place of that which its files give.")
     refusal = param.String(default="", doc="Why a file, or a scenario, was not taken.")
     reading = result(Reading, "What was read.")
+    effects = result(StudyTable, "What the assumptions of the train are worth.")
     wanted = result(tuple, "The offer that is to be taken, its travel time, and the press that asked for it.")
     opened = result(Opened, "The scenario that was taken last.")
 
@@ -67,6 +79,14 @@ class LineTab(Page):
         stretch = Stretch(self.begin, self.end, self.reverse, self.line_name[:200])
         asked = FilesRequest(self.files, stretch, self.desk.scenario.scenario())
         return (read_files, asked) if self.files else None
+
+    @study("reading", into="effects", tab=LINE)
+    def _weigh_assumptions(self) -> Request:
+        reading = self.reading
+        if reading is None or reading.vehicle is None or not reading.vehicle.vehicle.assumptions:
+            return None
+        offer = next((one for one in reading.offers or () if one.what != "line" and not one.failure), None)
+        return None if offer is None else (assumed_effects, offer)
 
     @work("wanted", into="opened")
     def _take_wanted(self) -> Request:
@@ -130,7 +150,7 @@ class LineTab(Page):
         self._views: dict[int, tuple[FileCard, Card]] = {}
         self._offered: object = None
         self.card_place, self.offer_place = parts.stack(), parts.stack()
-        self.title, self.messages, self.train, self.status = (parts.html_pane() for _ in range(4))
+        self.title, self.messages, self.train, self.status, self.worth = (parts.html_pane() for _ in range(5))
         small: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0)}
         fields = {
             "line_name": pmui.TextInput(
@@ -146,9 +166,20 @@ class LineTab(Page):
         self.place = parts.stack(pn.FlexBox(fields["begin"], fields["end"], falling, margin=0), hint)
         self.stretch = parts.stack(fields["line_name"], self.place)
         self.drawn = parts.stack(*(self.host.plots[plot.name].host for plot in LINE_PLOTS), visible=False)
-        right = (self.title, self.stretch, self.status, self.offer_place, self.drawn, self.messages, self.train)
+        right = (
+            self.title,
+            self.stretch,
+            self.status,
+            self.offer_place,
+            self.drawn,
+            self.messages,
+            self.worth,
+            self.train,
+        )
         return parts.stack(
-            parts.stack(self.card_place, css=SIDE_CSS), parts.stack(*right, css=SIDE_CSS), css=COLUMNS_CSS
+            parts.stack(self.card_place, css=SIDE_CSS),
+            parts.stack(*right, css=SIDE_CSS),
+            css=COLUMNS_CSS,
         )
 
     @shows("files", "reading", tab=LINE)
@@ -195,6 +226,10 @@ class LineTab(Page):
             drawn = previews(reading, imported)
             for plot in LINE_PLOTS:
                 self.host.draw([plot], drawn[plot.name])
+
+    @shows("effects", tab=LINE)
+    def _show_effects(self) -> None:
+        self.worth.object = "" if self.effects is None else effects_table(self.effects)
 
     def _offer(self, offer: Offer, first: bool) -> Viewable:
         """Return the button that takes an offer, its travel time, and why it has to wait."""
@@ -245,20 +280,55 @@ def train_table(reading: Reading) -> Markup:
     """Return the vehicle that was read as a table."""
     if reading.vehicle is None:
         return Markup("")
-    rows = list(vehicle_rows(reading.vehicle.document["vehicle"]))
-    return parts.table("Train", ("Quantity", "Value"), [(row, False) for row in rows], "train")
+    document = reading.vehicle.document["vehicle"]
+    assumed = {one.key for one in reading.vehicle.vehicle.assumptions}
+    columns = 3 if assumed else 2
+    rows = [(name, value, "assumed" if key in assumed else "") for key, name, value in vehicle_rows(document)]
+    head = ("Quantity", "Value", "Origin")[:columns]
+    return parts.table("Train", head, [(row[:columns], False) for row in rows], "train")
 
 
-def vehicle_rows(document: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the keys of a vehicle's table, in words and with units."""
+def effects_table(table: StudyTable) -> Markup:
+    """Return the assumptions with the change of energy if they are off, the largest first."""
+    change = words.share(table.change)
+    differences = zip(table["lower_value_difference"], table["higher_value_difference"], strict=True)
+    rows = [
+        (markup(ASSUMED, assumption_words(label), basis, without_keys(reason)), *map(_percent, pair))
+        for label, pair, basis, reason in zip(table.assumption, differences, table.bases, table.reasons, strict=True)
+    ]
+    head = ("Assumed value", f"{change} % lower", f"{change} % higher")
+    note = (
+        f"Change of the {words.energy(table.energy_kwh)} kWh in the same time, in per cent. Look up the first values "
+        "first. Of an efficiency, the losses are varied. Assumed values stay marked in the saved scenario and in the "
+        "report until another value replaces them."
+    )
+    shown = parts.table("What each assumption is worth", head, [(row, False) for row in rows], "assumptions")
+    return markup("{}<p class=note>{}</p>", shown, note)
+
+
+def assumption_words(label: str) -> str:
+    """Return the name of assumed values from their keys."""
+    first, _, others = label.partition(",")
+    if others:
+        return words_of(first.rpartition(".")[0])
+    return words_of(split_unit(first.rpartition(".")[2])[0])
+
+
+def _percent(part: float) -> str:
+    return words.UNKNOWN if math.isnan(part) else words.signed(100 * part, 1)
+
+
+def vehicle_rows(document: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield the keys of a vehicle's table, with their names and units in words and their values."""
     model = str(document.get("drive", {}).get("model", ""))
     inner = ((f"vehicle.{key}", value) for key, value in document.items() if isinstance(value, dict))
     for table, values in (("vehicle", document), *inner):
         labels = {part.name: part.label for part in parts_of(table, model) if isinstance(part, Field)}
         group = "" if table == "vehicle" else f"{words_of(table)}: "
         for key, value in values.items():
-            if isinstance(value, dict):
+            if isinstance(value, dict) or key == "assumed":
                 continue
             number = isinstance(value, int | float) and not isinstance(value, bool)
             shown = f"{len(value)} points" if isinstance(value, list) else plain(value) if number else str(value)
-            yield f"{group}{labels.get(key) or words_of(key)}", shown
+            path = f"{table}.{key}".removeprefix("vehicle.") if table == "vehicle.drive" else f"{table}.{key}"
+            yield path, f"{group}{labels.get(key) or words_of(key)}", shown

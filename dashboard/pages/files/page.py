@@ -25,6 +25,7 @@ from railjoule.dashboard.pages.files.line_charts import LINE_PLOTS
 from railjoule.dashboard.pages.files.line_tab import LINE
 from railjoule.dashboard.pages.files.run_charts import RUN_PLOTS
 from railjoule.dashboard.pages.files.runs_tab import RUNS, RunsTab
+from railjoule.dashboard.pages.files.sheet_form import SheetForm
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.kept import result
@@ -182,8 +183,12 @@ class Files(RunsTab):
         self.chooser.param.watch(self._take_chosen, "value")
         example = pmui.Button(label="Try the example", on_click=self.try_example, height=30, **place)
         self.refused, self.invitation = parts.html_pane(visible=False), parts.html_pane()
+        self.sheet = SheetForm(self.add)
         tools = parts.stack(
-            pn.FlexBox(self.chooser, example, margin=0), self.invitation, css=padded("0 20px", "0 14px")
+            pn.FlexBox(self.chooser, example, margin=0),
+            self.invitation,
+            self.sheet.view,
+            css=padded("0 20px", "0 14px"),
         )
         self.tabs = PageTabs(self, TABS, {LINE: self.layout_line, RUNS: self.layout_runs})
         return parts.stack(self.refused, tools, self.tabs.view)
@@ -206,3 +211,4 @@ class Files(RunsTab):
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])
         text = markup("<p class=note>{}</p>", texts.INVITATION[self.tab]) if is_empty else Markup("")
         self.invitation.object = text
+        self.sheet.view.visible = self.tab == LINE

@@ -12,6 +12,11 @@ GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
         ("metro-10-stations",),
     ),
     (
+        "Other kinds of trains",
+        "a regional and a high-speed train, light rail and freight, with the sources of their numbers",
+        ("regional-flirt", "light-rail-sd160", "high-speed-velaro", "freight-vectron"),
+    ),
+    (
         "From the papers",
         "the cases of published studies, to compare with what they print",
         (
@@ -37,6 +42,10 @@ GOOD_FOR = {
     "tram-950m-stop": "A red signal on the way: what an unplanned stop costs.",
     "tram-950m-recuperating": "The same tram with recuperation: later coasting, later braking.",
     "metro-10-stations": "Ten stations in one timetable: which leg gets how much running-time supplement.",
+    "regional-flirt": "Six stations and a curve: a light train that brakes back most of its energy.",
+    "light-rail-sd160": "Out of the street and over a hill: 35 per mille and short runs.",
+    "high-speed-velaro": "Air resistance decides: 300\u00a0km/h allowed, and less is enough.",
+    "freight-vectron": "1103 tonnes over a ridge: momentum, not braking.",
     "liashenko-0": "A steady rise of 3 per mille: the plain case beside the three profiles.",
     "liashenko-i": "Light gradients, up to 10 per mille.",
     "liashenko-iii": "Heavy gradients, up to 40 per mille.",

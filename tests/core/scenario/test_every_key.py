@@ -29,6 +29,9 @@ DESCRIPTIONS = {
     ("Line", "name"),
     ("Station", "name"),
     ("PassingPoint", "name"),
+    ("Assumed", "key"),
+    ("Assumed", "value"),
+    ("Assumed", "basis"),
 }
 """Keys that describe and are shown, and change no number."""
 READ_BEFORE = {("Vehicle", "preset"), ("Line", "preset"), ("SimulationOptions", "kind")}

@@ -9,7 +9,7 @@ from commands import complaint
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.command.cli import OK, main
+from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
 
 FILES = Path(__file__).parents[2] / "core" / "imports" / "files"
 
@@ -243,3 +243,38 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
     assert "not used: railtoolkit-path.yaml: paths not read: example." in told
+
+
+def test_a_data_sheet_becomes_a_vehicle_and_its_assumptions_are_weighed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sheet = (
+        "mass_t=60",
+        "power_kw=800",
+        "max_acceleration_ms2=0,9",
+        "max_speed_kmh=120",
+        "length_m=41",
+        "name=Own car",
+    )
+    assert main(["import", "data-sheet", *sheet, "regenerative=false", "-o", "car.toml"]) == OK
+    printed = capsys.readouterr()
+    assert printed.out == "car.toml: Own car, 60.0 t, 120.0 km/h\n"
+    assert "vehicle.rotating_mass_factor = 0.1: TTOBench, Stadler FLIRT." in printed.err
+    line = ("--set", "line.preset=flat-5km", "timetable.travel_time_s=320")
+    assert main(["study", "assumptions", "car.toml", "-o", "effects.csv", *line]) == OK
+    shown = capsys.readouterr().out
+    assert "resistance.constant_n_per_kn" in shown
+    assert shown.endswith("assumptions\n")
+    assert (tmp_path / "effects.csv").read_text(encoding="utf-8").startswith("assumption,")
+    assert main(["import", "data-sheet", "mass_t", "-o", "car.toml"]) == BAD_INPUT
+    assert "KEY=VALUE mass_t: must be KEY=VALUE, such as mass_t=120." in capsys.readouterr().err
+    assert main(["import", "data-sheet", *sheet, "colour=1", "-o", "car.toml"]) == BAD_INPUT
+    assert "data sheet: unknown key colour" in capsys.readouterr().err
+    assert main(["study", "assumptions", "ftorek-300s", "-o", "effects.csv"]) == BAD_INPUT
+    assert "nothing of the vehicle is assumed" in capsys.readouterr().err
+
+
+def test_a_shipped_vehicle_without_a_file_runs_in_its_scenario(capsys):
+    assert main(["solve", "--strategy", "fastest", "--set", "vehicle.preset=light-rail-sd160"]) == OK
+    assert capsys.readouterr().out.startswith("Light rail, seven stations: Fastest")
+    assert main(["solve", "--set", "vehicle.preset=light-rail"]) == BAD_INPUT
+    assert "there is no preset 'light-rail' among the vehicles" in capsys.readouterr().err
