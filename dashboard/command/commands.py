@@ -68,13 +68,18 @@ def check(options: argparse.Namespace) -> bool:
 
 
 def compare(options: argparse.Namespace) -> None:
-    """Run every strategy that takes a scenario, and show the results side by side."""
-    scenario = files.scenario(options)
-    found = compare_strategies(scenario, prove_seconds=options.prove_seconds)
-    # less than half a millisecond more than a core that hands its own task out
-    shortest = prepare_task(scenario).shortest_travel_time_s
-    values = summary.summarise_comparison(found.runs, found.refused, shortest)
-    show(options, values, terminal.comparison_text)
+    """Run every strategy that takes a scenario, or two scenarios by their own strategies, and show the results."""
+    loaded = [files.load(file, options.set) for file in options.file]
+    if len(loaded) == 1 and not options.set_second:
+        found = compare_strategies(loaded[0], prove_seconds=options.prove_seconds)
+        show(options, summary.summarise_comparison(found), terminal.comparison_text)
+        return
+    first, second = loaded[0], loaded[-1].replace(options.set_second) if options.set_second else loaded[-1]
+    with refusals_named(
+        f"{first.strategy} or {second.strategy}" if first.strategy != second.strategy else first.strategy
+    ):
+        found = compare_strategies([first, second], prove_seconds=options.prove_seconds)
+    show(options, summary.summarise_pair(found), terminal.pair_text)
 
 
 def advise(options: argparse.Namespace) -> None:
