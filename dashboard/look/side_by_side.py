@@ -83,6 +83,19 @@ def scenarios_differ(first: Scenario, second: Scenario) -> str:
     return f"The second scenario has {told}." if told else "Both scenarios are the same."
 
 
+def pair_names(first: Trajectory, second: Trajectory) -> tuple[str, str]:
+    """Return short names of two scenarios: their titles, or where these are the same the trains or the times."""
+    scenarios = first.scenario, second.scenario
+    for one, other in (
+        [words.title(scenario.title) for scenario in scenarios],
+        [scenario.vehicle.name for scenario in scenarios],
+        [f"{words.time(scenario.travel_time_s)} s" for scenario in scenarios],
+    ):
+        if one != other and one and other:
+            return one, other
+    return words.title(first.scenario.title), words.title(second.scenario.title)
+
+
 def lengths_differ(first: Trajectory, second: Trajectory) -> str:
     """Return a sentence on lines of different lengths; empty where they have the same."""
     if abs(first.distance_m - second.distance_m) <= SAME_LENGTH_M:

@@ -195,9 +195,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
                 comparisons.time_asked(run) or slack,
                 whole=comparisons.other_time_of(run),
             ),
-            figure(
-                "Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {mean}"
-            ),
+            figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {mean}"),
             figure(
                 "Recuperated",
                 words.energy(energy.recuperated_j / J_PER_KWH),
