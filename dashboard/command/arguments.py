@@ -264,6 +264,7 @@ REPORT = (
         metavar="NAME",
         help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
     ),
+    argument("--second", metavar="FILE", help="a second scenario, which a section sets beside the first"),
     argument("--author", metavar="NAME", default="", help="who has written it"),
     argument(
         "--note",

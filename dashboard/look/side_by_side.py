@@ -29,20 +29,20 @@ def _digits(count: int, scale: float = 1.0) -> tuple[Callable[[float], str], Cal
 
 ENERGY = words.energy, words.energy_difference
 KINDS: Mapping[str, Kind] = {
-    "energy_kwh": Kind("Energy from the supply, kWh", *ENERGY),
+    "energy_kwh": Kind("Energy, kWh", *ENERGY),
     "energy_per_km_kwh": Kind("Energy per km, kWh/km", *ENERGY),
     "energy_per_tonne_km_wh": Kind("Energy per tonne and km, Wh", *_digits(1)),
-    "recuperated_kwh": Kind("Recuperated energy, kWh", *ENERGY),
+    "recuperated_kwh": Kind("Recuperated, kWh", *ENERGY),
     "travel_time_s": Kind("Travel time, s", words.time, words.delay),
     "mean_speed_kmh": Kind("Mean speed, km/h", *_digits(1)),
     "max_speed_kmh": Kind("Highest speed, km/h", *_digits(1)),
-    "max_supply_power_kw": Kind("Largest power from the supply, kW", *_digits(0)),
-    "max_supply_current_a": Kind("Largest current from the supply, A", *_digits(0)),
-    "distance_m": Kind("Length of the line, m", *_digits(0)),
-    "total_mass_kg": Kind("Mass with load, t", *_digits(1, KG_PER_T)),
-    "lower_bound_kwh": Kind("Lower bound of the energy, kWh", *ENERGY),
+    "max_supply_power_kw": Kind("Largest power, kW", *_digits(0)),
+    "max_supply_current_a": Kind("Largest current, A", *_digits(0)),
+    "distance_m": Kind("Length, m", *_digits(0)),
+    "total_mass_kg": Kind("Mass, t", *_digits(1, KG_PER_T)),
+    "lower_bound_kwh": Kind("Lower bound, kWh", *ENERGY),
 }
-"""The measures of `railjoule.core.measures` in the order of the table."""
+"""The measures of `railjoule.core.measures` in the order of the table; power and current are those of the supply."""
 
 
 def pair_rows(first: Trajectory, second: Trajectory) -> list[tuple[str, ...]]:
@@ -55,7 +55,7 @@ def pair_rows(first: Trajectory, second: Trajectory) -> list[tuple[str, ...]]:
     ]
     proofs = (comparisons.cell(comparisons.above_own_bound(run)) for run in (first, second))
     proven = ("yes" if run.is_proven else "no" for run in (first, second))
-    return [*rows, ("Energy above the lower bound, %", *proofs, "", ""), ("Proven optimal", *proven, "", "")]
+    return [*rows, ("Above the bound, %", *proofs, "", ""), ("Proven optimal", *proven, "", "")]
 
 
 def _cells(name: str, one: float | None, other: float | None) -> tuple[str, str, str, str]:

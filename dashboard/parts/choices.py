@@ -3,20 +3,12 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
-import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.parts.number_field import tie
 
 Options = Mapping[str, Any]
 """The values by the words for them."""
-SELECT_CSS = """
-select:not([multiple]).bk-input { height: 40px; padding-right: 30px; text-overflow: ellipsis; color: var(--rj-ink);
-  /* Bokeh's own mark of a menu is black, in the dark theme too */
-  background: linear-gradient(45deg, transparent 50%, var(--rj-ink) 50%) right 15px center / 5px 5px no-repeat,
-  linear-gradient(-45deg, transparent 50%, var(--rj-ink) 50%) right 10px center / 5px 5px no-repeat; }
-select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
-"""
 
 
 def buttons(model: Any, field: str, options: Options, **params: Any) -> pmui.RadioButtonGroup:
@@ -44,12 +36,6 @@ def menu(model: Any, field: str, label: str, options: Options, **params: Any) ->
     """Return a menu of the sidebar."""
     place = {"margin": (8, 16, 4, 16), "sizing_mode": "stretch_width"}
     return _tied(pmui.Select, model, field, label=label, options=dict(options), **{**place, **params})
-
-
-def grouped_menu(label: str, groups: Mapping[str, Options], value: Any, **params: Any) -> pn.widgets.Select:
-    """Return a menu whose entries stand in groups with titles."""
-    shown = {group: dict(options) for group, options in groups.items()}
-    return pn.widgets.Select(label=label, groups=shown, value=value, stylesheets=[SELECT_CSS], **params)
 
 
 def box(model: Any, field: str, label: str, **params: Any) -> pmui.Checkbox:

@@ -19,7 +19,7 @@ from railjoule.dashboard.page import Hint, Own, Page, Section
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.start.compute import card_names
 from railjoule.dashboard.pages.start.groups import scenario_groups
-from railjoule.dashboard.parts.choices import box, grouped_menu, menu
+from railjoule.dashboard.parts.choices import box, menu
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.share import SaveScenario
@@ -40,6 +40,13 @@ BUTTONS = Markup(
     '<button type="button" class="text-button" data-ask="edit">Edit scenario</button>'
     '<button type="button" class="text-button" data-ask="save_scenario">Save scenario</button></div>'
 )
+SELECT_CSS = """
+select:not([multiple]).bk-input { height: 40px; padding-right: 30px; text-overflow: ellipsis; color: var(--rj-ink);
+  /* Bokeh's own mark of a menu is black, in the dark theme too */
+  background: linear-gradient(45deg, transparent 50%, var(--rj-ink) 50%) right 15px center / 5px 5px no-repeat,
+  linear-gradient(-45deg, transparent 50%, var(--rj-ink) 50%) right 10px center / 5px 5px no-repeat; }
+select.bk-input option, select.bk-input optgroup { color: var(--rj-ink); background: var(--rj-surface); }
+"""
 PLAN = '<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'
 UNCHANGED = Markup('<hr class="rule"><div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
 CHANGED = (
@@ -60,8 +67,13 @@ class Sidebar:
     def __init__(self, state: Workbench, browser: Browser, keeping: Keeping) -> None:
         self.state = state
         scenario = state.scenario
-        self.preset = grouped_menu(
-            "Scenario", scenario_options(state), scenario.preset, margin=(12, 16, 0, 16), sizing_mode="stretch_width"
+        self.preset = pn.widgets.Select(
+            label="Scenario",
+            groups=scenario_options(state),
+            value=scenario.preset,
+            margin=(12, 16, 0, 16),
+            sizing_mode="stretch_width",
+            stylesheets=[SELECT_CSS],
         )
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.own = stack()

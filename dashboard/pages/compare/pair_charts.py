@@ -55,8 +55,8 @@ PAIR_PLOTS = tuple(
                     below=(LIMIT,),
                     draws=partial(draw_speeds, own=own),
                 ),
-                _plot(own, POWER, "power from the supply, MW", (140, 170, 120), digits=1, zero=True),
-                _plot(own, ENERGY, "energy from the supply so far, kWh", (150, 180, 130), digits=1),
+                _plot(own, POWER, "power, MW", (140, 170, 120), digits=1, zero=True),
+                _plot(own, ENERGY, "energy so far, kWh", (150, 180, 130), digits=1),
                 _plot(
                     *(own, EFFORT, "traction (+), braking (\u2212), kN", (140, 170, 130)),
                     ticks=3,

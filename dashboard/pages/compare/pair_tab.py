@@ -4,6 +4,7 @@ from functools import cache
 from typing import Any
 
 import panel as pn
+import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -17,7 +18,7 @@ from railjoule.dashboard.look.side_by_side import HEAD, lengths_differ, pair_nam
 from railjoule.dashboard.page import Page, Request, shows, study
 from railjoule.dashboard.pages.compare.pair_charts import AXIS, FIRST, PAIR_PLOTS, SECOND, TOKENS
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.choices import grouped_menu, over_time_buttons
+from railjoule.dashboard.parts.choices import over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.numbers import keyed
@@ -89,17 +90,22 @@ class PairTab(Page):
     def layout_pair(self) -> Viewable:
         """Return the parts of the tab, laid out."""
         self.pair_figures, self.pair_words, self.pair_table = (parts.html_pane() for _ in range(3))
-        self.second_menu = grouped_menu(
-            "Second scenario", self._groups(), self._entry, margin=(10, 12, 0, 20), width=330
+        self.second_menu = pmui.Select(
+            label="Second scenario",
+            groups=self._groups(),
+            value=self._entry,
+            size="small",
+            margin=(10, 12, 0, 20),
+            width=330,
         )
         self.second_menu.param.watch(self._choose_second, "value")
         ends = self.desk.scenario.travel_time_range_s
         self.second_time = NumberField(self, "second_time_s", ends=ends, max_width=360, visible=False)
         tools = pn.FlexBox(
             self.second_menu,
-            over_time_buttons(self.desk, margin=(24, 20, 0, 20)),
+            over_time_buttons(self.desk, margin=(16, 20, 0, 20)),
             align_items="flex-start",
-            margin=0,
+            margin=(0, 0, 12, 0),
             sizing_mode="stretch_width",
         )
         self.pair_columns = parts.stack(
@@ -185,7 +191,7 @@ class PairTab(Page):
         self.pair_figures.object = parts.figures(pair_figures(pair))
         self.pair_words.object = pair_words(pair)
         rows = [(row, False) for row in pair_rows(first, second)]
-        table = '<div class="wide-table" tabindex="0" role="region" aria-label="Both scenarios">{}</div>'
+        table = '<div class="wide-table wraps" tabindex="0" role="region" aria-label="Both scenarios">{}</div>'
         body = parts.markup(table, parts.table("Both scenarios", HEAD, rows))
         self.pair_table.object = parts.markup('<div style="padding:0 20px 16px">{}</div>', body)
 
@@ -230,7 +236,7 @@ def pair_words(pair: Pair) -> parts.Markup:
         "In each column the other run is the thin dashed line.",
     ]
     body = " ".join(filter(None, sentences))
-    return parts.markup('<div style="padding:0 20px 4px"><p>{}</p><p class="note">{}</p></div>', names, body)
+    return parts.markup('<div style="padding:10px 20px 4px"><p>{}</p><p class="note">{}</p></div>', names, body)
 
 
 @cache

@@ -388,7 +388,7 @@ def test_the_second_scenario_may_be_the_first_one_changed(capsys):
     words = ("compare", "metro-with-limit", "--set-second", "vehicle.preset=tram-105n", "vehicle.load_factor=0.5")
     text = answer(capsys, *words)
     assert "vehicle Tram 105N instead of Metro 81-7036, 5 cars" in " ".join(text.split())
-    (row,) = (line.split() for line in text.splitlines() if line.startswith("Energy from the supply, kWh"))
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("Energy, kWh"))
     first, second, difference, percent = (float(cell) for cell in row[-4:])
     assert difference == pytest.approx(second - first, abs=0.011)
     assert percent == pytest.approx(100 * (second / first - 1), abs=0.1)
