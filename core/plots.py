@@ -53,6 +53,7 @@ def plot_speeds(runs: Sequence["Trajectory"], axes: Any = None) -> Any:
     of_several = len({id(run.scenario) for run in runs}) > 1
     for run in runs:
         strategy = STRATEGIES.get(run.strategy)
+        colour: str | None
         colour, label = (strategy.colour[0], strategy.label) if strategy else (GREY[0], run.strategy)
         if of_several:
             colour, label = None, f"{run.scenario.title or 'Untitled scenario'}: {label}"

@@ -79,8 +79,8 @@ def differences(first: Trajectory, second: Trajectory) -> dict[str, float]:
 
 def scenarios_differ(first: Scenario, second: Scenario) -> str:
     """Return in one sentence by what the second scenario differs from the first."""
-    told = "; ".join(difference_words(second, first))
-    return f"The second scenario has {told}." if told else "Both scenarios are the same."
+    sentences = "; ".join(difference_words(second, first))
+    return f"The second scenario has {sentences}." if sentences else "Both scenarios are the same."
 
 
 def pair_names(first: Trajectory, second: Trajectory) -> tuple[str, str]:

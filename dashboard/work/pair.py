@@ -11,7 +11,7 @@ from railjoule.dashboard.work.runs import ProofRequest, Runs, RunsRequest, compu
 
 NOTHING, TRAIN, TIME, SCENARIO = "nothing", "train", "time", "scenario"
 KINDS = (NOTHING, TRAIN, TIME, SCENARIO)
-"""What a second scenario has of its own: nothing (there is none), its train, its travel time, or all."""
+"""Parts of its own of a second scenario: none (there is none), the train, the travel time, or all."""
 NAME = "second scenario"
 
 
@@ -121,5 +121,6 @@ def compute_pair(request: PairRequest) -> Iterator[Pair]:
         if runs.to_prove is None:
             continue
         for proven in compute_proof(ProofRequest(runs.scenario, runs.to_prove)):
-            pair = replace(pair, **{name: runs.with_bound(proven.bound)})
+            bounded = runs.with_bound(proven.bound)
+            pair = replace(pair, first=bounded) if name == "first" else replace(pair, second=bounded)
             yield pair

@@ -11,7 +11,7 @@ from browser.server import Server
 from browser.user import User
 
 CURSOR = re.compile(r"first ([\d.]+) km/h\s+second ([\d.]+) km/h")
-"""What the cursor writes into a caption of speeds."""
+"""The values of the cursor in a caption of speeds."""
 BELOW = """() => {
   const all = [], seek = (root) => root.querySelectorAll("*").forEach((one) => {
     if (one.shadowRoot) seek(one.shadowRoot);
@@ -92,10 +92,10 @@ def test_a_second_train_stands_beside_the_first_under_one_cursor(user: User) -> 
     expect(page.get_by_text("Choose a second scenario").locator("visible=true")).to_be_visible()
     page.get_by_role("combobox", name="Second scenario").locator("visible=true").click()
     page.get_by_role("menuitem", name="Tram 105N").click()
-    told = page.get_by_text("The second scenario has vehicle Tram 105N instead of Metro 81-7036").locator(
+    difference_line = page.get_by_text("The second scenario has vehicle Tram 105N instead of Metro 81-7036").locator(
         "visible=true"
     )
-    expect(told).to_be_visible()
+    expect(difference_line).to_be_visible()
     figures = [page.locator(f".rj-chart-{side}_speed:visible") for side in ("first", "second")]
     boxes = []
     for figure in figures:
@@ -126,7 +126,7 @@ def test_a_second_train_stands_beside_the_first_under_one_cursor(user: User) -> 
     page.get_by_role("button", name="Undo", exact=True).click()
     expect(page.get_by_text("Choose a second scenario").locator("visible=true")).to_be_visible()
     page.get_by_role("button", name="Redo", exact=True).click()
-    expect(told).to_be_visible()
+    expect(difference_line).to_be_visible()
     page.reload()
-    expect(told).to_be_visible(timeout=30_000)
+    expect(difference_line).to_be_visible(timeout=30_000)
     assert_nothing_grave(user)

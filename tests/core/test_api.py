@@ -220,11 +220,11 @@ def test_several_scenarios_have_their_own_runs_and_measures():
     first = rj.load_scenario("tram-950m")
     second = first.replace({"timetable.travel_time_s": 110.0, "vehicle.load_factor": 1.0})
     found = rj.compare([first, second])
-    alone = [rj.solve(first), rj.solve(second)]
+    solved = [rj.solve(first), rj.solve(second)]
     table = found.to_dataframe()
-    assert table["energy_kwh"].tolist() == [run.energy_kwh for run in alone]
-    assert table["lower_bound_kwh"].tolist() == [run.lower_bound_kwh for run in alone]
-    for (_, row), run in zip(table.iterrows(), alone, strict=True):
+    assert table["energy_kwh"].tolist() == [run.energy_kwh for run in solved]
+    assert table["lower_bound_kwh"].tolist() == [run.lower_bound_kwh for run in solved]
+    for (_, row), run in zip(table.iterrows(), solved, strict=True):
         # from the arrays and the account of the run, in units of their own
         assert row["energy_per_tonne_km_wh"] == pytest.approx(
             run.energy.net_j / 3600 / (run.scenario.vehicle.total_mass_kg / 1000) / (run.position_m[-1] / 1000)

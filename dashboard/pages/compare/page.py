@@ -222,7 +222,7 @@ class Compare(PairTab):
             self._quiet = False
 
     # a greater bound changes only numbers, and no line is drawn again for it
-    # `comparing` begins before runs come and ends with them or a failure: the table is not drawn for it alone
+    # `comparing` begins before runs come and ends with them or a failure: no further drawing is needed for it
     @shows(*AMONG, "desk.tightened", "failure", tab=STRATEGIES_TAB)
     def _show_table(self) -> None:
         among, desk = self.among, self.desk

@@ -180,8 +180,8 @@ class PairTab(Page):
         pair = self.pair
         self.pair_columns.visible = pair is not None
         if pair is None:
-            told = "" if self.second != NOTHING else parts.note_paragraphs([INVITATION], "margin:12px 20px")
-            self.pair_words.object, self.pair_figures.object, self.pair_table.object = told, "", ""
+            invitation = "" if self.second != NOTHING else parts.note_paragraphs([INVITATION], "margin:12px 20px")
+            self.pair_words.object, self.pair_figures.object, self.pair_table.object = invitation, "", ""
             return
         first, second = pair.runs
         over_time = self.desk.over_time

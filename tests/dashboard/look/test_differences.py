@@ -33,12 +33,12 @@ def test_lists_are_told_as_a_whole() -> None:
     assert difference_words(other, base) == ("different speed limits",)
 
 
-def test_a_key_of_a_table_within_a_table_is_told_with_it() -> None:
+def test_a_key_of_a_table_within_a_table_has_the_name_of_both() -> None:
     base = load_scenario("metro-with-limit")
     other = base.replace(**{"vehicle.resistance.constant_n": 4000.0, "vehicle.braking.max_deceleration_ms2": None})
-    told = difference_words(other, base)
-    assert told[0].startswith("resistance constant 4000 N instead of ")
-    assert all("_" not in sentence and "." not in sentence.replace("0.", "") for sentence in told)
+    sentences = difference_words(other, base)
+    assert sentences[0].startswith("resistance constant 4000 N instead of ")
+    assert all("_" not in sentence and "." not in sentence.replace("0.", "") for sentence in sentences)
 
 
 def test_another_vehicle_is_told_by_its_name_and_many_differences_are_counted() -> None:
