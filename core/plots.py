@@ -45,11 +45,18 @@ def plot_run(run: "Trajectory", axes: Any = None) -> Any:
 
 
 def plot_speeds(runs: Sequence["Trajectory"], axes: Any = None) -> Any:
-    """Draw the speeds of several runs over distance; arguments, result and errors as in `plot_run`."""
+    """Draw the speeds of several runs over distance; arguments, result and errors as in `plot_run`.
+
+    Runs of several scenarios have colours by turns, and the titles of their scenarios in the legend.
+    """
     axes = axes if axes is not None else _new_axes()
+    of_several = len({id(run.scenario) for run in runs}) > 1
     for run in runs:
         strategy = STRATEGIES.get(run.strategy)
+        colour: str | None
         colour, label = (strategy.colour[0], strategy.label) if strategy else (GREY[0], run.strategy)
+        if of_several:
+            colour, label = None, f"{run.scenario.title or 'Untitled scenario'}: {label}"
         axes.plot(run.position_m, run.speed_ms / MS_PER_KMH, color=colour, label=f"{label}, {run.energy_kwh:.3f} kWh")
     axes.set(xlabel="distance [m]", ylabel="speed [km/h]")
     return _finished(axes)

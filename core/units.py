@@ -15,6 +15,12 @@ N_PER_KN = 1e3
 W_PER_KW = 1e3
 """Watts in one kilowatt."""
 
+KG_PER_T = 1e3
+"""Kilograms in one tonne."""
+
+M_PER_KM = 1e3
+"""Metres in one kilometre."""
+
 H_PER_MH = 1e-3
 """Henrys in one millihenry."""
 

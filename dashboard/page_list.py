@@ -48,7 +48,7 @@ PAGES = {
     "Drive": PageEntry(
         "How should this train be driven, and what if the day goes differently?", strategies="draw", shows_runs=True
     ),
-    "Compare": PageEntry("Strategies and pinned runs side by side", strategies="draw", shows_runs=True),
+    "Compare": PageEntry("Strategies, pinned runs or two scenarios side by side", strategies="draw", shows_runs=True),
     "Trade-off": PageEntry("Energy against travel time", strategies="draw", shows_runs=True),
     "What if": PageEntry("What do another load, unplanned events and chance cost?"),
     "Set speeds": PageEntry("Set speeds by section, compared with the optimum", group="Equipment", strategies=""),

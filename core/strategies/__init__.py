@@ -29,8 +29,10 @@ from railjoule.core.errors import (
     DriveRangeError,
     InfeasibleLineError,
     RailjouleError,
+    ScenarioError,
     StrategyRefusedError,
 )
+from railjoule.core.measures import MEASURES, measure
 from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
@@ -50,33 +52,29 @@ for _module in iter_modules(__path__):
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Runs of several strategies over one scenario.
+    """Runs of several strategies over one scenario, or runs of several scenarios.
 
     Parameters
     ----------
     runs : tuple of Trajectory
-        The runs in the order of the strategies, with a common bound and the best known run.
+        The runs in the order of the strategies, with a common bound and the best known run; of several scenarios in
+        the order of the scenarios, each with its own.
     refused : mapping of str to str
-        Names of the strategies without a run, each with its reason in one sentence.
+        Names of the strategies without a run, each with its reason in one sentence; none for several scenarios.
+    shortest_times_s : tuple of float
+        Shortest possible time of the scenario of each run, dwells included [s].
     """
 
     runs: tuple[Trajectory, ...]
     refused: Mapping[str, str]
+    shortest_times_s: tuple[float, ...]
 
     def to_dataframe(self) -> "pandas.DataFrame":
-        """Return a table with one row for each run."""
+        """Return a table with one row for each run: title of its scenario, strategy, and the measures of the run."""
         import pandas  # noqa: PLC0415  (slow to import)
 
-        return pandas.DataFrame(
-            {
-                "strategy": [run.strategy for run in self.runs],
-                "energy_kwh": [run.energy_kwh for run in self.runs],
-                "travel_time_s": [run.travel_time_s for run in self.runs],
-                "max_speed_kmh": [run.max_speed_kmh for run in self.runs],
-                "lower_bound_kwh": [run.lower_bound_kwh for run in self.runs],
-                "gap": [run.gap for run in self.runs],
-            }
-        )
+        rows = ({"title": run.scenario.title, "strategy": run.strategy, **measure(run)} for run in self.runs)
+        return pandas.DataFrame(rows, columns=["title", "strategy", *MEASURES])
 
     def plot(self, axes: Any = None) -> Any:
         """Draw the speeds of all runs over distance with matplotlib; return the axes."""
@@ -129,21 +127,28 @@ def solve(
     check_seconds(prove_seconds)
     scenario = as_scenario(scenario)
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
-    trajectory = run_strategy(task, strategy or scenario.strategy)
-    # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
-    if trajectory.reference is not None:
-        trajectory = _tightened(task, trajectory, prove_seconds)
-    elif task.has_slack:
-        best = known_optimum(task)
-        best = None if best is None else _tightened(task, best, prove_seconds)
-        trajectory = bounded(task, trajectory, best.bound if best is not None else None)
-        *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
+    trajectory = _solve_task(task, strategy, prove_seconds)
     if not (check or callable(strategy)):
         return trajectory
     result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
     trajectory = replace(trajectory, check=result)
     if not result.ok:
         raise CheckError(trajectory)
+    return trajectory
+
+
+def _solve_task(task: Task, strategy: "str | OwnStrategy | None", prove_seconds: float | None) -> Trajectory:
+    """Return the run of a strategy over a task with its bound and the best known run; errors as `solve`."""
+    trajectory = run_strategy(task, strategy or task.scenario.strategy)
+    # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
+    if trajectory.reference is not None:
+        return _tightened(task, trajectory, prove_seconds)
+    if not task.has_slack:
+        return trajectory
+    best = known_optimum(task)
+    best = None if best is None else _tightened(task, best, prove_seconds)
+    trajectory = bounded(task, trajectory, best.bound if best is not None else None)
+    *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
     return trajectory
 
 
@@ -180,28 +185,33 @@ def run_strategy(task: Task, strategy: "str | OwnStrategy") -> Trajectory:
 
 
 def compare(
-    scenario: Scenario | str | Path, strategies: Sequence[str] = (), *, prove_seconds: float | None = None
+    scenario: Scenario | str | Path | Sequence[Scenario | str | Path],
+    strategies: Sequence[str] = (),
+    *,
+    prove_seconds: float | None = None,
 ) -> Comparison:
-    """Return the runs of several strategies over a scenario, and why others refuse it or fail.
+    """Return the runs of several strategies over a scenario and why others refuse it, or the runs of several scenarios.
 
     Parameters
     ----------
-    scenario : Scenario, str or Path
-        As in `solve`.
+    scenario : Scenario, str or Path, or a sequence of them
+        As in `solve`; a sequence gives the runs of its scenarios.
     strategies : sequence of str
-        Which ones; by default all.
+        Which ones; by default all, and for each of several scenarios its own.
     prove_seconds : float, optional
         As in `solve`.
 
     Raises
     ------
     TimetableError, InfeasibleLineError, ScenarioError, StrategyRefusedError
-        As in `solve`.
+        As in `solve`; of several scenarios the first one that has no run raises.
     """
     check_seconds(prove_seconds)
     for name in strategies:
         if name not in STRATEGIES:
             raise StrategyRefusedError(f"{name!r} is not a strategy; choose one of {', '.join(STRATEGIES)}.")
+    if isinstance(scenario, Sequence) and not isinstance(scenario, str):
+        return _compare_scenarios([as_scenario(one) for one in scenario], strategies, prove_seconds)
     task = prepare_task(as_scenario(scenario))
     # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
@@ -212,7 +222,24 @@ def compare(
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
-    return Comparison(tuple(with_bounds(task, runs, prove_seconds)), refused)
+    runs = with_bounds(task, runs, prove_seconds)
+    return Comparison(tuple(runs), refused, (task.shortest_travel_time_s,) * len(runs))
+
+
+def _compare_scenarios(
+    scenarios: Sequence[Scenario], strategies: Sequence[str], prove_seconds: float | None
+) -> Comparison:
+    """Return the runs of scenarios, each with its own bound and best known run; errors as `compare`."""
+    if not scenarios:
+        raise ScenarioError("scenario: the list is empty; at least one scenario is needed.")
+    runs: list[Trajectory] = []
+    shortest_s: list[float] = []
+    for scenario in scenarios:
+        task = prepare_task(scenario)
+        for name in strategies or (scenario.strategy,):
+            runs.append(_solve_task(task, name, prove_seconds))
+            shortest_s.append(task.shortest_travel_time_s)
+    return Comparison(tuple(runs), {}, tuple(shortest_s))
 
 
 def with_bounds(task: Task, runs: list[Trajectory], prove_seconds: float | None = None) -> list[Trajectory]:

@@ -25,6 +25,9 @@ LINE_PX = 15.0
 """Height of a line of text of 12 px."""
 END_GAP_PX, END_SHIFT_PX, END_STEP_PX = 6.0, 46.0, 1.0
 """Between the end of a line and its name; how far up or down from it the name may be, and in which steps."""
+END_SHIFTS_PX = np.repeat(np.arange(0.0, END_SHIFT_PX, END_STEP_PX), 2)
+END_SHIFTS_PX[1::2] *= -1
+"""The shifts in the order in which they are tried: up and down by turns."""
 BOX_GAP_PX = 2.0
 AROUND_PX = (10.0, 18.0, 30.0, 44.0)
 """How far beside a point its name may stand."""
@@ -163,9 +166,10 @@ def envelopes(lines: Sequence[Polyline], width_px: float) -> tuple[FloatArray, F
 def _beside(label: Label, line: Polyline, height_px: float) -> FloatArray:
     """Return the boxes beside the end of a label's line, the nearest first; shape (boxes, 4)."""
     half, left = 0.5 * label.height_px, float(line[0][-1]) + END_GAP_PX
-    shifts = np.concatenate([(shift, -shift) for shift in np.arange(0.0, END_SHIFT_PX, END_STEP_PX)])
-    middle = np.clip(float(line[1][-1]) + shifts, half, height_px - half)
-    return np.stack(np.broadcast_arrays(left, middle - half, left + label.width_px, middle + half), axis=1)
+    middle = np.clip(float(line[1][-1]) + END_SHIFTS_PX, half, height_px - half)
+    boxes = np.empty((len(middle), 4))
+    boxes[:, 0], boxes[:, 1], boxes[:, 2], boxes[:, 3] = left, middle - half, left + label.width_px, middle + half
+    return boxes
 
 
 def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
@@ -179,9 +183,8 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     lowest = minimum_filter1d(low, count, axis=1)[:, starts]
     highest = maximum_filter1d(high, count, axis=1)[:, starts]
     own_low, own_high = lowest[label.line], highest[label.line]
-    bottoms = [own_high + GAP_PX + offset for offset in OFFSETS_PX]
-    bottoms += [own_low - GAP_PX - offset - label.height_px for offset in OFFSETS_PX]
-    bottom = np.stack(bottoms)
+    away_px = GAP_PX + np.array(OFFSETS_PX)[:, None]
+    bottom = np.concatenate([own_high + away_px, own_low - away_px - label.height_px])
     top = bottom + label.height_px
     others = np.arange(len(low)) != label.line
     distances = np.maximum(lowest[others, None] - top, bottom - highest[others, None])
@@ -195,8 +198,11 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     away = np.array([*OFFSETS_PX, *OFFSETS_PX])[side] + (own_high - own_low)[column]
     cost = away - distance[side, column] + SIDEWAYS * aside
     best = np.argsort(cost, kind="stable")
-    boxes = np.stack([left, bottom[side, column], left + label.width_px, top[side, column]], axis=1)
-    return boxes[best]
+    lower = bottom[side, column]
+    boxes = np.empty((len(best), 4))
+    for edge, places in enumerate((left, lower, left + label.width_px, lower + label.height_px)):
+        boxes[:, edge] = places[best]
+    return boxes
 
 
 def _around(label: Label, x: float, y: float) -> FloatArray:

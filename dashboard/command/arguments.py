@@ -18,6 +18,7 @@ from railjoule.dashboard.command.shared_options import (
     TOML_OUTPUT,
     Argument,
     argument,
+    changes,
     columns,
     file_argument,
     output,
@@ -284,6 +285,7 @@ REPORT = (
         metavar="NAME",
         help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
     ),
+    argument("--second", metavar="FILE", help="a second scenario, which a section sets beside the first"),
     argument("--author", metavar="NAME", default="", help="who has written it"),
     argument(
         "--note",
@@ -328,6 +330,13 @@ FIT = (
     output("write the scenario with the fitted vehicle as OUT.toml", ".toml", required=False),
     JSON,
 )
+COMPARE = (
+    argument("file", metavar="FILE", nargs="*", help="a scenario file, or the name of a scenario; one or two of them"),
+    changes("change a key of the file, as in solve; of two scenarios in both"),
+    several("--set-second", metavar="KEY=VALUE", help="change a key of the second scenario"),
+    JSON,
+    PROOF,
+)
 COMMANDS: Mapping[str, Command | Group] = {
     "serve": Command(
         "serve the dashboard in the browser",
@@ -347,7 +356,13 @@ COMMANDS: Mapping[str, Command | Group] = {
         ),
         f"With --check: {CHECK_STATUS.lower()} A run that misses a window of arrival ends with status 2, too.",
     ),
-    "compare": Command("run every strategy that fits a scenario", "commands.compare", (*SCENARIO, PROOF)),
+    "compare": Command(
+        "run every strategy that fits a scenario, or set two scenarios side by side",
+        "commands.compare",
+        COMPARE,
+        "Two scenarios are each run by their own strategy; --set changes both, and --set-second only the second, which "
+        "is the first one with these changes if only one FILE is named.",
+    ),
     "advise": Command(
         "find the best run with few changes of the regime",
         "commands.advise",

@@ -14,6 +14,9 @@ from railjoule.dashboard.command.values import VEHICLE, UsageError, changes, pri
 OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
 
+MOST_FILES = 2
+"""Of `railjoule compare`."""
+
 
 class _Version(argparse.Action):
     """Prints the version, which takes long to look up, only where it is asked for."""
@@ -116,15 +119,21 @@ def _add_commands(
 
 def _settle_changes(options: argparse.Namespace) -> None:
     """Read what changes the scenario; --set takes all words that follow it, FILE too where that stands last."""
-    words = getattr(options, "set", [])
-    if getattr(options, "file", "") is None:
-        without = [word for word in words if "=" not in word]
-        vehicle = next((word for word in words if word.startswith(VEHICLE)), "")
-        if len(without) > 1 or not (without or vehicle):
+    may_be_two = hasattr(options, "set_second")
+    given = {name: getattr(options, name, []) for name in ("set", "set_second")}
+    loose: list[str] = []
+    if may_be_two or getattr(options, "file", "") is None:
+        loose = [word for words in given.values() for word in words if "=" not in word]
+        # a shipped vehicle without FILE runs in a scenario of its own
+        vehicle = [word for word in given["set"] if word.startswith(VEHICLE)][:1]
+        files = [*(options.file or []), *loose] or vehicle
+        if not files or (not may_be_two and len(files) > 1):
             raise UsageError("FILE is missing: a scenario file or the name of a scenario.")
-        options.file = without[0] if without else vehicle
-        words = [word for word in words if word not in without]
-    options.set = changes(words)
+        if len(files) > MOST_FILES:
+            raise UsageError(f"{len(files)} FILEs are named; at most {MOST_FILES} scenarios stand side by side.")
+        options.file = files if may_be_two else files[0]
+    for name, words in given.items():
+        setattr(options, name, changes(word for word in words if word not in loose))
 
 
 def _complain(sentence: str) -> int:

@@ -11,6 +11,7 @@ from typing import Any, cast
 from railjoule.core import ScenarioError, check_run, check_table
 from railjoule.core import compare as compare_strategies
 from railjoule.core import solve as solve_scenario
+from railjoule.core.scenario import format_scenario
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.arrival_windows import missed_windows
@@ -23,6 +24,7 @@ from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.scenario_folder import ScenarioFolder, default_folder
 from railjoule.dashboard.server.options import ServerOptions
+from railjoule.dashboard.work.pair import SCENARIO, SecondScenario
 
 # Each takes the options of its command, and raises a RailjouleError where anything in them, or in a file, is wrong.
 
@@ -68,13 +70,18 @@ def check(options: argparse.Namespace) -> bool:
 
 
 def compare(options: argparse.Namespace) -> None:
-    """Run every strategy that takes a scenario, and show the results side by side."""
-    scenario = files.scenario(options)
-    found = compare_strategies(scenario, prove_seconds=options.prove_seconds)
-    # less than half a millisecond more than a core that hands its own task out
-    shortest = prepare_task(scenario).shortest_travel_time_s
-    values = summary.summarise_comparison(found.runs, found.refused, shortest)
-    show(options, values, terminal.comparison_text)
+    """Run every strategy that takes a scenario, or two scenarios by their own strategies, and show the results."""
+    loaded = [files.load(file, options.set) for file in options.file]
+    if len(loaded) == 1 and not options.set_second:
+        found = compare_strategies(loaded[0], prove_seconds=options.prove_seconds)
+        show(options, summary.summarise_comparison(found), terminal.comparison_text)
+        return
+    first, second = loaded[0], loaded[-1].replace(options.set_second) if options.set_second else loaded[-1]
+    with refusals_named(
+        f"{first.strategy} or {second.strategy}" if first.strategy != second.strategy else first.strategy
+    ):
+        found = compare_strategies([first, second], prove_seconds=options.prove_seconds)
+    show(options, summary.summarise_pair(found), terminal.pair_text)
 
 
 def advise(options: argparse.Namespace) -> None:
@@ -118,7 +125,11 @@ def report(options: argparse.Namespace) -> None:
     with missing_named("a report"):
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
-    *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=options.prove_seconds, contents=contents))
+    second = None
+    if options.second is not None:
+        second = SecondScenario(SCENARIO, format_scenario(files.load(options.second, {})), 0.0)
+    request = ReportRequest(scenario, prove_seconds=options.prove_seconds, second=second, contents=contents)
+    *_, findings = compute_findings(request)
     html = report_html(findings, datetime.now().astimezone())
     files.write(options.output, html)
     print(f"{shortened(options.output)}: {len(html.encode()) / 1e6:.1f} MB")

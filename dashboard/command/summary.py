@@ -8,9 +8,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from railjoule.core import CheckResult, Phase, Trajectory
+from railjoule.core import CheckResult, Comparison, Phase, Trajectory
 from railjoule.core.lower_bound import Bound
+from railjoule.core.measures import measure
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
+from railjoule.dashboard.look import side_by_side, words
 from railjoule.dashboard.work.simple_advice import first_told
 
 if TYPE_CHECKING:
@@ -103,13 +105,26 @@ def summarise_check(result: CheckResult) -> Summary:
     }
 
 
-def summarise_comparison(
-    runs: Sequence[Trajectory], refused: Mapping[Any, str], shortest_travel_time_s: float | None = None
-) -> Summary:
+def summarise_comparison(found: Comparison) -> Summary:
     """Return several runs over one scenario, and why other strategies refuse it, as plain values."""
     return {
-        "results": [summarise(run, shortest_travel_time_s) for run in runs],
-        "refused": [{"strategy": strategy, "reason": reason} for strategy, reason in refused.items()],
+        "results": _summaries(found),
+        "refused": [{"strategy": strategy, "reason": reason} for strategy, reason in found.refused.items()],
+    }
+
+
+def _summaries(found: Comparison) -> list[Summary]:
+    return [summarise(run, shortest) for run, shortest in zip(found.runs, found.shortest_times_s, strict=True)]
+
+
+def summarise_pair(found: Comparison) -> Summary:
+    """Return the runs of two scenarios with their measures, the differences, and what differs in the scenarios."""
+    first, second = found.runs
+    return {
+        "results": [{**one, **measure(run)} for one, run in zip(_summaries(found), found.runs, strict=True)],
+        "differences": side_by_side.differences(first, second),
+        "scenarios": words.plain_text(side_by_side.scenarios_differ(first.scenario, second.scenario)),
+        "table": [[words.plain_text(cell) for cell in row] for row in side_by_side.pair_rows(first, second)],
     }
 
 

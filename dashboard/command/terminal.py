@@ -12,7 +12,7 @@ from railjoule.core.lower_bound import Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.command.summary import Summary
 from railjoule.dashboard.command.values import printable
-from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look import comparisons, side_by_side, words
 from railjoule.dashboard.look.words import CAUSE_WORDS, STRATEGY_WORDS, advice_in_words, decimals
 
 WIDEST = 110
@@ -83,6 +83,19 @@ def comparison_text(comparison: Summary) -> str:
     for result in results:
         word = STRATEGY_WORDS[result["strategy"]]
         lines += [line for note in result["notes"] for line in wrapped(words.about(word, note))]
+    return "\n".join(lines)
+
+
+def pair_text(pair: Summary) -> str:
+    """Return the runs of two scenarios side by side, and what differs in the scenarios."""
+    names = ("First", "Second")
+    lines = []
+    for name, run in zip(names, pair["results"], strict=True):
+        strategy = STRATEGY_WORDS[run["strategy"]]
+        lines += labelled(name, f"{title_words(run['title'])}: {strategy}, {verdict(run)}")
+    lines += ["", *wrapped(printable(pair["scenarios"])), "", *table_lines(side_by_side.HEAD, pair["table"])]
+    for name, run in zip(names, pair["results"], strict=True):
+        lines += [line for note in run["notes"] for line in wrapped(f"{name}: {note}")]
     return "\n".join(lines)
 
 

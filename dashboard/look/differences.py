@@ -5,6 +5,7 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.key_names import split_unit, words_of
 
 MAX_SENTENCES = 6
 """At most so many differences are listed one by one."""
@@ -67,9 +68,18 @@ def _sentence(key: str, now: Any, before: Any) -> str:
     if key in QUANTITIES:
         word, show = QUANTITIES[key]
         return f"{word} {_shown(show, now)} instead of {_shown(show, before)}"
+    word, unit = _quantity(key)
     if isinstance(now, list) or isinstance(before, list):
-        return f"different {key}"
-    return f"{key} {_shown(_plain, now)} instead of {_shown(_plain, before)}"
+        return f"different {word}"
+    values = (f"{_shown(_plain, value)}{f' {unit}' if unit and value is not None else ''}" for value in (now, before))
+    return f"{word} {' instead of '.join(values)}"
+
+
+def _quantity(key: str) -> tuple[str, str]:
+    """Return the quantity of a key in lower case, after that of its own table within a table, and its unit."""
+    _, *tables, name = key.split(".")
+    name, unit = split_unit(name)
+    return " ".join(words_of(part).lower() for part in (*tables, name)), unit
 
 
 def _shown(show: Callable[[Any], str], value: Any) -> str:

@@ -11,7 +11,8 @@ import panel as pn
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.measures import energy_per_tonne_km_wh, mean_speed_kmh
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.library_workarounds import HtmlPane
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
@@ -181,10 +182,9 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
     main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s{waiting}"
     slack = f"{words.time(run.travel_time_s - runs.shortest_time_s)} s of slack"
-    mean = run.distance_m / run.travel_time_s / MS_PER_KMH
+    mean = words.number(mean_speed_kmh(run))
     share = f"{words.share(energy.recuperated_j / energy.traction_j)} % of traction" if energy.traction_j > 0 else ""
     mass = run.scenario.vehicle.total_mass_kg / 1000
-    per_tonne = energy.net_j / (J_PER_KWH / 1000) / mass / (run.distance_m / 1000)
     return figures(
         [
             figure("Energy from the supply", words.energy(run.energy_kwh), "kWh", main, kind="main"),
@@ -197,7 +197,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
                 comparisons.time_asked(run) or slack,
                 whole=comparisons.other_time_of(run),
             ),
-            figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
+            figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {mean}"),
             figure(
                 "Recuperated",
                 words.energy(energy.recuperated_j / J_PER_KWH),
@@ -206,7 +206,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
             ),
             figure(
                 "Per tonne and km",
-                words.number(per_tonne),
+                words.number(energy_per_tonne_km_wh(run)),
                 "Wh",
                 f"{words.number(mass, 0)} t, {words.distance(run.distance_m)} km",
                 kind="extra",

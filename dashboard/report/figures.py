@@ -17,6 +17,7 @@ from railjoule.dashboard.charts.dress import style_of
 from railjoule.dashboard.charts.driven import EFFORTS, SPEEDS
 from railjoule.dashboard.charts.figures import DistanceChart
 from railjoule.dashboard.charts.names import Name, placed_names
+from railjoule.dashboard.charts.quantities import SPEED
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
     EffortChart,
@@ -32,6 +33,7 @@ from railjoule.dashboard.library_workarounds import document_json
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.pages.compare.pair_charts import FIRST, PAIR_PLOTS, SECOND
 from railjoule.dashboard.report.findings import Findings
 
 WIDTH_PX = 640
@@ -43,6 +45,8 @@ STEEPEST_SHARE = 1.03
 any scale."""
 SPARE = {"energy": "ends", "line": "signs"}
 """Sources of words that have no room in narrow figures, by figure."""
+PAIR_SPEEDS = tuple(replace(plot, last=plot.name.startswith(SECOND)) for plot in PAIR_PLOTS if plot.quantity is SPEED)
+"""The figures of two scenarios, the second with the numbers of the axis that both share."""
 State = Mapping[str, Mapping[str, Any]]
 """Columns by their names, by the ids of their sources."""
 
@@ -104,10 +108,11 @@ class Figures:
 
     def __init__(self, findings: Findings) -> None:
         self.findings, self.palette = findings, Palette(dark=False)
-        self.charts = {section: self._charts(section) for section in ("result", "trade-off", "reality")}
+        self.charts = {section: self._charts(section) for section in ("result", "second", "trade-off", "reality")}
         for chart in self._all():
             chart.build()
         self._draw_reality()
+        self._draw_pair()
         self.draw()
         document = Document()
         # the library searches the document at each root; frozen, it does so once
@@ -126,6 +131,7 @@ class Figures:
         light = self._state()
         self.palette.tokens = {name: name for name in self.palette.tokens}
         self._draw_reality()
+        self._draw_pair()
         self.draw()
         self._own = self._state()
         self.colours = _changes(light, self._own)
@@ -139,13 +145,21 @@ class Figures:
     def _charts(self, section: str) -> list[DistanceChart]:
         """Return the charts of a section that there are results for; none is built yet."""
         findings, reality = self.findings, self.findings.reality
-        missing = {"result": False, "trade-off": len(findings.optima) < 2, "reality": reality is None}
+        missing = {
+            "result": False,
+            "second": findings.pair is None,
+            "trade-off": len(findings.optima) < 2,
+            "reality": reality is None,
+        }
         if missing[section] or not findings.contents.has(section):
             return []
         axis = Axis(self.palette)
         if section == "trade-off":
             caption = "Least energy, kWh, over travel time, s"
             return [TimeChart("frontier", caption, 300, axis, self.palette)]
+        if section == "second" and findings.pair is not None:
+            axis.fit(max(float(run.position_m[-1]) for run in findings.pair.runs), roomy=False)
+            return [plot.made(axis, self.palette) for plot in PAIR_SPEEDS]
         if section == "result":
             axis.fit(self._scene(None).end, roomy=True)
             kinds = [(SpeedChart, 270), (PhaseStrip, 26), (LineStrip, 104), (EnergyChart, 160), (EffortChart, 120)]
@@ -189,6 +203,13 @@ class Figures:
             chart.draw(*(reality, driven) if chart.name == SPEEDS.name else (reality,))
             chart.axis.settle("m", 0)
 
+    def _draw_pair(self) -> None:
+        for chart in self.charts["second"]:
+            assert isinstance(chart, RunLines)
+            assert self.findings.pair is not None
+            chart.draw(dict(zip((FIRST, SECOND), self.findings.pair.runs, strict=True)), False)
+            chart.axis.settle("m", 0)
+
     # ---- contents of the file
 
     def places(self, section: str) -> list[Place]:
@@ -204,6 +225,8 @@ class Figures:
             ends = (self.findings.optima[0], self.findings.optima[-1])
             points = (f"{words.energy(run.energy_kwh)} kWh at {words.number(run.travel_time_s)} s" for run in ends)
             return f"Least energy over travel time: {', '.join(points)}; a table follows."
+        if chart in self.charts["second"]:
+            return f"{chart.caption}, over distance, with the other run; a table follows."
         return f"{chart.caption}, over distance, as planned and as driven."
 
     def data(self) -> dict[str, Any]:

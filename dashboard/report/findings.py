@@ -20,6 +20,7 @@ from railjoule.core.studies.table import StudyTable
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
 from railjoule.dashboard.report.contents import Contents
+from railjoule.dashboard.work.pair import Pair, PairRequest, SecondScenario, compute_pair
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, named_refusals, tightened_runs
 
 OPTIMA_COUNT = 40
@@ -44,6 +45,8 @@ class ReportRequest:
         A remark on the page that the report comes from; may be empty.
     pinned : tuple of (str, Trajectory)
         Runs beside those of the scenario, with their names.
+    second : SecondScenario or None
+        A second scenario to stand beside the first.
     """
 
     scenario: Scenario
@@ -51,6 +54,7 @@ class ReportRequest:
     prove_seconds: float | None = None
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
+    second: SecondScenario | None = None
     contents: Contents = field(default_factory=Contents)
 
 
@@ -60,6 +64,8 @@ class Findings(ReportRequest):
 
     Parameters
     ----------
+    pair : Pair or None
+        The runs of both scenarios, where there is a second one.
     optima : tuple of Trajectory
         Optima over rising travel times, that of the timetable among them; empty where there is none.
     reality : DisturbedRun or Following or FieldOrientedRun or None
@@ -73,6 +79,7 @@ class Findings(ReportRequest):
     """
 
     runs: Runs
+    pair: Pair | None = None
     optima: tuple[Trajectory, ...] = ()
     reality: Reality | None = None
     table: StudyTable | None = None
@@ -111,6 +118,13 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
     findings = Findings(**vars(request), runs=runs, enoc_map=enoc_map)
     yield findings
+    if contents.has("second") and request.second is not None:
+        try:
+            *_, pair = compute_pair(PairRequest(runs, request.second, findings.run.strategy))
+            findings = replace(findings, pair=pair)
+        except RailjouleError as refusal:
+            findings = findings.refused("second", refusal, RUNS_SHARE)
+        yield findings
     # the slider of the result moves over them, too
     if contents.has("result", "trade-off"):
         # one by one, as the work can only be stopped between two steps

@@ -8,6 +8,7 @@ SECTION_TITLES: Mapping[str, str] = MappingProxyType(
         "result": "Result",
         "energy": "Energy, runs and phases",
         "pinned": "Pinned runs",
+        "second": "Two scenarios side by side",
         "trade-off": "Energy and time",
         "proof": "What is proven",
         "reality": "Actual run",

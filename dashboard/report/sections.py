@@ -13,7 +13,7 @@ from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.field_oriented import FieldOrientedRun
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import MEASURED
-from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look import comparisons, side_by_side, words
 from railjoule.dashboard.look.markup import escaped
 from railjoule.dashboard.pages.motor.texts import held_words, parts_table, run_figures
 from railjoule.dashboard.parts import html as parts
@@ -88,6 +88,26 @@ def _pinned(findings: Findings, figures: Figures) -> Data:
         "runs": [(words.strategy(first.strategy), first), *findings.pinned],
         "first": first,
         "measured": measured,
+    }
+
+
+def _second(findings: Findings, figures: Figures) -> Data:
+    """Return the second scenario beside the first, with the numbers of both."""
+    if findings.pair is None:
+        refusal = findings.refusals.get("second", "")
+        return {"refusal": refusal} if refusal else {}
+    first, second = findings.pair.runs
+    sentences = [
+        side_by_side.scenarios_differ(first.scenario, second.scenario),
+        side_by_side.lengths_differ(first, second),
+        findings.pair.refusal,
+    ]
+    return {
+        "names": side_by_side.pair_names(first, second),
+        "sentence": " ".join(filter(None, sentences)),
+        "head": side_by_side.HEAD,
+        "rows": side_by_side.pair_rows(first, second),
+        "places": figures.places("second"),
     }
 
 
@@ -223,6 +243,7 @@ MAKERS: Mapping[str, Callable[[Findings, Figures], Data]] = {
     "result": _result,
     "energy": _energy,
     "pinned": _pinned,
+    "second": _second,
     "trade-off": _trade_off,
     "proof": _proof,
     "reality": _reality,

@@ -86,6 +86,7 @@ class Reporting:
                 bound=known.bound if known is not None else None,
                 note=_note(recipe),
                 pinned=tuple((pin.name, pin.trajectory) for pin in self.state.pins),
+                second=self.state.pages["Compare"].second_scenario,
                 contents=self.model.contents,
             )
         except RailjouleError as error:

@@ -48,16 +48,19 @@ class FilesModel(param.Parameterized):
 
     def open(self, name: str, then: Callable[[], None], fail: Callable[[RailjouleError], None]) -> None:
         """Open the scenario of a listed file, then go on; `fail` gets the reason why it was not opened."""
-        folder = self.folder
-        if folder is None:
-            return
 
         def take(toml: str) -> None:
             self._origin = toml, name
             self.scenario.open(toml, name)
             then()
 
-        self._do(lambda: open_scenario(format_scenario(folder.open(name)), name).toml, take, fail)
+        self.read(name, take, fail)
+
+    def read(self, name: str, then: Callable[[str], None], fail: Callable[[RailjouleError], None]) -> None:
+        """Go on with the text of the scenario of a listed file; `fail` gets the reason why it cannot be read."""
+        folder = self.folder
+        if folder is not None:
+            self._do(lambda: open_scenario(format_scenario(folder.open(name)), name).toml, then, fail)
 
     def save(
         self,

@@ -72,3 +72,27 @@ def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
     expect(user.page.locator(".differences")).to_contain_text(CANARY)
     assert user.page.evaluate("window.canary") is None
     assert_nothing_grave(user)
+
+
+def test_a_second_train_stands_beside_the_first_in_two_columns(user: User) -> None:
+    page = user.page
+    page.get_by_role("tab", name="Two scenarios").click()
+    expect(page.get_by_text("Choose a second scenario").locator("visible=true")).to_be_visible()
+    page.get_by_role("combobox", name="Second scenario").locator("visible=true").click()
+    page.get_by_role("menuitem", name="Tram 105N").click()
+    difference_line = page.get_by_text("The second scenario has vehicle Tram 105N instead of Metro 81-7036").locator(
+        "visible=true"
+    )
+    expect(difference_line).to_be_visible()
+    figures = [page.locator(f".rj-chart-{side}_speed:visible") for side in ("first", "second")]
+    boxes = []
+    for figure in figures:
+        expect(figure.locator("canvas").first).to_be_visible()
+        boxes.append(figure.bounding_box())
+    first, second = boxes
+    assert first is not None
+    assert second is not None
+    # in two columns, side by side
+    assert second["x"] > first["x"] + 0.9 * first["width"]
+    assert abs(second["y"] - first["y"]) < 2
+    assert_nothing_grave(user)

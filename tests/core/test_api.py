@@ -214,3 +214,30 @@ def test_a_simulation_takes_the_keys_of_the_disturbance():
     assert {cause.name for cause in found.causes} == {"load", "position"}
     with pytest.raises(ScenarioError, match=r"disturbance\.load"):
         rj.simulate("tram-950m", load=1.0)
+
+
+def test_several_scenarios_have_their_own_runs_and_measures():
+    first = rj.load_scenario("tram-950m")
+    second = first.replace({"timetable.travel_time_s": 110.0, "vehicle.load_factor": 1.0})
+    found = rj.compare([first, second])
+    solved = [rj.solve(first), rj.solve(second)]
+    table = found.to_dataframe()
+    assert table["energy_kwh"].tolist() == [run.energy_kwh for run in solved]
+    assert table["lower_bound_kwh"].tolist() == [run.lower_bound_kwh for run in solved]
+    for (_, row), run in zip(table.iterrows(), solved, strict=True):
+        # from the arrays and the account of the run, in units of their own
+        assert row["energy_per_tonne_km_wh"] == pytest.approx(
+            run.energy.net_j / 3600 / (run.scenario.vehicle.total_mass_kg / 1000) / (run.position_m[-1] / 1000)
+        )
+        assert row["energy_per_km_kwh"] == pytest.approx(run.energy.net_j / 3.6e6 / 0.95)
+        assert row["mean_speed_kmh"] == pytest.approx(3.6 * 950 / run.time_s[-1])
+        assert row["max_supply_power_kw"] == pytest.approx(max(run.supply_power_w) / 1000)
+    assert found.shortest_times_s[0] < found.shortest_times_s[1] < 110.0
+    pair = rj.compare(["tram-950m", "tram-950m"], ["fastest", "optimal"])
+    assert [run.strategy for run in pair.runs] == ["fastest", "optimal"] * 2
+
+
+@pytest.mark.parametrize(("scenarios", "sentence"), [([], "the list is empty"), (7, "has the type int"), ([7], "has")])
+def test_what_is_no_scenario_cannot_be_compared(scenarios, sentence):
+    with pytest.raises(ScenarioError, match=sentence):
+        rj.compare(scenarios)

@@ -92,8 +92,8 @@ class ComparedChart(RunLines):
         self._reference, self._over_time = reference.run, over_time
         drawn = list(among) if self.plot.has_limits else without_fastest(among, reference)
         off_scale = [contender.name for contender in among if contender not in drawn]
-        caption = f"{self.caption} ({' and '.join(off_scale)} off the scale)" if off_scale else self.caption
-        self.told["words"] = self.told["caption"].text = caption
+        caption = self.plot.caption or self.quantity.words
+        self.rename(f"{caption} ({' and '.join(off_scale)} off the scale)" if off_scale else caption)
         if self.plot.is_difference:
             drawn = [contender for contender in drawn if contender is not reference] or [reference]
         curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)

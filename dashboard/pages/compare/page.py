@@ -1,5 +1,6 @@
 """Compare: the strategies of the scenario and the pinned runs side by side."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import panel as pn
@@ -9,14 +10,18 @@ from panel.viewable import Viewable
 
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.side_by_side import pair_names
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
-from railjoule.dashboard.page import BODY_CSS, Page, Request, shows, study
+from railjoule.dashboard.page import BODY_CSS, Request, shows, study
 from railjoule.dashboard.pages.compare import table
 from railjoule.dashboard.pages.compare.charts import PLOTS, end_of_run
 from railjoule.dashboard.pages.compare.contenders import Contender, contenders, find_reference
+from railjoule.dashboard.pages.compare.pair_charts import PAIR_PLOTS
+from railjoule.dashboard.pages.compare.pair_tab import PAIR_FIELDS, PAIR_TAB, STRATEGIES_TAB, PairTab
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import buttons, over_time_buttons
+from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
@@ -82,14 +87,22 @@ class PinRow:
             self.desk.unpin(self.pin)
 
 
-class Compare(Page):
-    """All runs of a scenario, and pinned ones of others."""
+TABS: Mapping[str, str] = {STRATEGIES_TAB: "Strategies", PAIR_TAB: "Two scenarios"}
+"""The tabs by their names in the address."""
+
+
+class Compare(PairTab):
+    """All runs of a scenario, and pinned ones of others; and the runs of two scenarios."""
 
     page = "Compare"
-    kept = ("compare_all", "reference")
+    kept = ("tab", "compare_all", "reference", *PAIR_FIELDS)
     passing = ("comparing",)
-    figures = PLOTS
+    figures = (*PLOTS, *PAIR_PLOTS)
+    # as the grid of the tab, which has one column up to 899 px
+    halves_from_px = NARROW_PX
+    full_width = tuple(plot.name for plot in PLOTS)
 
+    tab = param.Selector(default=STRATEGIES_TAB, objects=list(TABS), doc="The tab in sight.")
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     comparing = param.Boolean(default=False, doc="Whether runs of further strategies are under way.")
@@ -97,7 +110,15 @@ class Compare(Page):
 
     # ---- what it computes
 
-    @study("scenario", "compare_all", into="compared", busy="comparing", rest_ms=REST_MS, only_whole=True)
+    @study(
+        "scenario",
+        "compare_all",
+        into="compared",
+        busy="comparing",
+        rest_ms=REST_MS,
+        only_whole=True,
+        tab=STRATEGIES_TAB,
+    )
     def _compared(self) -> Request:
         if not self.compare_all:
             return None
@@ -116,7 +137,16 @@ class Compare(Page):
     # ---- what it shows
 
     def layout(self) -> Viewable:
-        """Make the parts of the page, and return them laid out."""
+        """Make the tabs and the parts of the one that is open, and return them laid out."""
+        self.tabs = PageTabs(self, TABS, {STRATEGIES_TAB: self.layout_strategies, PAIR_TAB: self.layout_pair})
+        return self.tabs.view
+
+    def is_shown(self, tab: str) -> bool:
+        """Return whether the parts of a tab can be drawn."""
+        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
+
+    def layout_strategies(self) -> Viewable:
+        """Return the parts of the tab of the strategies, laid out."""
         self.table, self.pins, self.differences = (parts.html_pane() for _ in range(3))
         self.menu = pmui.Select(label="Reference run", options=[], size="small", margin=(10, 12, 0, 20), width=290)
         self.menu.param.watch(self._refer, "value")
@@ -131,7 +161,7 @@ class Compare(Page):
             sizing_mode="stretch_width",
         )
         self.rows: dict[str, PinRow] = {}
-        figures = parts.stack(*(chart.host for chart in self.host.charts), css=BODY_CSS)
+        figures = parts.stack(*(self.host.plots[plot.name].host for plot in PLOTS), css=BODY_CSS)
         self.pin_rows = parts.stack()
         pins = parts.stack(self.pins, self.pin_rows, self.differences)
         return parts.stack(self.host.figures, tools, figures, parts.stack(self.table, pins, css=TEXT_CSS))
@@ -151,14 +181,25 @@ class Compare(Page):
         if not self._quiet and event.new:
             self.reference = event.new
 
-    # not its own failure: it comes from the same scenario as that of the desk
-    @shows("desk.failure", "desk.runs")
+    @shows("desk.failure", "desk.runs", "failure", "tab")
     def _show_failure(self) -> None:
         run = self.desk.run
         shown = f"Showing the last feasible runs, {words.number(run.travel_time_s)} s." if run else ""
-        self.host.tell(self.desk.failure, shown)
+        # that of the strategies comes from the same scenario as that of the desk
+        own = self.failure if self.tab == PAIR_TAB else None
+        self.host.tell(self.desk.failure or own, shown)
 
-    @shows(*AMONG, "desk.over_time")
+    @shows("desk.runs", "desk.pins", "desk.ticked", "compared", "compare_all", "pair", "tab")
+    def _show_heading(self) -> None:
+        count, run, pair = len(self.desk.pins), self.desk.run, self.pair
+        if run is None:
+            return
+        subtitle = f"{len(self.among)} runs, {f'{count} of {MOST_PINS} pinned' if count else 'none pinned'}"
+        if self.tab == PAIR_TAB:
+            subtitle = "" if pair is None else f"beside {pair_names(*pair.runs)[1]}"
+        self.host.heading.object = parts.heading(self.page, run.scenario.title, subtitle, "")
+
+    @shows(*AMONG, "desk.over_time", tab=STRATEGIES_TAB)
     def _show(self) -> None:
         among, desk = self.among, self.desk
         if not among or desk.run is None:
@@ -166,10 +207,7 @@ class Compare(Page):
         reference = find_reference(desk, among, self.reference)
         narrow, over_time = self.host.browser.window_width < NARROW_PX, desk.over_time
         self._offer(among, reference)
-        count = len(desk.pins)
-        subtitle = f"{len(among)} runs, {f'{count} of {MOST_PINS} pinned' if count else 'none pinned'}"
-        self.host.heading.object = parts.heading(self.page, desk.run.scenario.title, subtitle, "")
-        self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if count else NO_PIN)
+        self.pins.object = parts.markup('<div class="block"><h2>Pinned runs</h2>{}</div>', "" if desk.pins else NO_PIN)
         self._show_pins()
         self.differences.object = table.scenario_differences(desk.pins, reference)
         self.host.axis.fit(max(end_of_run(one.run, over_time) for one in among), roomy=not narrow)
@@ -184,7 +222,8 @@ class Compare(Page):
             self._quiet = False
 
     # a greater bound changes only numbers, and no line is drawn again for it
-    @shows(*AMONG, "desk.tightened", "comparing")
+    # `comparing` begins before runs come and ends with them or a failure: no further drawing is needed for it
+    @shows(*AMONG, "desk.tightened", "failure", tab=STRATEGIES_TAB)
     def _show_table(self) -> None:
         among, desk = self.among, self.desk
         if among:

@@ -7,7 +7,7 @@ import pytest
 import xarray
 from commands import answer, complaint
 
-from railjoule.core import Check, CheckResult, load_scenario, solve
+from railjoule.core import Check, CheckResult, load_scenario, save_scenario, solve
 from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
@@ -364,3 +364,33 @@ def test_a_run_that_misses_a_window_of_arrival_ends_with_status_2(capsys):
     assert "was to arrive no earlier than 150.0 s" in shown.err
     assert main(["solve", "liashenko-0", "--strategy", "optimal", "--json", *changes]) == OK
     assert 0 <= json.loads(capsys.readouterr().out)["gap"] < 0.02
+
+
+def test_two_scenarios_stand_side_by_side(capsys, tmp_path):
+    """The numbers are those of two single solves, and the differences are formed here from them."""
+    other = tmp_path / "other.toml"
+    save_scenario(load_scenario("tram-950m").replace({"title": "Slower", "timetable.travel_time_s": 110.0}), other)
+    pair = json.loads(answer(capsys, "compare", "tram-950m", str(other), "--set", "vehicle.load_factor=0.5", "--json"))
+    solved = [
+        json.loads(answer(capsys, "solve", name, "--set", "vehicle.load_factor=0.5", "--json"))
+        for name in ("tram-950m", str(other))
+    ]
+    for one, run in zip(pair["results"], solved, strict=True):
+        same = set(run) - {"solve_time_s"}
+        assert {key: one[key] for key in same} == {key: run[key] for key in same}
+    first, second = solved
+    assert pair["differences"]["energy_kwh"] == second["energy_kwh"] - first["energy_kwh"] < 0
+    assert pair["differences"]["travel_time_s"] == pytest.approx(15.0, abs=1e-6)
+    assert pair["scenarios"] == "The second scenario has travel time 110.0 s instead of 95.0 s."
+
+
+def test_the_second_scenario_may_be_the_first_one_changed(capsys):
+    words = ("compare", "metro-with-limit", "--set-second", "vehicle.preset=tram-105n", "vehicle.load_factor=0.5")
+    text = answer(capsys, *words)
+    assert "vehicle Tram 105N instead of Metro 81-7036, 5 cars" in " ".join(text.split())
+    (row,) = (line.split() for line in text.splitlines() if line.startswith("Energy, kWh"))
+    first, second, difference, percent = (float(cell) for cell in row[-4:])
+    assert difference == pytest.approx(second - first, abs=0.011)
+    assert percent == pytest.approx(100 * (second / first - 1), abs=0.1)
+    assert complaint(capsys, "compare", "a", "b", "--set", "c").startswith("3 FILEs are named; at most 2 scenarios")
+    assert complaint(capsys, "compare", "tram-950m", "--set-second", "x").startswith("x: there is no such file")

@@ -23,14 +23,22 @@ def test_fields_of_the_page_are_told_in_words() -> None:
         "load 70 % instead of 50 %",
         "recuperation 0 % instead of 40 %",
         "run in reverse yes instead of no",
-        "solver.mesh_m 2.5 instead of 5",
+        "mesh 2.5 m instead of 5 m",
     )
 
 
 def test_lists_are_told_as_a_whole() -> None:
     base = load_scenario("metro-with-limit")
     other = base.replace(**{"line.speed_limits": []})
-    assert difference_words(other, base) == ("different line.speed_limits",)
+    assert difference_words(other, base) == ("different speed limits",)
+
+
+def test_a_key_of_a_table_within_a_table_has_the_name_of_both() -> None:
+    base = load_scenario("metro-with-limit")
+    other = base.replace(**{"vehicle.resistance.constant_n": 4000.0, "vehicle.braking.max_deceleration_ms2": None})
+    sentences = difference_words(other, base)
+    assert sentences[0].startswith("resistance constant 4000 N instead of ")
+    assert all("_" not in sentence and "." not in sentence.replace("0.", "") for sentence in sentences)
 
 
 def test_another_vehicle_is_told_by_its_name_and_many_differences_are_counted() -> None:
