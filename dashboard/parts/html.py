@@ -68,6 +68,11 @@ def heading(page: str, title: str, subtitle: str, aside: str) -> Markup:
     )
 
 
+def finding(*sentences: str | Markup) -> Markup:
+    """Return the first paragraph of a page: what it finds, in numbers, and the next step."""
+    return markup("<p class=finding>{}</p>", Markup(" ").join(sentence for sentence in sentences if sentence))
+
+
 def failure(what: str, why: str, shown: str) -> Markup:
     """Return the message above a run that is not the one asked for."""
     return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, why, shown)
