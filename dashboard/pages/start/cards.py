@@ -160,7 +160,7 @@ def _run_words(run: Trajectory | None) -> tuple[Markup, str, str]:
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
     name = f"Speed over distance, up to {words.number(run.max_speed_kmh)} km/h"
     strategy = "" if run.strategy == "optimal" else f"{words.strategy(run.strategy)}: "
-    asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s allowed)"
+    asked = comparisons.other_time_of(run) and f" (timetable {words.time(run.scenario.travel_time_s)}\u00a0s)"
     cost = f"{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}"
     return line, name, cost
 
