@@ -17,7 +17,7 @@ KEYS = (
     ("P", "pin the run, or unpin it"),
     ("Ctrl + Z", "undo"),
     ("Ctrl + Shift + Z", "redo"),
-    ("Escape", "close an explanation, a list of pages or the full screen of a figure"),
+    ("Escape", "close an explanation, a list of pages, sharing or the full screen of a figure"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
 )
 """The keys and their uses; letters, digits and signs only while nothing is typed."""
