@@ -29,13 +29,11 @@ LEAD = (
     "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves how far it can "
     "be from the best possible."
 )
-MORE = (
-    "Choose a scenario, move the travel time and see what the driver has to do, how much more the other "
-    "strategies need, and how wrong loads, delays and speed limits change it."
-)
+MORE = "Move the travel time and see what the driver has to do, and how much more other strategies need."
 BUTTONS = Markup(
-    '<div class="asks"><button type="button" class="text-button" data-ask="file">Open file</button>'
-    '<button type="button" class="text-button" data-open="Files">Import line or train</button></div>'
+    '<div class="asks"><button type="button" class="text-button" data-open="Drive">Drive this train</button>'
+    '<button type="button" class="text-button" data-open="Files">Use your own line, train or file</button>'
+    '<button type="button" class="text-button" data-open="Learn">Learn why coasting saves energy</button></div>'
 )
 
 
