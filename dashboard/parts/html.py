@@ -75,7 +75,7 @@ def finding(*sentences: str | Markup) -> Markup:
 
 def failure(what: str, why: str, shown: str) -> Markup:
     """Return the message above a run that is not the one asked for."""
-    return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, why, shown)
+    return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, words.grouped(why), shown)
 
 
 def refusal(sentence: str) -> Markup:
@@ -438,4 +438,6 @@ def notes(run: Trajectory) -> Markup:
 def note_paragraphs(sentences: Iterable[str], style: str = "") -> Markup:
     """Return sentences as notes, each a paragraph."""
     styled = markup(" style='{}'", style) if style else ""
-    return joined(markup("<p class=note{}>{}</p>", styled, sentence) for sentence in sentences)
+    # a piece of HTML is written as it is
+    plain = (one if isinstance(one, Markup) else words.grouped(one) for one in sentences)
+    return joined(markup("<p class=note{}>{}</p>", styled, sentence) for sentence in plain)
