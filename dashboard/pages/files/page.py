@@ -39,7 +39,7 @@ EXAMPLE_RUNS = ("recordings/metro-0714.csv", "recordings/metro-1742.csv")
 """Two drivers' runs over one line: the folder has those of other lines too."""
 EXAMPLE_LINE = tuple(f"imports/example-{name}.csv" for name in ("limits", "gradients", "curves"))
 INVITATION_CSS = (
-    padded("12px 20px 24px", "10px 14px 20px")
+    padded("0 20px 24px", "0 14px 20px")
     + """
 .finding { padding: 0 0 6px; } .block { max-width: 860px; }
 table { font-size: 13px; } td, th { text-align: left; white-space: normal; padding: 6px 0 6px 20px; }

@@ -27,8 +27,9 @@ def finding(run: FieldOrientedRun) -> Markup:
     )
     least = "\u201cLeast loss\u201d as rotor flux, on the left, reduces the magnetising loss."
     return parts.finding(
-        f"Driven by its motors, the plan needs {words.energy(run.actual.energy_kwh)} kWh, {more.sentence} its own "
-        f"{words.energy(run.planned.energy_kwh)} kWh; magnetising takes {words.energy(run.magnetising_loss_kwh)} kWh. "
+        f"With its motors under control, the train needs {words.energy(run.actual.energy_kwh)} kWh, {more.sentence} "
+        f"the plan\u2019s {words.energy(run.planned.energy_kwh)} kWh; magnetising the motors takes "
+        f"{words.energy(run.magnetising_loss_kwh)} kWh. "
         f"The inverter gives up to {voltage} % of its voltage and {current} % of its current.",
         least if run.scenario.simulation.flux == "constant" else "",
     )

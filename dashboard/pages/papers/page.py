@@ -53,6 +53,13 @@ TABLE_CSS = """
 .rows td:nth-child(2), .rows th:nth-child(2) { text-align: left; }
 .rows td:nth-child(1), .rows td:nth-child(2) { white-space: normal; min-width: 82px; }
 .refuted { margin-top: 18px; }
+@media (max-width: 599px) {
+  .refuted thead { display: none; }
+  .refuted tr { display: block; padding: 7px 0; border-top: 1px solid var(--rj-line); }
+  .refuted td, .refuted tr + tr td { display: block; padding: 0; border: 0; }
+  .refuted td:first-child { color: var(--rj-ink3); }
+  .refuted td:last-child { font-weight: 600; }
+}
 details { margin-top: 8px; border-top: 1px solid var(--rj-line); padding-top: 4px; }
 summary { cursor: pointer; min-height: 26px; line-height: 26px; font-weight: 600; }
 summary span { font-weight: 400; color: var(--rj-ink3); }

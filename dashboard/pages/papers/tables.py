@@ -123,7 +123,9 @@ def counts(papers: Collection[Validation]) -> dict[str, int]:
     explained = sum(not row.is_close and bool(row.note) for row in rows)
     return {
         "Claims": sum(verdicts.values()),
-        **{word: verdicts[verdict] for verdict, (_, word) in VERDICTS.items()},
+        "Supported": verdicts["supports"],
+        "Refuted": verdicts["refutes"],
+        "Undecided": verdicts["cannot be decided"],
         "Printed numbers": len(rows),
         "Numbers that agree": close,
         "Differ, with a reason": explained,

@@ -370,7 +370,7 @@ class SetSpeeds(Page):
         self.search = button(
             "Search set speeds", lambda _: setattr(self, "found", True), margin=(8, 20, 0, 8), height=28
         )
-        self.as_on_drive = button("", self.use_line_sections, margin=(8, 20, 0, 8), height=28)
+        self.as_on_drive = button("", self.use_line_sections, margin=(8, 20, 0, 20), height=28)
         tools = pn.FlexBox(
             parts.html_pane("Above the set speed", margin=(12, 8, 0, 20), sizing_mode="fixed"),
             buttons(self, "regulator", texts.REGULATOR_WORDS, margin=(8, 4, 0, 0)),

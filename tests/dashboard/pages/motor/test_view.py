@@ -64,7 +64,7 @@ def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     assert "<div class=value>1.192<" in main
     assert "13.2 % above the plan, 1.053 kWh" in main
     assert not any("plan" in other for other in others)
-    sentence = "the plan needs 1.192 kWh, 13.2 % above its own 1.053 kWh"
+    sentence = "the train needs 1.192 kWh, 13.2 % above the plan\u2019s 1.053 kWh"
     assert sentence in finding(run)
 
 
