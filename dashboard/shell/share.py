@@ -52,7 +52,7 @@ class Share:
         browser.listen("undo", lambda _: keeping.undo())
         browser.listen("redo", lambda _: keeping.redo())
         browser.listen("share", lambda _: self._turn())
-        browser.listen("escape", lambda _: self.part is not None and self._turn())
+        browser.listen("escape", lambda _: self._close())
         browser.listen("copy", lambda message: self._copy(str(message.get("name"))))
         browser.listen("download", lambda _: download(state, browser))
         browser.listen("dismiss", lambda _: setattr(state, "notice", ""))
@@ -64,6 +64,10 @@ class Share:
         state.param.watch(self._show_notice, "notice")
         self._follow()
         self._show_notice()
+
+    def _close(self) -> None:
+        if self.part is not None:
+            self._turn()
 
     def _turn(self) -> None:
         with one_message():

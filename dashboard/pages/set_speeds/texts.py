@@ -117,7 +117,7 @@ def _count(run: LimitRun) -> str:
 
 
 def finding(run: LimitRun) -> Markup:
-    """Return what the set speeds cost, and how to change them."""
+    """Return the cost of the set speeds, and how to change them."""
     cost, reference = comparisons.above_reference(run.run), run.run.reference
     needs = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh"
     if cost is None or reference is None:

@@ -114,7 +114,7 @@ def test_a_continuous_curve_is_one_instruction() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sentence", "told"),
+    ("sentence", "shown"),
     [
         ("changing at 1150 m.", "changing at 1\u202f150 m."),
         ("travel_time_s = 1080.0 s is below 12000 s", "travel_time_s = 1\u202f080.0 s is below 12\u202f000 s"),
@@ -123,5 +123,5 @@ def test_a_continuous_curve_is_one_instruction() -> None:
         ("950 m", "950 m"),
     ],
 )
-def test_quantities_in_sentences_have_narrow_spaces(sentence: str, told: str) -> None:
-    assert words.grouped(sentence) == told
+def test_quantities_in_sentences_have_narrow_spaces(sentence: str, shown: str) -> None:
+    assert words.grouped(sentence) == shown

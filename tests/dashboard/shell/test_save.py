@@ -49,7 +49,7 @@ def test_a_scenario_is_saved_with_its_changes_and_the_page_keeps_its_own(folder:
     keeping.note()
     before = state.scenario.scenario()
     assert save(saving, "my run") == "Saved as my run.toml."
-    # it is told from its original in pins, links and reports
+    # its title differs from the original's in pins, links and reports
     assert folder.open("my run") == before.replace(title="my run") == state.scenario.scenario()
     assert (dict(state.scenario.changes), state.ticked) == ({}, ["eoc"])
     assert saving.name.value == state.files.current == "my run"
