@@ -25,7 +25,7 @@ def finding(run: FieldOrientedRun) -> Markup:
     voltage, current = (
         words.number(100 * share, 0) for share in (run.max_phase_voltage_v / limits[0], run.max_current_a / limits[1])
     )
-    least = "\u201cLeast loss\u201d as rotor flux, on the left, reduces the magnetising loss."
+    least = "\u201cLeast loss\u201d as rotor flux, in the sidebar, reduces the magnetising loss."
     return parts.finding(
         f"With its motors under control, the train needs {words.energy(run.actual.energy_kwh)} kWh, {more.sentence} "
         f"the plan\u2019s {words.energy(run.planned.energy_kwh)} kWh; magnetising the motors takes "
