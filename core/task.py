@@ -170,10 +170,10 @@ def _require_speeds_within_limits(mesh: MeshedLine) -> None:
     over = np.flatnonzero(data.fixed_speed2 > data.limit_speed2 * (1 + SAME_SPEED2))
     if len(over):
         node = int(over[0])
-        asked, allowed = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (data.fixed_speed2, data.limit_speed2))
+        asked, limit = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (data.fixed_speed2, data.limit_speed2))
         raise InfeasibleLineError(
-            f"The train is to run at {asked:.5g} km/h at {mesh.position_m[node]:.0f} m, where at most "
-            f"{allowed:.5g} km/h are allowed."
+            f"The train is to run at {asked:.5g} km/h at {mesh.position_m[node]:.0f} m, where the "
+            f"limit is {limit:.5g} km/h."
         )
 
 

@@ -11,7 +11,7 @@ from panel.io.state import set_curdoc
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.compiled import MODE
 from railjoule.dashboard.page import Page, Request, Work
-from railjoule.dashboard.work.worker import LONG_THREADS, Study, Worker, nobody
+from railjoule.dashboard.work.worker import LONG_THREADS, Study, Worker, nobody, nothing
 
 
 class PageWorks:
@@ -61,7 +61,9 @@ class PageWorks:
         marked : bool
             Whether the page turns grey while it waits.
         """
-        made = Worker(compute, deliver, fail, self._mark(marked), is_slow, self.desk.scenario.identity)
+        # a study of another scenario stays on its page, which asks for the same figures only once
+        about = self.desk.scenario.identity if self.of.follows_scenario else nothing
+        made = Worker(compute, deliver, fail, self._mark(marked), is_slow, about)
         self.jobs[name] = made
         return made
 

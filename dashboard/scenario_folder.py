@@ -103,7 +103,7 @@ class ScenarioFolder:
         name = checked_name(name)
         target = self.path / f"{name}{SUFFIX}"
         if len(text) > LONGEST_TEXT:
-            raise FolderError(f"{target.name}: more than the {LONGEST_TEXT / 1e6:g} MB allowed.")
+            raise FolderError(f"{target.name}: more than the limit of {LONGEST_TEXT / 1e6:g} MB.")
         with _named(f"{target.name} cannot be saved"):
             self.path.mkdir(parents=True, exist_ok=True)
             if target.is_symlink():
@@ -147,7 +147,7 @@ class ScenarioFolder:
                 raise FolderError(f"{file_name} is not a file.")
             content = file.read(most_bytes + 1)
         if len(content) > most_bytes:
-            raise FolderError(f"{file_name}: larger than the {most_bytes / 1e6:g} MB allowed.")
+            raise FolderError(f"{file_name}: larger than the limit of {most_bytes / 1e6:g} MB.")
         return decoded(content, file_name)
 
     def _beside(self, file_name: str) -> str:
@@ -167,7 +167,7 @@ def checked_name(text: str) -> str:
     if wrong is not None:
         signs = " ".join(SIGNS.strip())
         raise FolderError(
-            f"name = {show(name)} must not have {wrong!r}: letters, digits, spaces and {signs} are allowed."
+            f"name = {show(name)} must not have {wrong!r}: letters, digits, spaces and {signs} are permitted."
         )
     if not name[0].isalnum():
         raise FolderError(f"name = {show(name)} must begin with a letter or a digit.")

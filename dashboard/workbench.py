@@ -18,10 +18,12 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.day import Day
 from railjoule.dashboard.editor.model import EditorModel
 from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.look import words
 from railjoule.dashboard.page_list import PAGES, package_name, page_classes
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept, result
 from railjoule.dashboard.state.pins import (
+    LONGEST_NAME,
     MOST_PINS,
     TOO_MANY,
     KeptPin,
@@ -160,7 +162,7 @@ class Workbench(Kept):
         run = self.run
         if run is None:
             return None
-        same = (pin for pin in self.pins if pin.trajectory.strategy == run.strategy)
+        same = (pin for pin in self.pins if pin.trajectory.strategy == run.strategy and not pin.recipe.moved)
         return next((pin for pin in same if pin.trajectory.scenario == run.scenario), None)
 
     def pin(self) -> None:
@@ -174,6 +176,12 @@ class Workbench(Kept):
         if self.pin_of(simple.run) is None:
             recipe = replace(recipe_of(self.scenario, scenario, "optimal"), simple=simple.changes_allowed)
             self._pin(simple.run, recipe, f"{pin_name(simple.run)}, {simple.changes} changes")
+
+    def pin_moved(self, run: Trajectory, number: int, place_m: float) -> None:
+        """Pin an optimum with a moved instruction, given by the index of its phase and its place [m]."""
+        if self.pin_of(run) is None:
+            recipe = replace(recipe_of(self.scenario, run.scenario, "optimal"), moved=f"{number}@{place_m:.6f}")
+            self._pin(run, recipe, f"Moved to {words.number(place_m, 0)} m, {pin_name(run)}"[:LONGEST_NAME])
 
     def turn_to(self, page: str, **values: Any) -> None:
         """Turn to a page, and give it values."""

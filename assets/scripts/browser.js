@@ -113,6 +113,7 @@ export function render({model, view}) {
   on(window, "keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.repeat || event.defaultPrevented) { return; }
     if (event.composedPath().some((element) => element.matches?.(TYPED))) { return; }
+    if (event.key === "Escape") { model.send_msg({kind: "escape"}); return; }
     const page = event.key === "?" ? "Help" : model.keyed[Number(event.key) - 1];
     if (page) { turn(page); } else if (event.key.toLowerCase() === "p" && !event.shiftKey) { model.send_msg({kind: "pin"}); }
     else { return; }

@@ -100,9 +100,9 @@ def _checked_row(name: str, number: int, row: list[Cell]) -> Row:
     while row and (row[-1] == "" or (isinstance(row[-1], str) and not row[-1].strip())):
         row.pop()
     if len(row) > MAX_COLUMNS:
-        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MAX_COLUMNS} are allowed.")
+        raise ScenarioError(f"{name}, row {number}: {len(row)} columns; at most {MAX_COLUMNS} are permitted.")
     if number > MAX_ROWS:
-        raise ScenarioError(f"{name}: more than the {MAX_ROWS} rows allowed.")
+        raise ScenarioError(f"{name}: more than the {MAX_ROWS} rows permitted.")
     return number, tuple(row)
 
 
@@ -244,10 +244,10 @@ def _require_small(source: SourceFile) -> None:
     unpacked = sum(part.file_size for part in parts)
     if unpacked > MAX_UNPACKED_BYTES:
         raise ScenarioError(
-            f"{name}: unpacks to {unpacked / 1e6:.0f} MB; at most {MAX_UNPACKED_BYTES / 1e6:g} MB are allowed."
+            f"{name}: unpacks to {unpacked / 1e6:.0f} MB; at most {MAX_UNPACKED_BYTES / 1e6:g} MB are permitted."
         )
     if len(parts) > MAX_FILES:
-        raise ScenarioError(f"{name}: holds {len(parts)} files; at most {MAX_FILES} are allowed.")
+        raise ScenarioError(f"{name}: holds {len(parts)} files; at most {MAX_FILES} are permitted.")
 
 
 def _filled_sheets(book: Any) -> tuple[str, ...]:

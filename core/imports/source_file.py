@@ -78,7 +78,7 @@ def read_text(source: SourceFile) -> tuple[str, list[Finding]]:
     """
     name, content, encoding = source.name, source.content, source.encoding
     if len(content) > MAX_BYTES:
-        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{name}: larger than the {MAX_BYTES / 1e6:g} MB permitted.")
     try:
         # some codecs of Python make no text, and `bytes.decode` refuses them
         b"ab".decode(encoding or "utf-8")

@@ -320,7 +320,7 @@ def parse_scenario(
     """
     # also for texts that never were a file, as those pasted into the page
     if len(text) > MAX_FILE_BYTES:
-        raise ScenarioError(f"{source}: more than the {MAX_FILE_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{source}: more than the {MAX_FILE_BYTES / 1e6:g} MB permitted.")
     document = read_toml(text, source)
     try:
         # the changes come before the checks: keys that only fit together can be changed together

@@ -49,14 +49,14 @@ def read_bytes(path: Path, max_bytes: int = MAX_FILE_BYTES) -> bytes:
     except ValueError:
         raise ScenarioError(f"{_shown(path)!r}: not a valid file name.") from None
     if len(content) > max_bytes:
-        raise ScenarioError(f"{path.name}: larger than the {max_bytes / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{path.name}: larger than the {max_bytes / 1e6:g} MB permitted.")
     return content
 
 
 def decoded(content: bytes, name: str) -> str:
     """Return the text of a file's content; errors as of `read_text`."""
     if len(content) > MAX_FILE_BYTES:
-        raise ScenarioError(f"{name}: larger than the {MAX_FILE_BYTES / 1e6:g} MB allowed.")
+        raise ScenarioError(f"{name}: larger than the {MAX_FILE_BYTES / 1e6:g} MB permitted.")
     try:
         # -sig: spreadsheet programs put a byte order mark first, which would become a part of the first key or column
         return content.decode("utf-8-sig")

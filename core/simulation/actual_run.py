@@ -148,9 +148,12 @@ def solve_plan(scenario: Scenario) -> Trajectory:
 
     It keeps to the target braking curves of the scenario if load or position differ from the plan.
     """
-    if any(name not in {"stops", "events"} for name, *_ in _stages(scenario)):
-        return plan_for(scenario)
-    return undisturbed_plan(scenario)
+    return plan_for(scenario) if is_followed(scenario) else undisturbed_plan(scenario)
+
+
+def is_followed(scenario: Scenario) -> bool:
+    """Return whether load, position or conditions differ from the plan; else a train drives its plan up to an event."""
+    return any(name not in {"stops", "events"} for name, *_ in _stages(scenario))
 
 
 def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Disturbance, SimulationOptions]]:

@@ -192,9 +192,9 @@ def check_speeds(mesh: MeshedLine, speed2: FloatArray) -> None:
     if _has_braking_curve(mesh) and permitted2[node] < limit_ms**2 * (1 - SAME):
         raise StrategyRefusedError(
             f"needs {needed} km/h at {mesh.position_m[node]:.0f} m, but the permitted deceleration "
-            f"(vehicle.braking.permitted_deceleration) allows only {allowed} km/h there."
+            f"(vehicle.braking.permitted_deceleration) permits only {allowed} km/h there."
         )
-    raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
+    raise StrategyRefusedError(f"needs {needed} km/h, but the limit is {allowed} km/h.")
 
 
 def check_accelerations(mesh: MeshedLine, speed2: FloatArray) -> None:
@@ -202,7 +202,7 @@ def check_accelerations(mesh: MeshedLine, speed2: FloatArray) -> None:
     for does, cell, reached, limit in broken_accelerations(mesh, speed2):
         by, allowed = distinct_numbers(reached, limit, EFFORT_DIGITS)
         place = mesh.position_m[cell]
-        raise StrategyRefusedError(f"{does} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
+        raise StrategyRefusedError(f"{does} by {by} m/s2 at {place:.0f} m, but the limit is {allowed} m/s2.")
 
 
 class BrokenLimit(NamedTuple):

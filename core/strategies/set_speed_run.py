@@ -157,7 +157,7 @@ def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) 
     if not np.isfinite(speed2[-1]):
         most = problem.mesh.data.max_deceleration_ms2
         return (
-            f"slows down by more than the {most:g} m/s2 that are allowed before {place:.0f} m, which it approaches at "
+            f"slows down by more than the limit of {most:g} m/s2 before {place:.0f} m, which it approaches at "
             f"{np.sqrt(speed2[-2]) / MS_PER_KMH:.1f} km/h, even at full effort."
         )
     bound = problem.regulation.bound_speed2[len(speed2) - 1]

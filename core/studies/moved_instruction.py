@@ -1,5 +1,7 @@
 """Runs whose coasting or braking begins at a given place, the rest of the run being optimal for the same arrival."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from railjoule.core.errors import RailjouleError, StrategyRefusedError
@@ -53,10 +55,13 @@ def moved_run(task: Task, run: Trajectory, number: int, place_m: float) -> Traje
         raise StrategyRefusedError(f"can begin between {low:.0f} m and {high:.0f} m here, not at {place_m:.0f} m.")
     try:
         if phase.phase == "brake":
-            return _passing_run(task, place_m, _fastest_ms(task, place_m))
-        if place_m <= phase.start_m:
-            return optimal(prepare_task(_without_power(task.scenario, place_m, phase.end_m)))
-        return _powered_run(task, run, place_m)
+            found = _passing_run(task, place_m, _fastest_ms(task, place_m))
+        elif place_m <= phase.start_m:
+            found = optimal(prepare_task(_without_power(task.scenario, place_m, phase.end_m)))
+        else:
+            found = _powered_run(task, run, place_m)
+        # the point to pass and the stretch without power are of no line: bound and optimum are those of the task
+        return replace(found, scenario=task.scenario, bound=run.bound, reference=run.reference)
     except StrategyRefusedError:
         raise
     except RailjouleError as failure:

@@ -289,7 +289,7 @@ def _check_lines(checks: Sequence[Summary]) -> list[str]:
         )
         for check in checks
     ]
-    return table_lines(("rule", "largest deviation", "allowed", "share of", "position, m", ""), rows, left={0, 3, 5})
+    return table_lines(("rule", "largest deviation", "permitted", "share of", "position, m", ""), rows, left={0, 3, 5})
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:
@@ -345,7 +345,7 @@ def _time_words(summary: Summary) -> str:
         return taken
     slack = summary["allowed_time_s"] - shortest
     return (
-        f"{taken}; shortest possible {time(shortest)} s, allowed {time(summary['allowed_time_s'])} s: "
+        f"{taken}; shortest possible {time(shortest)} s, timetable {time(summary['allowed_time_s'])} s: "
         f"slack {time(slack)} s ({share(slack / shortest)} %)"
     )
 

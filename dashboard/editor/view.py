@@ -65,7 +65,7 @@ PROFILE_PX, LIMITS_PX = 150, 130
 MAX_ROWS = 200
 """Longer tables show these; all of them can be pasted over."""
 LARGEST_FILE_BYTES = LONGEST_BLOCK = 1_000_000
-FILE_TOO_LARGE = "The file is larger than the 1 MB allowed. Nothing is changed."
+FILE_TOO_LARGE = "The file is larger than the limit of 1 MB. Nothing is changed."
 SCENARIO_FIELDS = (
     "preset",
     "opened",

@@ -131,12 +131,12 @@ def read_link(query: str) -> ReadLink:
     """
     text = query.lstrip("?#")
     if len(text) > LONGEST_LINK:
-        return ReadLink(refusal=f"The link is longer than the {LONGEST_LINK:,} characters allowed; it was not opened.")
+        return ReadLink(refusal=f"The link is longer than the limit of {LONGEST_LINK:,} characters; it was not opened.")
     try:
         # what is no UTF-8 is replaced, and its value refused; strictly it would raise ValueError, as too many values do
         pairs = dict(parse_qsl(text, keep_blank_values=True, max_num_fields=MAX_FIELDS, errors="replace"))
     except ValueError:
-        return ReadLink(refusal=f"The link has more than the {MAX_FIELDS} values allowed; it was not opened.")
+        return ReadLink(refusal=f"The link has more than the limit of {MAX_FIELDS} values; it was not opened.")
     known = {key: (model, name) for key, model, name in fields_of(_template())}
     pairs |= FORMER_PAGES.get(pairs.get("page", ""), {})
     version = pairs.pop("v", None)

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 from railjoule.core import RailjouleError, StrategyRefusedError, Trajectory
 from railjoule.core.motion import build_meshed_line
 from railjoule.core.simulation.manual import drive_manually, read_commands
+from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin
 from railjoule.dashboard.state.recipes import Recipe
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -108,4 +109,14 @@ def _run(recipe: Recipe) -> Trajectory:
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")
-    return runs.runs[strategy]
+    return move_instruction(runs.runs[strategy], recipe.moved) if recipe.moved else runs.runs[strategy]
+
+
+def move_instruction(run: Trajectory, moved: str) -> Trajectory:
+    """Return an optimum with one instruction moved to a place, such as 5@1000; errors as `moved_run`."""
+    from railjoule.core.studies.moved_instruction import moved_run  # noqa: PLC0415
+
+    number, _, place = moved.partition("@")
+    if int(number) >= len(run.phases):
+        raise StrategyRefusedError(f"has no instruction {number}.")
+    return moved_run(prepare_task(run.scenario), run, int(number), float(place))

@@ -156,21 +156,28 @@ def late_of(run: Trajectory) -> str:
     return late(run.travel_time_s, run.scenario.travel_time_s)
 
 
-def in_time_asked(run: Trajectory) -> str:
-    """Return by how much a run lies above the best known one in the time of the timetable, or how late it is.
+def off_time(run: Trajectory) -> str:
+    """Return how late or early a run arrives by its timetable; empty where it is in time, or the best known itself."""
+    earlier = run.scenario.travel_time_s - run.travel_time_s
+    return f"{words.time(earlier)} s early" if earlier >= OTHER_TIME_S and not is_reference(run) else late_of(run)
 
-    It stands under a heading in %. A late run has no percentage: an optimum in more time is another measure.
+
+def in_time_asked(run: Trajectory) -> str:
+    """Return by how much a run lies above the best known one in the time of the timetable, or how late or early it is.
+
+    It stands under a heading in %. A run in another time has no percentage: time and energy trade.
     """
-    return late_of(run) or cell(above_reference(run))
+    return off_time(run) or cell(above_reference(run))
 
 
 def beside(run: Trajectory, other: Trajectory) -> str:
-    """Return by how much a run lies above another, or how late it is where it keeps neither that time nor its own.
+    """Return by how much a run lies above another, or how late or early it is where it keeps neither time.
 
     It stands under a heading in %.
     """
-    later = late(run.travel_time_s, max(run.scenario.travel_time_s, other.travel_time_s))
-    return late_of(run) if later else cell(above(run.energy_kwh, other.energy_kwh))
+    same = abs(run.travel_time_s - other.travel_time_s) < OTHER_TIME_S
+    off = "" if same else off_time(run)
+    return off or cell(above(run.energy_kwh, other.energy_kwh))
 
 
 def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -> Amount | None:
@@ -258,14 +265,14 @@ def other_time(strategy: str, travel_time_s: float, asked_s: float) -> str:
     if abs(more) < OTHER_TIME_S:
         return ""
     if more > 0:
-        return f"{words.time(more)} s later than the {words.time(asked_s)} s allowed"
-    early = f"{words.time(-more)} s earlier than the {words.time(asked_s)} s allowed"
+        return f"{words.time(more)} s later than the timetable\u2019s {words.time(asked_s)} s"
+    early = f"{words.time(-more)} s earlier than the timetable\u2019s {words.time(asked_s)} s"
     return f"{early}: {WAITING}" if strategy == "optimal" else early
 
 
 def time_asked(run: Trajectory) -> str:
     """Return the time asked for where a run takes another one, below a number; empty where it does not."""
-    return f"allowed {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
+    return f"timetable {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
 
 
 def waiting_of(run: Trajectory) -> str:

@@ -112,6 +112,10 @@ def plain(show: Callable[P, str]) -> Callable[P, str]:
     return shown
 
 
+QUANTITY = re.compile(r"(?<![\w.,:\u202f-])(\d{4,})(?=(?:\.\d+)? (?:k?m|s|k?Wh?|V|A|k?N|t|kg|m/s2|km/h)\b)")
+"""The whole part of a quantity of four digits or more: no year, and none of a name."""
+
+
 def number(value: float, digits: int = 1) -> str:
     """Return a number with `digits` decimals, narrow spaces between thousands and a true minus; a dash for NaN."""
     if not math.isfinite(value):
@@ -120,6 +124,11 @@ def number(value: float, digits: int = 1) -> str:
     # what rounds to zero has no sign
     negative = value < 0 and any(character in "123456789" for character in text)
     return (MINUS if negative else "") + text
+
+
+def grouped(text: str) -> str:
+    """Return a sentence of the core with narrow spaces between the thousands of its quantities."""
+    return QUANTITY.sub(lambda found: f"{int(found[1]):,}".replace(",", THIN_SPACE), text)
 
 
 def decimals(value: float | None) -> int:

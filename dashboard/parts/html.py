@@ -69,9 +69,14 @@ def heading(page: str, title: str, subtitle: str, aside: str) -> Markup:
     )
 
 
+def finding(*sentences: str | Markup) -> Markup:
+    """Return the first paragraph of a page: what it finds, in numbers, and the next step."""
+    return markup("<p class=finding>{}</p>", Markup(" ").join(sentence for sentence in sentences if sentence))
+
+
 def failure(what: str, why: str, shown: str) -> Markup:
     """Return the message above a run that is not the one asked for."""
-    return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, why, shown)
+    return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, words.grouped(why), shown)
 
 
 def refusal(sentence: str) -> Markup:
@@ -136,8 +141,8 @@ def change(now: float, before: float) -> Markup:
 def proof_figure(run: Trajectory) -> Markup:
     """Return how far a run is from the best known one, or from its bound where it is that one itself."""
     amount, reference = comparisons.above_reference(run), run.reference
-    if comparisons.late_of(run):
-        return late_figure(run)
+    if comparisons.off_time(run):
+        return off_time_figure(run)
     if amount is not None and reference is not None and not comparisons.is_reference(run):
         label = "Above the optimum" if reference.proven else "Above best known"
         reference_text = comparisons.reference_words(reference, run.scenario.travel_time_s)
@@ -154,16 +159,17 @@ def proof_figure(run: Trajectory) -> Markup:
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 
 
-def late_figure(run: Trajectory) -> Markup:
-    """Return how late a run is, and how far above the best known one in the time that it takes."""
+def off_time_figure(run: Trajectory) -> Markup:
+    """Return how late or early a run is, and how far above the best known one in a time that is named."""
     amount, reference, asked_s = comparisons.above_reference(run), run.reference, run.scenario.travel_time_s
     detail = whole = ""
     if amount is not None and reference is not None:
         noun = comparisons.reference_noun(reference.proven)
         detail = f"{amount.sentence} the {noun} in {words.time(reference.within_s)} s"
         whole = f"{amount.sentence} the {comparisons.reference_words(reference, asked_s)}"
-    more = words.time(run.travel_time_s - asked_s)
-    return figure("Late", more, "s", detail, whole=whole, term="Above the optimum")
+    more = run.travel_time_s - asked_s
+    label = "Late" if more > 0 else "Early"
+    return figure(label, words.time(abs(more)), "s", detail, whole=whole, term="Above the optimum")
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
@@ -381,7 +387,7 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> Markup:
         rows.append(((line + f"Pinned: {pin.name}", *_run_cells(pin.trajectory, pinned)), False))
     head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
     noun, asked = comparisons.reference_noun(runs.is_proven), words.time(runs.scenario.travel_time_s)
-    above = [] if pinned else [f"Above the {noun} in the {asked} s allowed."]
+    above = [] if pinned else [f"Above the {noun} in {asked} s."]
     notes = note_paragraphs(above) + other_times(runs.runs.values())
     return markup("<div>{}{}</div>", table("Runs", head, rows), notes)
 
@@ -434,4 +440,6 @@ def notes(run: Trajectory) -> Markup:
 def note_paragraphs(sentences: Iterable[str], style: str = "") -> Markup:
     """Return sentences as notes, each a paragraph."""
     styled = markup(" style='{}'", style) if style else ""
-    return joined(markup("<p class=note{}>{}</p>", styled, sentence) for sentence in sentences)
+    # a piece of HTML is written as it is
+    plain = (one if isinstance(one, Markup) else words.grouped(one) for one in sentences)
+    return joined(markup("<p class=note{}>{}</p>", styled, sentence) for sentence in plain)

@@ -49,7 +49,7 @@ class Contents:
             raise ContentsError(f"sections: a report has at least one of {possible}.")
         for field, text, longest in (("author", self.author, LONGEST_AUTHOR), ("note", self.note, LONGEST_NOTE)):
             if len(text) > longest:
-                raise ContentsError(f"{field}: has {len(text):,} characters, at most {longest:,} are allowed.")
+                raise ContentsError(f"{field}: has {len(text):,} characters, at most {longest:,} are permitted.")
             for place, sign in enumerate(text.replace("\r\n", "\n"), 1):
                 # control characters, and halves of characters that could not be written as UTF-8
                 if unicodedata.category(sign) in {"Cc", "Cs"} and sign not in BLANKS:

@@ -10,7 +10,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.lower_bound import Bound
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulation.actual_run import actual_run
+from railjoule.core.simulation.actual_run import actual_run, is_followed
 from railjoule.core.simulation.disturbances import DisturbedRun
 from railjoule.core.simulation.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulation.following import Following, simulate_following
@@ -187,4 +187,5 @@ def _reality(scenario: Scenario) -> Reality | None:
             return simulate_field_oriented(scenario)
         if scenario.disturbance.events:
             return actual_run(scenario).disturbed
-        return simulate_following(scenario)
+        # as on the pages: a train that meets what was planned drives its plan, without target braking curves
+        return simulate_following(scenario) if is_followed(scenario) else None

@@ -10,7 +10,7 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.words import slug
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
-from railjoule.dashboard.scenario_folder import FileExistsInFolderError
+from railjoule.dashboard.scenario_folder import FileExistsInFolderError, checked_name
 from railjoule.dashboard.state.recipes import as_command, as_python, as_toml, page_recipe
 from railjoule.dashboard.workbench import Workbench
 
@@ -52,6 +52,7 @@ class Share:
         browser.listen("undo", lambda _: keeping.undo())
         browser.listen("redo", lambda _: keeping.redo())
         browser.listen("share", lambda _: self._turn())
+        browser.listen("escape", lambda _: self._close())
         browser.listen("copy", lambda message: self._copy(str(message.get("name"))))
         browser.listen("download", lambda _: download(state, browser))
         browser.listen("dismiss", lambda _: setattr(state, "notice", ""))
@@ -63,6 +64,10 @@ class Share:
         state.param.watch(self._show_notice, "notice")
         self._follow()
         self._show_notice()
+
+    def _close(self) -> None:
+        if self.part is not None:
+            self._turn()
 
     def _turn(self) -> None:
         with one_message():
@@ -180,13 +185,17 @@ class SaveScenario:
             self._show(refusal=str(error), can_replace=isinstance(error, FileExistsInFolderError))
 
         try:
+            name = checked_name(self.name.value)
             recipe = page_recipe(self.state)
             # a page without a scenario of its own, such as Papers, changes nothing in it
             scenario = recipe.scenario if recipe.program.of_scenario else self.state.scenario.scenario()
+            # a copy under another name would be mistaken for its original in pins, links and reports
+            if name != self.files.current and slug(name) != slug(scenario.title) and "title" not in recipe.changes:
+                scenario = scenario.replace(title=name)
         except RailjouleError as error:
             refuse(error)
             return
-        self.files.save(self.name.value, scenario, replace, take, refuse)
+        self.files.save(name, scenario, replace, take, refuse)
 
 
 def download(state: Workbench, browser: Browser) -> None:

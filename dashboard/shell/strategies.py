@@ -111,5 +111,5 @@ def strategy_numbers(runs: Runs, name: str) -> str:
     run = runs.runs[name]
     amount = comparisons.above_reference(run)
     # the column's head has kWh, and there is no room for it
-    above = comparisons.late_of(run) or (words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh"))
+    above = comparisons.off_time(run) or (words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh"))
     return markup("<span>{}</span><span>{}</span>", words.energy(run.energy_kwh), above)

@@ -171,7 +171,7 @@ def open_scenario(text: str, name: str) -> Opened:
 def outcome_of(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""
     if len(text) > LONGEST_TEXT:
-        return ScenarioError(f"{SOURCE}: more than the {LONGEST_TEXT / 1e6:g} MB allowed.")
+        return ScenarioError(f"{SOURCE}: more than the limit of {LONGEST_TEXT / 1e6:g} MB.")
     try:
         with within(PAGE):
             scenario = parse_scenario(text, SOURCE)

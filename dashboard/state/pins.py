@@ -23,7 +23,7 @@ PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
 TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
 LONGEST_NAME = 60
 LONGEST_KEY = 16
-OF_RECIPE = ("strategy", "simple", "recording", "driven", "preset")
+OF_RECIPE = ("strategy", "simple", "recording", "driven", "moved", "preset")
 """Recipe of a pin as in an address."""
 
 
@@ -63,7 +63,7 @@ class Pin:
 class KeptPin(Kept):
     """A pin without its run, as an address holds it."""
 
-    kept = ("called", "strategy", "simple", "recording", "driven", "preset", "toml", "changes", "colour")
+    kept = ("called", "strategy", "simple", "recording", "driven", "moved", "preset", "toml", "changes", "colour")
 
     called = param.String(default="", doc="Name given by the user.")
     strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
@@ -71,6 +71,11 @@ class KeptPin(Kept):
     simple = param.Integer(default=0, bounds=(0, 9), doc="Changes of regime of simple advice; 0: the strategy.")
     recording = param.String(default="", doc="Of a measured run the key under which the page holds it.")
     driven = param.String(default="", doc="Commands of a run driven by hand, such as p0c300b2200.")
+    moved = param.String(
+        default="",
+        regex=r"(\d{1,4}@\d{1,7}(\.\d{1,20})?)?$",
+        doc="Phase and place of a moved instruction: 5@1000.",
+    )
     preset = param.Selector(
         default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
     )

@@ -95,6 +95,8 @@ class Recipe:
         Of a measured run the key under which the page holds it, as its file is in no link; empty for all others.
     driven : str
         Of a run driven by hand its commands, such as p0c300b2200; empty for all others.
+    moved : str
+        Of an optimum with a moved instruction the phase and its place in metres, such as 5@1000; empty for all others.
     program : Program
         The Python and the command that give the number of the page.
     untold : str
@@ -108,6 +110,7 @@ class Recipe:
     simple: int = 0
     recording: str = ""
     driven: str = ""
+    moved: str = ""
     program: Program = SOLVE
     untold: str = ""
 

@@ -22,9 +22,9 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 
 
 def test_blocks_and_figures_light_each_other(user: User) -> None:
-    block = user.page.locator("svg.wide [data-block=motion_control]")
+    block = user.page.locator("svg.wide [data-block=current_control]")
     lit = user.page.locator("svg.wide [data-block].lit")
-    chart = user.page.locator(".rj-chart-tracking:visible")
+    chart = user.page.locator(".rj-chart-loop_currents:visible")
     chart.scroll_into_view_if_needed()
     block.hover()
     expect(lit).to_have_count(1)
@@ -33,11 +33,11 @@ def test_blocks_and_figures_light_each_other(user: User) -> None:
     expect(lit).to_have_count(0)
     expect(user.page.locator(".rj-lit")).to_have_count(0)
     chart.hover()
-    expect(lit).to_have_attribute("data-block", "motion_control")
+    expect(lit).to_have_attribute("data-block", "current_control")
     user.page.mouse.move(5, 5)
     # by key: the block after the one that is focused, and its figure into sight
     block.focus()
     user.page.keyboard.press("Tab")
-    expect(lit).to_have_attribute("data-block", "current_control")
+    expect(lit).to_have_attribute("data-block", "inverter")
     user.page.keyboard.press("Enter")
-    expect(user.page.locator(".rj-chart-loop_currents:visible canvas").first).to_be_in_viewport()
+    expect(user.page.locator(".rj-chart-loop_voltage:visible canvas").first).to_be_in_viewport()

@@ -56,7 +56,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     user: User, spreadsheets: list[Path], recorder_file: Path, tmp_path: Path
 ) -> None:
     page, began = user.page, time.monotonic()
-    page.get_by_role("button", name="Import line or train").click()
+    page.get_by_role("button", name="Use your own line, train or file").click()
     expect(user.question("Files")).to_be_visible()
     bring(user, *spreadsheets)
     for k, kind in enumerate(("Speed limits", "Gradients", "Curves")):

@@ -30,6 +30,10 @@ def press(name: str) -> Callable[[User], None]:
     return lambda user: user.page.get_by_role("button", name=name, exact=True).locator("visible=true").first.click()
 
 
+def open_tab(name: str) -> Callable[[User], None]:
+    return lambda user: user.page.get_by_role("tab", name=name).click()
+
+
 def type_text(label: str, text: str) -> Callable[[User], None]:
     return lambda user: user.type(label, text)
 
@@ -71,7 +75,7 @@ CHANGES = {
     "Explore": Change(type_text("Runs", "77"), ':text("The preview below shows"):visible'),
     "Learn": Change(press("This is my guess"), "main:visible", "lesson_coasting"),
     "Files": Change(press("Try the example"), "main:visible", "import_limits"),
-    "Papers": Change(press("Draw the figures of Rawicki"), "main:visible"),
+    "Papers": Change(press("Draw the figures of Rawicki"), "main:visible", first=open_tab("Rawicki")),
     "Help": Change(lambda user: user.page.locator("[data-open=Compare]").click(), "h1:visible", leaves=True),
 }
 

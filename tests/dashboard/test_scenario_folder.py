@@ -187,8 +187,8 @@ def test_a_folder_that_is_a_file_is_one_sentence_without_its_path(tmp_path: Path
 def test_sizes_are_bounded(folder: ScenarioFolder, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scenario_folder, "LONGEST_TEXT", 200)
     put(folder, "long.toml", "#" * 201)
-    assert folder.listing().files[0].refusal == "long.toml: larger than the 0.0002 MB allowed."
-    with pytest.raises(FolderError, match=r"x\.toml: more than the 0\.0002 MB allowed\."):
+    assert folder.listing().files[0].refusal == "long.toml: larger than the limit of 0.0002 MB."
+    with pytest.raises(FolderError, match=r"x\.toml: more than the limit of 0\.0002 MB\."):
         folder.save("x", "#" * 201)
 
 

@@ -64,6 +64,8 @@ class ComparedChart(RunLines):
     def __init__(self, plot: ComparedPlot, axis: Axis, palette: Palette) -> None:
         limit = (methodcaller("line", "limit", "limit", line_width=1.2),) if plot.has_limits else ()
         super().__init__(replace(plot, below=limit, above=(NAMES,) if plot.names else ()), axis, palette)
+        # the caption also names runs that are off the scale
+        self.title = self.caption
         self._reference: Trajectory | None = None
         self._over_time = False
 
@@ -92,8 +94,8 @@ class ComparedChart(RunLines):
         self._reference, self._over_time = reference.run, over_time
         drawn = list(among) if self.plot.has_limits else without_fastest(among, reference)
         off_scale = [contender.name for contender in among if contender not in drawn]
-        caption = self.plot.caption or self.quantity.words
-        self.rename(f"{caption} ({' and '.join(off_scale)} off the scale)" if off_scale else caption)
+        caption = f"{self.title} ({' and '.join(off_scale)} off the scale)" if off_scale else self.title
+        self.rename(caption)
         if self.plot.is_difference:
             drawn = [contender for contender in drawn if contender is not reference] or [reference]
         curves = self.fill({contender.key: contender.run for contender in drawn}, over_time)

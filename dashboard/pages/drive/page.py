@@ -304,8 +304,9 @@ class Drive(Page):
         """Make what needs not be there when the page opens."""
         self.mover_menu = menu(self, "moved_phase", "Move an instruction", {"None": NOTHING_MOVED}, **MOVER_MENU)
         self.moved_field = parts.stack(NumberField(self, "moved_to_m"), visible=False, **MOVER_MENU)
+        self.pin_moved = pmui.Button(label="Pin the moved run", **SMALL, visible=False, on_click=self._pin_moved)
         with one_message():
-            row = self.mover_menu, self.moved_field, self.moved_text
+            row = self.mover_menu, self.moved_field, self.moved_text, self.pin_moved
             self.mover[:] = [pn.Row(*row, margin=0, stylesheets=[MOVER_CSS])]
         self._show_moved()
         heading = parts.html_pane("<h2>What it is worth</h2>")
@@ -335,6 +336,10 @@ class Drive(Page):
             simple = self._advised(found[0])[2]
             if simple is not None:
                 self.desk.pin_simple(self.simple.request, simple)
+
+    def _pin_moved(self, *_: Any) -> None:
+        move, run = self.moved.request, self.moved.found
+        self.desk.pin_moved(run, move.number, move.place_m)
 
     def _press_prove(self, *_: Any) -> None:
         if self.proving_further:
@@ -478,6 +483,7 @@ class Drive(Page):
         elif chosen and self.moved is not None and self.moved.request.number == self.moved_phase:
             sentence = texts.moved_words(self.moved)
         self.moved_text.object = parts.markup("<p role=status>{}</p>", sentence)
+        self.pin_moved.visible = chosen and self.moved is not None and self.moved.found is not None
 
     @shows(
         *("desk.runs", "desk.chosen", "desk.pins", "desk.day.on", "actual", "baseline", "compared"),

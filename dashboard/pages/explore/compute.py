@@ -28,7 +28,7 @@ CELLS = 5
 QUANTILES = (0.05, 0.5, 0.95)
 SHOWN = (0.0005, 0.9995)
 """Quantiles between which values are drawn."""
-PREVIEW_RUNS, PREVIEW_S = 64, 1.0
+PREVIEW_RUNS, PREVIEW_S = 64, 3.0
 """A preview has so many runs, or as many as this time takes [s]."""
 Bounds = Mapping[str, Ends]
 

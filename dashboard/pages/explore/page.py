@@ -97,10 +97,10 @@ class Explore(Studies):
         self.body = parts.stack(
             parts.stack(left, right, css=BODY_CSS), self._layout_selection(), self.others, self._layout_rows()
         )
-        self.run_here = pmui.Button(
-            label="Run", variant="contained", size="small", margin=(0, 20, 6, 20), width=90, on_click=self.begin
+        self.run = pmui.Button(
+            label="Run", variant="contained", size="small", margin=(0, 20, 6, 20), on_click=self.begin
         )
-        return parts.stack(self.intro, self.run_here, head, self.host.figures, self.body)
+        return parts.stack(self.intro, self.run, head, self.host.figures, self.body)
 
     def _download(self, suffix: str, label: str) -> pmui.FileDownload:
         made = pmui.FileDownload(
@@ -204,8 +204,9 @@ class Explore(Studies):
         if not note and under_way and progress.done:
             note = SO_FAR
         self.status.object = texts.status_html(progress, note) if own and there else ""
-        self.intro.visible = self.run_here.visible = own and not there
-        self.run_here.disabled = under_way
+        self.intro.visible, self.run.visible = own and not there, own
+        is_done = self.asked is not None and self.asked == self.settings
+        self.run.param.update(label="Run again" if there else "Run", disabled=under_way or is_done)
         preview = None if self.preview is None else self.preview.table
         runs = "" if preview is None else words.number(preview.rows, 0)
         sentence = INTRO.format(runs, words.number(self.runs, 0)) if runs else INTRO.partition(" The")[0]

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import panel as pn
-import panel_material_ui as pmui
 import param
 from panel.viewable import Viewable
 
@@ -336,11 +335,8 @@ class Studies(Page):
         return InputRanges(self).view
 
     def layout_start(self) -> Viewable:
-        """Return the estimate, and the buttons that begin a study or open one."""
+        """Return the estimate, and the button that opens a study."""
         self.estimate = parts.html_pane()
-        self.run = pmui.Button(
-            label="Run", variant="contained", size="small", margin=(8, 8, 8, 16), on_click=self.begin
-        )
         file = SmallFile(
             refuse=lambda: self.param.update(refusal=TOO_LARGE),
             label="Open a study",
@@ -350,7 +346,7 @@ class Studies(Page):
             icon="folder_open",
             variant="text",
             size="small",
-            margin=(0, 8, 8, 8),
+            margin=(4, 8, 8, 8),
         )
 
         def bring(event: Any) -> None:
@@ -362,7 +358,7 @@ class Studies(Page):
         file.param.watch(bring, "value")
         self.param.watch(self._show_estimate, ["preview", "asked", "progress", "refusal", *STARTS])
         self._show_estimate()
-        return parts.stack(self.estimate, self.run, file)
+        return parts.stack(self.estimate, file)
 
     fields = (Own(layout_ranges), Section("Runs"), "method", "strategy", "runs", "seed", Own(layout_start))
 
@@ -370,8 +366,6 @@ class Studies(Page):
         preview = self.preview
         same = self.asked is not None and self.asked == self.settings
         refusal = self.refusal or ("" if preview is None else preview.refusal)
-        self.run.label = "Run" if self.sweep is None else "Run again"
-        self.run.disabled = self.progress.is_under_way or same
         if refusal:
             said = parts.markup('<p class="error" role="alert" style="color:var(--rj-bad)">{}</p>', refusal)
         elif same and not self.progress.is_under_way:

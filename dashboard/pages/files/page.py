@@ -16,8 +16,8 @@ from railjoule.core.imports import SourceFile
 from railjoule.dashboard.keep.dropped import NO_TEXT, REPORTS, SCENARIOS, refused_file, scenario_text, words_of
 from railjoule.dashboard.library_workarounds import SmallFile
 from railjoule.dashboard.limits import FILE_SUFFIXES, LARGEST_RUN_BYTES, STUDIES, too_large
-from railjoule.dashboard.look.markup import Markup, markup
-from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.markup import Markup
+from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.page import shows
 from railjoule.dashboard.pages.files import texts
 from railjoule.dashboard.pages.files.brought import Brought
@@ -39,6 +39,13 @@ EXAMPLE_SCENARIO = "metro-with-limit"
 EXAMPLE_RUNS = ("recordings/metro-0714.csv", "recordings/metro-1742.csv")
 """Two drivers' runs over one line: the folder has those of other lines too."""
 EXAMPLE_LINE = tuple(f"imports/example-{name}.csv" for name in ("limits", "gradients", "curves"))
+INVITATION_CSS = (
+    padded("0 20px 24px", "0 14px 20px")
+    + """
+.finding { padding: 0 0 6px; } .block { max-width: 860px; }
+table { font-size: 13px; } td, th { text-align: left; white-space: normal; padding: 6px 0 6px 20px; }
+"""
+)
 MAX_FILES = 12
 """Kept of one page: each is held in the server's memory."""
 LONGEST_NAME = 80
@@ -182,16 +189,13 @@ class Files(RunsTab):
         )
         self.chooser.param.watch(self._take_chosen, "value")
         example = pmui.Button(label="Try the example", on_click=self.try_example, height=30, **place)
-        self.refused, self.invitation = parts.html_pane(visible=False), parts.html_pane()
+        self.refused = parts.html_pane(visible=False)
+        self.invitation = parts.html_pane(stylesheets=[parts_css(), INVITATION_CSS])
         self.sheet = SheetForm(self.add)
-        tools = parts.stack(
-            pn.FlexBox(self.chooser, example, margin=0),
-            self.invitation,
-            self.sheet.view,
-            css=padded("0 20px", "0 14px"),
-        )
+        sheet = parts.stack(self.sheet.view, css=padded("0 20px", "0 14px"))
+        tools = parts.stack(pn.FlexBox(self.chooser, example, margin=0), css=padded("0 20px", "0 14px"))
         self.tabs = PageTabs(self, TABS, {LINE: self.layout_line, RUNS: self.layout_runs})
-        return parts.stack(self.refused, tools, self.tabs.view)
+        return parts.stack(self.refused, tools, self.tabs.view, self.invitation, sheet)
 
     def _take_chosen(self, *_: Any) -> None:
         """Take the files that were chosen, which come as one or as a list."""
@@ -209,6 +213,7 @@ class Files(RunsTab):
         self.refused.visible = bool(self.refusal)
         self.refused.object = parts.refusal(self.refusal) if self.refusal else ""
         is_empty = not (self.runs if self.tab == RUNS else [card for card in self.cards if not card.is_run])
-        text = markup("<p class=note>{}</p>", texts.INVITATION[self.tab]) if is_empty else Markup("")
-        self.invitation.object = text
+        sentences, head, rows = texts.INVITATION[self.tab]
+        table = parts.table("What you can drop", head, [(row, False) for row in rows])
+        self.invitation.object = parts.finding(sentences) + table if is_empty else Markup("")
         self.sheet.view.visible = self.tab == LINE

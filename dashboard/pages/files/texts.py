@@ -11,16 +11,37 @@ from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.pages.files.measured import PARAMETER_WORDS, Measured, ReadRun, fit_sentences, power_error
 from railjoule.dashboard.parts import html as parts
 
-DROP = "Choose files or drop them anywhere on the page: "
 INVITATION = {
-    "line": f"{DROP}tables of gradients, speed limits, curves, tunnels or neutral sections (CSV, XLSX; also as SNCF "
-    "and RINF publish them), TTOBench (JSON), scenarios and reports. Your scenario changes only when you press "
-    "\u201cUse\u201d. The example is an invented line in the columns of SNCF.",
-    "runs": f"{DROP}CSV or XLSX with time and speed, better with position, effort and power. The example is two runs "
-    "over the line of Metro, profile II + I. This program simulated them with a slightly different train and wrote "
-    "them down with the steps and errors of a recorder: nobody has measured them.",
+    "line": (
+        "Choose files or drop them anywhere on the page. Columns and units are recognised, and can be corrected; "
+        "the scenario changes only when you press \u201cUse\u201d. The example is an invented line in the columns of "
+        "SNCF.",
+        ("File", "Contents", "Format"),
+        (
+            ("Gradients", "begin, end, gradient; also with signs up and down", "CSV, XLSX"),
+            ("Speed limits", "begin, end, limit; several classes of trains in one table", "CSV, XLSX"),
+            ("Curves", "begin, end, radius or degree of curve", "CSV, XLSX"),
+            ("Tunnels, neutral sections", "begin, end, tunnel factor", "CSV, XLSX"),
+            ("Track, train, journey", "as TTOBench publishes them", "JSON"),
+            ("Scenario", "everything: saved or downloaded here, or within a report", "TOML, HTML"),
+            ("Study", "saved on Explore", "NC"),
+        ),
+    ),
+    "runs": (
+        "Choose files or drop them anywhere on the page. The page finds where the run lies on the line of the "
+        "scenario, and its possible saving. The example is two runs, simulated with a slightly different train and "
+        "the errors of a recorder: they are not measured.",
+        ("Column", "Needed", "Units"),
+        (
+            ("Time", "yes", "s, hh:mm:ss, date and time"),
+            ("Speed", "yes, unless there is a position", "km/h, m/s, mph"),
+            ("Position", "better", "m, km"),
+            ("Effort or brake", "better", "kN, %"),
+            ("Power, energy, or current and voltage", "better", "kW, kWh, A, V"),
+        ),
+    ),
 }
-"""What a tab without a file says."""
+"""The first sentences of a tab without a file, and the table of what it takes: its head and its rows."""
 FIT_CSS = """
 .fit td:first-child span { color: var(--rj-ink3); font-size: 11px; }
 .fit svg { margin: 0; vertical-align: middle; }

@@ -17,7 +17,7 @@ KEYS = (
     ("P", "pin the run, or unpin it"),
     ("Ctrl + Z", "undo"),
     ("Ctrl + Shift + Z", "redo"),
-    ("Escape", "close an explanation, a list of pages or the full screen of a figure"),
+    ("Escape", "close an explanation, a list of pages, sharing or the full screen of a figure"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
 )
 """The keys and their uses; letters, digits and signs only while nothing is typed."""
@@ -80,7 +80,11 @@ HELP_CSS = """
 .help dt { font-weight: 600; }
 .help dt span { font-weight: 400; color: var(--rj-ink3); }
 .help dd { margin: 0; max-width: 68ch; color: var(--rj-ink2); }
-.help .proof { max-width: 76ch; }
+.help .columns > div { break-inside: avoid; }
+.help .columns > div p { max-width: 68ch; color: var(--rj-ink2); }
+.help .first { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 0 44px; }
+.help summary h2 { display: inline; }
+.help summary { margin-top: 22px; cursor: pointer; }
 @media (max-width: 899px) { .help { padding: 2px 14px 24px; } .help .columns { columns: 1; } }
 """
 
@@ -98,7 +102,8 @@ class Help(Page):
 
 def help_html() -> Markup:
     """Return the page below its heading."""
-    pieces = documentation_html(), keys_html(), pages_html(), proof_html(), limits_html(), glossary_html()
+    first = markup('<div class="first"><div>{}</div><div>{}</div></div>', pages_html(), keys_html())
+    pieces = documentation_html(), first, glossary_html(), proof_html(), limits_html()
     return markup('<div class="help">{}</div>', joined(pieces))
 
 
@@ -108,8 +113,8 @@ def limits_html() -> Markup:
     rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
     note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
     template = (
-        '<h2 id="limits">Limits</h2>{}<table class="limits"><thead><tr><th>Of</th><th>On this page</th>'
-        "<th>In a terminal</th></tr></thead><tbody>{}</tbody></table>"
+        '<details><summary><h2 id="limits">Limits</h2></summary>{}<table class="limits"><thead><tr><th>Of</th>'
+        "<th>On this page</th><th>In a terminal</th></tr></thead><tbody>{}</tbody></table></details>"
     )
     return markup(template, parts.note_paragraphs([note]), rows)
 
@@ -126,7 +131,7 @@ def documentation_html() -> Markup:
 def keys_html() -> Markup:
     """Write the table of keys."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
-    note = "The keys ?, 1 to 9 and P are off while you type in a field."
+    note = "The keys ?, 1 to 9 and P are off while you type in a field. The search of the browser finds a term below."
     template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
     return markup(template, rows, parts.note_paragraphs([note]))
 
@@ -145,8 +150,8 @@ def pages_html() -> Markup:
 
 def proof_html() -> Markup:
     """Return how to read a proof."""
-    rows = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
-    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', rows)
+    rows = joined(markup("<div><h3>{}</h3><p>{}</p></div>", title, text) for title, text in PROOF)
+    return markup('<h2 id="proof">How to read a proof</h2><div class="columns">{}</div>', rows)
 
 
 def glossary_html() -> Markup:

@@ -286,9 +286,9 @@ class WholeLines(Page):
         )
         self.timetable = parts.stack(title, about, acts, head, self.rows)
         body = parts.stack(*(chart.host for chart in self.host.charts), css=BODY_CSS)
-        lower = parts.stack(self.verdict, self.table, self.timetable, self.notes, css=LOWER_CSS)
+        lower = parts.stack(self.table, self.timetable, self.notes, css=LOWER_CSS)
         self.of_example = parts.stack(self.example, self.open)
-        return parts.stack(self.of_example, self.host.figures, self.others, self.key, body, lower)
+        return parts.stack(self.of_example, self.verdict, self.host.figures, self.others, self.key, body, lower)
 
     def _choose_other(self, event: Any) -> None:
         # the rule that is shown while the chosen one is missing is no choice
@@ -345,7 +345,7 @@ class WholeLines(Page):
         else:
             self._resting = cells
             self.host.figures.object = parts.figures(cells, self.failure is not None)
-        self.verdict.object = parts.note_paragraphs(texts.sharing_words(runs))
+            self.verdict.object = parts.finding(*texts.sharing_words(runs))
         self.table.object = texts.legs_table(runs, other)
         self.notes.object = parts.note_paragraphs(texts.missed_words(runs)) + parts.notes(runs.best.run)
 

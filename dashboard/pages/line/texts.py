@@ -69,7 +69,7 @@ def sharing_words(runs: LineRuns) -> list[str]:
         # the figure of the row above the charts
         verb, amount = comparisons.saving(runs.runs[other].run.energy_kwh, best)
         costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
-    told = f"Compared with the optimal supplement, {' and '.join(costs)}"
+    told = f"Compared with the optimal supplement, {words.energy(best)} kWh, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
     if not costs:
         verdict = "No other distribution of the supplement keeps the arrival windows."

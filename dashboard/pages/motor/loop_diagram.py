@@ -15,15 +15,15 @@ from railjoule.dashboard.look.scripts import module
 
 CHARTS: Mapping[str, tuple[str, ...]] = {
     "reference": ("rival_current", "rival_energy"),
-    "precompensator": ("tracking_fine",),
-    "motion_control": ("tracking",),
+    "precompensator": ("tracking",),
+    "motion_control": ("loop_speed", "tracking"),
     "current_control": ("loop_currents",),
     "inverter": ("loop_voltage", "ripple"),
-    "machine": ("loop_energy", "machine_map", "flux_sweep"),
+    "machine": ("machine_map",),
     "load": ("loop_speed",),
-    "flux_estimator": ("loop_flux",),
+    "flux_estimator": ("flux_sweep",),
 }
-"""Names of the figures that each block explains, the foremost first."""
+"""Names of the figures that each block explains, the foremost first; a figure lights the first of its blocks."""
 STYLE = """
 :host { display: block; font-family: var(--rj-font); }
 :host > div { width: 100%; }

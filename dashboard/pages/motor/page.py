@@ -63,7 +63,6 @@ LIMITS = ("max_phase_voltage_v", "max_current_a")
 EXAMPLE_NOTE = (
     "The data of {} describe no induction motor; the editor has them under Powertrain. The page shows an example."
 )
-MM_PER_M = 1e3
 
 
 # ---- figures
@@ -83,9 +82,6 @@ def of_rivals(quantity: Quantity) -> dict[str, Line]:
 TORQUE_CURRENT = column("torque_current", "torque_current_a")
 INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
 SPEED = replace(quantities.SPEED, name="loop_speed", words="Speed over time, km/h", digits=2)
-ENERGY = Quantity(
-    "loop_energy", "Energy at the motors so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)
-)
 OF_RUN = (
     RowPlot(
         "loop_speed",
@@ -114,20 +110,6 @@ OF_RUN = (
             "voltage": Line("accent", SOLID, "run", column("phase_voltage", "phase_voltage_v")),
         },
         (130, 150, 120),
-    ),
-    RowPlot(
-        "loop_flux",
-        Quantity("loop_flux", "Rotor flux, V s", "V s", 3, read("rotor_flux_vs")),
-        {"": Line("accent", SOLID, "run")},
-        (90, 100, 90),
-        ticks=3,
-        digits=1,
-    ),
-    RowPlot(
-        "loop_energy",
-        ENERGY,
-        {"": Line("accent", SOLID, "run")},
-        digits=1,
         last=True,
     ),
 )
@@ -137,16 +119,6 @@ OF_TRACKING = (
         Quantity("tracking", "Tracking error with and without pre-compensator, m", "m", 3, read("tracking_error_m")),
         {"without": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
         (120, 140, 120),
-    ),
-    # beside the error without a pre-compensator, that with one is a line at zero
-    RowPlot(
-        "tracking_fine",
-        Quantity(
-            "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
-        ),
-        {"": Line("accent", SOLID, "with")},
-        (90, 100, 90),
-        ticks=3,
     ),
 )
 OF_RIVALS = (
@@ -158,7 +130,13 @@ OF_RIVALS = (
     ),
     RowPlot(
         "rival_energy",
-        replace(ENERGY, name="rival_energy", words="EOC and ENOC: energy at the motors, kWh"),
+        Quantity(
+            "rival_energy",
+            "EOC and ENOC: energy at the motors so far, kWh",
+            "kWh",
+            3,
+            read("energy_by_input_power_j", J_PER_KWH),
+        ),
         of_rivals(INPUT_ENERGY),
         (170, 200, 160),
         digits=1,
@@ -195,7 +173,7 @@ FLUX = Plot(
     uprights={"least": "ink3"},
 )
 LAYOUT_CSS = """
-:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 16px 28px;
   padding: 8px 20px 12px 14px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
 """
@@ -342,8 +320,8 @@ class Motor(Page):
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.fluxes = (
-            parts.html_pane() for _ in range(7)
+        self.finding, self.numbers, self.held, self.account, self.refusals, self.notes, self.example, self.fluxes = (
+            parts.html_pane() for _ in range(8)
         )
         self.at = NumberField(self, "ripple_at_s")
         self.cruise = NumberField(self, "cruise_speed_kmh", check=self._within_top_speed)
@@ -353,12 +331,15 @@ class Motor(Page):
         speed, *others = OF_RUN
         return parts.stack(
             self.of_example,
+            self.finding,
             self.numbers,
             self.held,
             parts.stack(LoopDiagram(), css=DIAGRAM_CSS),
             parts.stack(
-                self._column(speed, *OF_TRACKING, *others, self.account),
-                self._column(*OF_RIVALS, self.refusals, MAP, RIPPLE, self.at, FLUX, self.cruise, self.fluxes),
+                self._column(speed, *OF_TRACKING, *others),
+                self._column(MAP, *OF_RIVALS, self.refusals),
+                self._column(FLUX, self.cruise, self.fluxes),
+                self._column(RIPPLE, self.at, self.account),
                 css=LAYOUT_CSS,
             ),
             parts.stack(self.notes, css=":host { padding: 0 20px 16px; }"),
@@ -374,9 +355,8 @@ class Motor(Page):
         run, own = self.run, self.desk.scenario.edited
         self.of_example.visible = self.is_example
         self.example.object = parts.note_paragraphs([EXAMPLE_NOTE.format(own.vehicle.name)], "margin:0 20px")
-        aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
         what = "planned run, simulated with field-oriented control of the motors"
-        self.host.heading.object = parts.heading(self.page, scenario_with_motor(own).title, what, aside)
+        self.host.heading.object = parts.heading(self.page, scenario_with_motor(own).title, what, "")
         self.host.tell(self.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is not None:
             self._draw_run(run)
@@ -388,6 +368,7 @@ class Motor(Page):
         self.cruise.set_ends((1.0, run.scenario.vehicle.traction.max_speed_kmh))
         bands = [(span.start_s, span.end_s) for span in run.saturated]
         host.draw(OF_RUN, {"run": run, "planned": run.planned}, bands)
+        self.finding.object = texts.finding(run)
         self.numbers.object = parts.figures(texts.run_figures(run), self.failure is not None)
         self.held.object = texts.held_words(run)
         self.account.object = texts.parts_table(run)

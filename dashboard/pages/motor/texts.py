@@ -5,6 +5,7 @@ from railjoule.core.studies.flux_sweep import FluxSweep
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.pages.motor.compute import limits_of
 from railjoule.dashboard.parts import html as parts
 
 SMALL_LENGTH_M = 0.1
@@ -18,35 +19,42 @@ def length(metres: float) -> tuple[str, str]:
     return words.number(metres, 2), "m"
 
 
+def finding(run: FieldOrientedRun) -> Markup:
+    """Return the finding in numbers: energy against the plan, and the use of the inverter."""
+    more, limits = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh), _limits(run)
+    voltage, current = (
+        words.number(100 * share, 0) for share in (run.max_phase_voltage_v / limits[0], run.max_current_a / limits[1])
+    )
+    least = "\u201cLeast loss\u201d as rotor flux, in the sidebar, reduces the magnetising loss."
+    return parts.finding(
+        f"With its motors under control, the train needs {words.energy(run.actual.energy_kwh)} kWh, {more.sentence} "
+        f"the plan\u2019s {words.energy(run.planned.energy_kwh)} kWh; magnetising the motors takes "
+        f"{words.energy(run.magnetising_loss_kwh)} kWh. "
+        f"The inverter gives up to {voltage} % of its voltage and {current} % of its current.",
+        least if run.scenario.simulation.flux == "constant" else "",
+    )
+
+
+def _limits(run: FieldOrientedRun) -> tuple[float, float]:
+    limits = limits_of(run.scenario)
+    assert limits is not None
+    return limits.max_phase_voltage_v, limits.max_current_a
+
+
 def run_figures(run: FieldOrientedRun) -> list[str]:
     """Return the numbers of a run."""
-    by_input = float(run.energy_by_input_power_j[-1]) / J_PER_KWH
-    magnetising = run.magnetising_loss_kwh
     # both from the supply: the motors' net energy counts braking energy that the supply may not take back
-    amount = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh)
-    planned = words.energy(run.planned.energy_kwh)
+    amount, (volts, amperes) = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh), _limits(run)
+    planned, without = words.energy(run.planned.energy_kwh), words.energy(run.paper_energy_kwh)
+    at_end = f"{' '.join(length(run.stop_error_m))}, {words.delay(run.delay_s)} s at the end"
     return [
         parts.figure(
             "Energy", words.energy(run.actual.energy_kwh), "kWh", f"{amount.sentence} the plan, {planned} kWh", "main"
         ),
-        parts.figure("Energy at the motors", words.energy(by_input), "kWh", "all braking energy deducted"),
-        parts.figure(
-            "Magnetising loss",
-            words.energy(magnetising),
-            "kWh",
-            f"{words.energy(run.paper_energy_kwh)} without it",
-        ),
-        parts.figure(
-            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.stop_error_m))} at the end"
-        ),
-        parts.figure(
-            "Peak current",
-            words.number(run.max_current_a, 0),
-            "A",
-            f"torque {words.number(run.min_torque_current_a, 0)} to {words.number(run.max_torque_current_a, 0)}",
-        ),
-        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "per phase"),
-        parts.figure("Arrival error", words.delay(run.delay_s), "s", "against the plan", "extra"),
+        parts.figure("Magnetising loss", words.energy(run.magnetising_loss_kwh), "kWh", f"{without} without it"),
+        parts.figure("Tracking error", *length(run.max_tracking_error_m), at_end),
+        parts.figure("Peak current", words.number(run.max_current_a, 0), "A", f"limit {words.number(amperes, 0)}"),
+        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", f"limit {words.number(volts, 0)}"),
     ]
 
 

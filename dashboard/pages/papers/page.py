@@ -19,13 +19,14 @@ from railjoule.core.validation.table import PaperFigure
 from railjoule.dashboard.browser import one_message
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.plot import Plot
-from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.markup import joined, markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.page import Page, Request, shows, study, work
 from railjoule.dashboard.pages.papers.compute import AUTHORS, shipped_tables
-from railjoule.dashboard.pages.papers.tables import figure_cells, paper_html, tables_csv
+from railjoule.dashboard.pages.papers.tables import finding, overview_html, paper_html, refuted_html, tables_csv
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.kept import result
 from railjoule.dashboard.state.recipes import PageRun, Program
 
@@ -42,23 +43,30 @@ DIFFERENCES = Plot(
     heights=(330, 420, 320),
     chart=lambda height, _: FinishedChart("differences", CAPTION, height),
 )
-PAPER_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 20px 14px; } " + (
-    "@media (max-width: 899px) { :host { padding: 10px 14px; } }"
-)
+PAPER_CSS = padded("12px 20px 14px", "10px 14px")
+OVERVIEW = "overview"
 TABLE_CSS = """
 .tables { max-width: 1180px; }
 .scroll { overflow-x: auto; }
 .claims td, .claims th { text-align: left; white-space: normal; vertical-align: top; min-width: 90px; }
-.claims td:nth-child(2), .claims td:nth-child(5) { min-width: 220px; }
-td:nth-child(2), th:nth-child(2) { text-align: left; }
-td:nth-child(1), td:nth-child(2) { white-space: normal; min-width: 82px; }
+.claims td:nth-child(2), .claims td:nth-child(5), .refuted td:nth-child(3) { min-width: 220px; }
+.rows td:nth-child(2), .rows th:nth-child(2) { text-align: left; }
+.rows td:nth-child(1), .rows td:nth-child(2) { white-space: normal; min-width: 82px; }
+.refuted { margin-top: 18px; }
+@media (max-width: 599px) {
+  .refuted thead { display: none; }
+  .refuted tr { display: block; padding: 7px 0; border-top: 1px solid var(--rj-line); }
+  .refuted td, .refuted tr + tr td { display: block; padding: 0; border: 0; }
+  .refuted td:first-child { color: var(--rj-ink3); }
+  .refuted td:last-child { font-weight: 600; }
+}
 details { margin-top: 8px; border-top: 1px solid var(--rj-line); padding-top: 4px; }
 summary { cursor: pointer; min-height: 26px; line-height: 26px; font-weight: 600; }
 summary span { font-weight: 400; color: var(--rj-ink3); }
 ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2); max-width: 90ch; }
 .citation { max-width: 90ch; color: var(--rj-ink2); margin-top: 2px; }
 """
-CHART_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 12px 12px; } }"
+CHART_CSS = padded("4px 20px 12px 14px", "4px 12px 12px")
 PANELS_CSS = """
 :host { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 4px 16px; }
 """
@@ -66,7 +74,6 @@ PANELS_CSS = """
 COMPUTED = "Computed with the code, vehicles, lines and scenarios of this version."
 COMPUTED_BEFORE = "Computed before the last change of code, vehicles, lines or scenarios."
 AGAIN = "The command railjoule validate computes all numbers again."
-SILENT = "{} prints no number to compare."
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
@@ -118,10 +125,12 @@ class Papers(Page):
     """The comparison with the papers; no scenario changes it."""
 
     page = "Papers"
+    kept = ("tab",)
     passing = ("drawn_paper", "drawing")
     follows_scenario = False
     figures = (DIFFERENCES,)
 
+    tab = param.Selector(default=OVERVIEW, objects=[OVERVIEW, *COMPARISONS], doc="The tab in sight.")
     differences = result(tuple, "The figure of all differences, and its colours.")
     drawn_paper = param.String(default="", doc="The paper whose figures were requested last.")
     drawing = param.Boolean(default=False, doc="Whether its figures are being computed.")
@@ -133,7 +142,7 @@ class Papers(Page):
 
     # ---- what it computes
 
-    @work(into="differences", is_slow=lambda *_: True)
+    @work(into="differences", is_slow=lambda *_: True, tab=OVERVIEW)
     def _differences(self) -> Request:
         return draw_differences, tuple(shipped_tables().papers.values())
 
@@ -146,21 +155,19 @@ class Papers(Page):
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
         shipped = shipped_tables()
-        authors = ", ".join(AUTHORS[name] for name in COMPARISONS)
-        self.host.heading.object = parts.heading(self.page, authors, "and the numbers of railjoule", "")
-        silent = [
-            SILENT.format(AUTHORS[name])
-            for name, paper in shipped.papers.items()
-            if not any(row.printed is not None for table in paper.tables for row in table.rows)
-        ]
-        origin = parts.html_pane(
-            parts.note_paragraphs([COMPUTED if shipped.is_current else COMPUTED_BEFORE, AGAIN, *silent])
-        )
-        self.host.figures.object = parts.figures(figure_cells(shipped.papers.values()))
+        self.host.heading.object = parts.heading(self.page, "Four papers", "and the numbers of railjoule", "")
         self.sections = {name: PaperSection(self, name, paper) for name, paper in shipped.papers.items()}
-        bar = parts.stack(origin, styles={"padding": "0 20px 8px"})
-        chart = parts.stack(self.host.plots["differences"].host, css=CHART_CSS)
-        return parts.stack(self.host.figures, bar, chart, *(section.view for section in self.sections.values()))
+        makers = {name: partial(parts.stack, section.view) for name, section in self.sections.items()}
+        titles = {OVERVIEW: "Overview", **{name: AUTHORS[name] for name in makers}}
+        self.tabs = PageTabs(self, titles, {OVERVIEW: self._layout_overview, **makers})
+        return parts.stack(parts.html_pane(finding(shipped.papers.values())), self.tabs.view)
+
+    def _layout_overview(self) -> Viewable:
+        shipped = shipped_tables()
+        origin = parts.note_paragraphs([COMPUTED if shipped.is_current else COMPUTED_BEFORE, AGAIN])
+        pieces = overview_html(shipped.papers), refuted_html(shipped.papers), origin
+        text = parts.html_pane(joined(pieces), stylesheets=[parts_css(), TABLE_CSS, PAPER_CSS])
+        return parts.stack(text, parts.stack(self.host.plots["differences"].host, css=CHART_CSS))
 
     @shows("failure")
     def _show(self) -> None:

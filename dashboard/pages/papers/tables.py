@@ -2,13 +2,15 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.validation import Claim, Erratum, Row, Table, Validation, first_comparisons
 from railjoule.core.validation.table import CLOSE_PERCENT, Verdict
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.pages.papers.compute import AUTHORS
 from railjoule.dashboard.parts import html as parts
 
 COLUMNS = (
@@ -68,8 +70,8 @@ def table_html(table: Table) -> Markup:
     header = ("Case", "Quantity", table.reference, "railjoule", "difference", "")
     listed = joined(markup("<li>{}</li>", typeset(note)) for note in notes)
     return markup(
-        '<details><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
-        'role="region" aria-label="{title}">{body}</div>{reasons}</details>',
+        '<details class="rows"><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" '
+        'tabindex="0" role="region" aria-label="{title}">{body}</div>{reasons}</details>',
         title=table.title,
         place=f", {table.place}" if table.place else "",
         summary=summary_words(table),
@@ -113,35 +115,67 @@ def summary_words(table: Table) -> str:
     return f"{len(close)} of {len(compared)} within {within}{because}"
 
 
-def figure_cells(papers: Collection[Validation]) -> list[str]:
-    """Return how many printed numbers of all papers agree with railjoule."""
-    tables = [paper.tables for paper in papers]
-    compared = [row for each in tables for row in first_comparisons(each)]
-    close = sum(row.is_close for row in compared)
-    explained = sum(not row.is_close and bool(row.note) for row in compared)
-    counted = f"of {len(compared)} printed numbers, each counted once"
-    claims = [claim for paper in papers for claim in paper.claims]
-    return [
-        parts.figure(
-            "Claims supported",
-            words.number(sum(c.verdict == "supports" for c in claims), 0),
-            "",
-            f"of {len(claims)}; {verdict_words(claims).partition(', ')[2]}",
-            "main",
-        ),
-        parts.figure("Numbers that agree", words.number(close, 0), "", counted),
-        parts.figure("Differ, with a reason", words.number(explained, 0), "", "the reason is below the table"),
-        parts.figure("Differ, unexplained", words.number(len(compared) - close - explained, 0), "", ""),
+def counts(papers: Collection[Validation]) -> dict[str, int]:
+    """Count the claims of papers by verdict, and their printed numbers, each once, by agreement with railjoule."""
+    verdicts = Counter(claim.verdict for paper in papers for claim in paper.claims)
+    rows = [row for paper in papers for row in first_comparisons(paper.tables)]
+    close = sum(row.is_close for row in rows)
+    explained = sum(not row.is_close and bool(row.note) for row in rows)
+    return {
+        "Claims": sum(verdicts.values()),
+        "Supported": verdicts["supports"],
+        "Refuted": verdicts["refutes"],
+        "Undecided": verdicts["cannot be decided"],
+        "Printed numbers": len(rows),
+        "Numbers that agree": close,
+        "Differ, with a reason": explained,
+        "Differ, unexplained": len(rows) - close - explained,
+    }
+
+
+def finding(papers: Collection[Validation]) -> Markup:
+    """Return how far railjoule agrees with the papers."""
+    claims, supported, refuted, undecided, numbers, close, explained, unexplained = counts(papers).values()
+    return parts.finding(
+        f"railjoule supports {supported} of {claims} claims of the papers, refutes {refuted} and leaves {undecided} "
+        f"undecided. Of {numbers} printed numbers {close} agree within {CLOSE_PERCENT:g} %, {explained} differ for a "
+        f"stated reason and {unexplained or 'none'} without one.",
+        "The tab of a paper lists every claim and number, and draws its figures with those of railjoule.",
+    )
+
+
+def overview_html(papers: Mapping[str, Validation]) -> Markup:
+    """Return the counts of each paper and of all of them as a table."""
+    sums = {**{AUTHORS[name]: counts([paper]) for name, paper in papers.items()}, "All": counts(papers.values())}
+    rows = [((name, *(f"{count}" for count in of.values())), name == "All") for name, of in sums.items()]
+    header = ("Paper", *(markup("{}{}", word, info(word)) for word in counts(())))
+    table = parts.table("", header, rows, "Papers")
+    return markup('<div class="wide-table" tabindex="0" role="region" aria-label="Papers">{}</div>', table)
+
+
+def refuted_html(papers: Mapping[str, Validation]) -> Markup:
+    """Return the claims that railjoule refutes, with its own numbers."""
+    rows = [
+        ((f"{AUTHORS[name]}, {claim.place}", typeset(claim.claim), typeset(claim.found)), False)
+        for name, paper in papers.items()
+        for claim in paper.claims
+        if claim.verdict == "refutes"
     ]
+    if not rows:
+        return Markup()
+    table = parts.table("Refuted claims", ("Place", "Claim", "railjoule"), rows)
+    return markup('<div class="claims refuted"><div class="scroll" tabindex="0">{}</div></div>', table)
 
 
 def claims_html(claims: tuple[Claim, ...]) -> Markup:
     """Return the claims of a paper with the numbers of railjoule and the verdicts."""
     if not claims:
         return Markup()
-    rows = [(_claim_cells(claim), False) for claim in claims]
+    # what differs from the paper comes first
+    order = ("refutes", "cannot be decided", "supports")
+    rows = [(_claim_cells(claim), False) for claim in sorted(claims, key=lambda claim: order.index(claim.verdict))]
     return markup(
-        '<details class="claims"><summary>Claims<span>, {summary}</span></summary><div class="scroll" '
+        '<details class="claims" open><summary>Claims<span>, {summary}</span></summary><div class="scroll" '
         'tabindex="0" role="region" aria-label="Claims">{body}</div></details>',
         summary=verdict_words(claims),
         body=parts.table("", ("Place", "Claim", "railjoule", "Verdict", "Reason"), rows, "Claims"),

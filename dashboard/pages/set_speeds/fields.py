@@ -1,4 +1,4 @@
-"""The parts of the sidebar that only Speed limits has: a list of sections, and a storage with suggested numbers."""
+"""Fields that only Set speeds has: a list of sections, and a storage with suggested numbers."""
 
 import math
 from typing import Any

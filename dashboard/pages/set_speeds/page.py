@@ -1,4 +1,4 @@
-"""Set speeds: one for each section, their cost beside the optimum, losses and storage."""
+"""Set speeds: one for each section and their cost beside the optimum; in a second tab losses and storage."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -37,13 +37,15 @@ from railjoule.dashboard.pages.set_speeds.sections import (
     FIRST_SECTIONS,
     LONGEST_M,
     SectionModel,
+    borders_on_drive,
     even_borders,
     make_sections,
     sections_in_file,
-    sections_on_drive,
 )
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, button, buttons
+from railjoule.dashboard.parts.number_field import number_fields
+from railjoule.dashboard.parts.tabs import PageTabs
 from railjoule.dashboard.state.kept import Items, result
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, core_bounds, keyed
 from railjoule.dashboard.state.recipes import SOLVE, PageRun
@@ -52,6 +54,9 @@ from railjoule.dashboard.work.runs import is_slow
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
 INTER_STATION_RUNS = get_args(SearchOptions.model_fields["inter_station_runs"].annotation)
 SEARCH = ("regulator", "free_borders", "inter_station_runs", "time_window_percent", "stop_deceleration_ms2")
+SPEEDS, LOSSES = "speeds", "losses"
+TABS: Mapping[str, str] = {SPEEDS: "Set speeds", LOSSES: "Losses and storage"}
+"""The tabs by their names in the address."""
 STORAGE = ("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent")
 LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
@@ -66,7 +71,7 @@ class SetSpeeds(Page):
     """Set speeds of sections, given or found by search."""
 
     page = "Set speeds"
-    kept = ("section_count", "sections", "found", *SEARCH, *STORAGE, "shown_map")
+    kept = ("tab", "section_count", "sections", "found", *SEARCH, *STORAGE, "shown_map")
     passing = ("moving",)
     fields = (
         Section("Sections", "set speed and end of each"),
@@ -75,13 +80,10 @@ class SetSpeeds(Page):
         "section_count",
         "time_window_percent",
         "stop_deceleration_ms2",
-        Section("On-board storage", "initially sized as required"),
-        Own(storage_fields),
-        "charging_percent",
-        "discharging_percent",
     )
     figures = (SPEED, TRACK, *OTHERS, MAP, SAVED)
 
+    tab = param.Selector(default=SPEEDS, objects=list(TABS), doc="The tab in sight.")
     sections = param.List(default=[], item_type=SectionModel, doc="From the start to the end of the line.")
     found = param.Boolean(default=True, doc="Whether the search finds the set speeds, instead of given ones.")
     regulator = param.Selector(default="coast", objects=list(REGULATORS), doc="The regulator above a set speed.")
@@ -192,6 +194,13 @@ class SetSpeeds(Page):
             self.cut(count)
             new["section_count"] = count
         self.param.update(**new)
+
+    def use_line_sections(self, *_: Any) -> None:
+        """Cut the line as the strategy does on the other pages, and let the search find the set speeds."""
+        borders = borders_on_drive(self.desk.scenario.scenario())
+        count = len(borders) + 1
+        made = self._make_sections([self._max_kmh] * count, borders)
+        self.param.update(sections=made, section_count=count, found=True)
 
     def cut(self, count: int) -> None:
         """Cut the line into sections that are equal between two stops, whose set speeds the search shall find."""
@@ -324,14 +333,14 @@ class SetSpeeds(Page):
     def _comparison(self) -> Request:
         return (compute_inter_station_runs, self.path) if self.path is not None and self.has_stations else None
 
-    @work("run", *STORAGE, into="storage")
+    @work("run", *STORAGE, into="storage", tab=LOSSES)
     def _storage(self) -> Request:
         if self.run is None:
             return None
         efficiencies = self.charging_percent / 100, self.discharging_percent / 100
         return compute_storage, self.run, self.storage_size_kwh, self.storage_power_kw, *efficiencies
 
-    @work("run", into="motor_map")
+    @work("run", into="motor_map", tab=LOSSES)
     def _map(self) -> Request:
         if self.run is None:
             return None
@@ -340,37 +349,50 @@ class SetSpeeds(Page):
 
     # ---- what it shows
 
+    def is_shown(self, tab: str) -> bool:
+        """Return whether the parts of a tab can be drawn."""
+        return super().is_shown(tab) and (not tab or self.tabs.is_made(tab))
+
     def is_over_time(self, axis: str) -> bool:
         """Return that the figures lie over places."""
         return False
 
     def layout(self) -> Viewable:
         """Make the parts of the page, and return them laid out."""
-        self.storage_text, self.no_map, self.notes, self.runs, self.losses = (parts.html_pane() for _ in range(5))
+        self.finding, self.notes, self.runs = (parts.html_pane() for _ in range(3))
+        self.tabs = PageTabs(self, TABS, {SPEEDS: self._layout_speeds, LOSSES: self._layout_losses})
+        return parts.stack(self.finding, self.host.figures, self.tabs.view, parts.stack(self.notes, css=NOTES_CSS))
+
+    def _layout_speeds(self) -> Viewable:
         speed = self.host.plots[SPEED.name]
         speed.move, speed.release = self.move, self.release
         self.together = buttons(self, "inter_station_runs", texts.RUNS_WORDS, margin=(8, 4, 0, 16))
         self.search = button(
             "Search set speeds", lambda _: setattr(self, "found", True), margin=(8, 20, 0, 8), height=28
         )
-        maps = {"Powertrain": "drive", "Motor": "motor"}
-        self.whose = buttons(self, "shown_map", maps, margin=(6, 0, 0, 46), visible=False)
+        self.as_on_drive = button("", self.use_line_sections, margin=(8, 20, 0, 20), height=28)
         tools = pn.FlexBox(
             parts.html_pane("Above the set speed", margin=(12, 8, 0, 20), sizing_mode="fixed"),
             buttons(self, "regulator", texts.REGULATOR_WORDS, margin=(8, 4, 0, 0)),
             self.together,
             box(self, "free_borders", "Section ends may move", margin=(8, 8, 0, 16)),
             self.search,
+            self.as_on_drive,
             align_items="center",
             margin=0,
             sizing_mode="stretch_width",
         )
-        hosts = {name: chart.host for name, chart in self.host.plots.items()}
-        body = parts.stack(*(hosts[plot.name] for plot in (SPEED, TRACK, *OTHERS)), css=BODY_CSS)
-        left = parts.stack(self.runs, hosts[SAVED.name], self.storage_text, css=GAP_CSS)
-        right = parts.stack(self.no_map, hosts[MAP.name], self.whose, self.losses, css=GAP_CSS)
-        lower, notes = parts.stack(left, right, css=LOWER_CSS), parts.stack(self.notes, css=NOTES_CSS)
-        return parts.stack(self.host.figures, tools, body, lower, notes)
+        body = parts.stack(*(self.host.plots[plot.name].host for plot in (SPEED, TRACK, *OTHERS)), css=BODY_CSS)
+        return parts.stack(tools, body, parts.stack(self.runs, css=NOTES_CSS))
+
+    def _layout_losses(self) -> Viewable:
+        self.storage_text, self.no_map, self.losses = (parts.html_pane() for _ in range(3))
+        maps, hosts = {"Powertrain": "drive", "Motor": "motor"}, self.host.plots
+        self.whose = buttons(self, "shown_map", maps, margin=(6, 0, 0, 46), visible=False)
+        fields = storage_fields(self), *number_fields(self, "charging_percent", "discharging_percent")
+        storage = parts.stack(self.storage_text, hosts[SAVED.name].host, *fields, css=GAP_CSS)
+        losses = parts.stack(self.no_map, hosts[MAP.name].host, self.whose, self.losses, css=GAP_CSS)
+        return parts.stack(losses, storage, css=LOWER_CSS)
 
     @property
     def window_s(self) -> tuple[float, float]:
@@ -379,12 +401,27 @@ class SetSpeeds(Page):
         return planned * (1 - share), planned * (1 + share)
 
     @shows("run", "failure")
-    def _show_run(self) -> None:
+    def _show_numbers(self) -> None:
         run, host = self.run, self.host
         host.tell(self.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is None:
             return
+        host.heading.object = texts.heading(run)
+        self.finding.object = texts.finding(run)
+        host.figures.object = parts.figures(texts.run_cells(run, self.window_s), self.failure is not None)
+        self.notes.object = texts.notes(run)
+
+    @shows("run", tab=SPEEDS)
+    def _show_run(self) -> None:
+        run, host = self.run, self.host
+        if run is None:
+            return
         host.axis.fit(run.run.distance_m, roomy=False)
+        count, most = len(borders_on_drive(self.desk.scenario.scenario())) + 1, self.param.section_count.bounds[1]
+        self.as_on_drive.param.update(
+            visible=count <= most and count != len(run.limits_kmh),
+            label=f"Use {count} sections, as on the other pages",
+        )
         # under a drag the figure has the speeds of the trip, and the browser its steps
         if not self.moving:
             host.draw([SPEED], run, self.limits_kmh, self.borders_m)
@@ -395,15 +432,12 @@ class SetSpeeds(Page):
             "speed_limits", {"speed_limits": run.run}, None, False, narrow, width - (80 if narrow else 360)
         )
         host.draw([TRACK], scene)
-        host.heading.object = texts.heading(run, sections_on_drive(self.desk.scenario.scenario()))
-        host.figures.object = parts.figures(texts.run_cells(run, self.window_s), self.failure is not None)
-        self.notes.object = texts.notes(run)
 
-    @shows("found")
+    @shows("found", tab=SPEEDS)
     def _show_found(self) -> None:
         self.search.disabled = self.found
 
-    @shows("trip")
+    @shows("trip", tab=SPEEDS)
     def _show_trip(self) -> None:
         """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
         if self.trip is None:
@@ -414,7 +448,7 @@ class SetSpeeds(Page):
         # were this row lower than the one before, the figure would move away under the mouse that drags its step
         self.host.figures.object = parts.figures_in_place(texts.trip_cells(self.trip, self.window_s), before)
 
-    @shows("comparison", "path")
+    @shows("comparison", "path", tab=SPEEDS)
     def _show_comparison(self) -> None:
         self.together.visible = self.has_stations
         shown, path = self.comparison, self.path
@@ -422,7 +456,7 @@ class SetSpeeds(Page):
         is_current = shown is not None and path is not None and path.run in shown.runs.values()
         self.runs.object = texts.inter_station_table(shown) if is_current else ""
 
-    @shows("motor_map", "run", "shown_map")
+    @shows("motor_map", "run", "shown_map", tab=LOSSES)
     def _show_map(self) -> None:
         found, run = self.motor_map, self.run
         refusal = found if isinstance(found, str) else ""
@@ -433,7 +467,7 @@ class SetSpeeds(Page):
         if isinstance(found, MotorMap) and run is not None:
             self.host.draw([MAP], found, self.shown_map, run.points)
 
-    @shows("storage")
+    @shows("storage", tab=LOSSES)
     def _show_storage(self) -> None:
         storage = self.storage
         if storage is None:

@@ -56,9 +56,9 @@ def sections_in_file(scenario: Scenario) -> tuple[Sequence[float] | None, list[f
     return limits, borders, (2 if own_borders else 1, max(most, len(borders) + 1))
 
 
-def sections_on_drive(scenario: Scenario) -> int:
-    """Return the number of sections of the strategy on other pages: those of the line where the file names none."""
-    return len(scenario.search.boundaries_m or section_borders(scenario.line.in_running_order())[1:-1]) + 1
+def borders_on_drive(scenario: Scenario) -> list[float]:
+    """Return the borders of the strategy on other pages [m]: those of the line where the file names none."""
+    return list(scenario.search.boundaries_m) or section_borders(scenario.line.in_running_order())[1:-1].tolist()
 
 
 def even_borders(stops_m: Sequence[float], count: int) -> list[float]:

@@ -31,6 +31,7 @@ RULES = {
 }
 """The rule of each regulator; `zone` is half of the dead zone of the published relay."""
 TARGETS = "Set speeds are targets, speed limits are kept anyway. The travel time may differ from the timetable by {} %."
+DRAG = "Drag a set speed or the end of its section; more sections come closer to the optimum."
 
 
 def run_cells(run: LimitRun, window_s: tuple[float, float]) -> list[str]:
@@ -58,7 +59,7 @@ def time_figure(time_s: float, window_s: tuple[float, float]) -> str:
     # the search uses all of the window, up to rounding
     rounding = 1e-5 * last
     if first - rounding <= time_s <= last + rounding:
-        detail = f"allowed {words.number(first)} to {words.number(last)} s"
+        detail = f"permitted {words.number(first)} to {words.number(last)} s"
     elif time_s > last:
         detail = markup('<span class="worse">{} s too late</span>', words.number(time_s - last))
     else:
@@ -103,28 +104,41 @@ def losses_table(run: Trajectory) -> str:
     return parts.inset(parts.table("Losses of the powertrain", head, [*rows, row("All", whole_j, True)]))
 
 
-def heading(run: LimitRun, on_drive: int) -> Markup:
-    """Return the heading of the page, with the rule of the regulator; on Drive, the strategy has so many sections."""
-    scenario, count = run.run.scenario, len(run.limits_kmh)
+def heading(run: LimitRun) -> Markup:
+    """Return the heading of the page."""
+    scenario = run.run.scenario
     how = "found by search" if scenario.search.limits_kmh is None else "given"
-    what = f"{count} section{'' if count == 1 else 's'}, set speeds {how}"
-    sentence = f"On the other pages, the strategy Set speeds has {on_drive} sections, so its energy differs."
-    drive = parts.note_paragraphs([sentence] if count != on_drive else [], "padding:0 20px")
-    return parts.heading("Set speeds", scenario.title, what, "") + rule_html(scenario) + drive
+    return parts.heading("Set speeds", scenario.title, f"{_count(run)} {how}", "")
 
 
-def rule_html(scenario: Scenario) -> Markup:
+def _count(run: LimitRun) -> str:
+    count = len(run.limits_kmh)
+    return f"{count} set speed{'' if count == 1 else 's'}"
+
+
+def finding(run: LimitRun) -> Markup:
+    """Return the cost of the set speeds, and how to change them."""
+    cost, reference = comparisons.above_reference(run.run), run.run.reference
+    needs = f"With {_count(run)} the train needs {words.energy(run.run.energy_kwh)} kWh"
+    if cost is None or reference is None:
+        return parts.finding(f"{needs}.", DRAG)
+    more = f"{cost.size} {cost.unit} {'less' if cost.is_less else 'more'}"
+    noun = comparisons.reference_noun(reference.proven)
+    than = f"{more} than the {noun} in the same time, {words.energy(reference.energy_kwh)} kWh."
+    return parts.finding(f"{needs}, {than}", DRAG)
+
+
+def rule(scenario: Scenario) -> str:
     """Return the rule of the regulator, and how the travel time is set."""
     search = scenario.search
-    rule = RULES[search.regulator].format(zone=words.number(search.dead_zone_kmh))
-    targets = TARGETS.format(words.number(100 * search.time_window))
-    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {} {}</p>', rule, targets, scenario.time_note)
+    of_regulator = RULES[search.regulator].format(zone=words.number(search.dead_zone_kmh))
+    return f"{of_regulator} {TARGETS.format(words.number(100 * search.time_window))} {scenario.time_note}"
 
 
 def notes(run: LimitRun) -> Markup:
-    """Return the notes of a run, the first of them on an optimum that is missing."""
+    """Return the rule of the regulator and the notes of a run, with the reason for a missing optimum."""
     without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
-    first = parts.note_paragraphs([without] if without else [])
+    first = parts.note_paragraphs(filter(None, [rule(run.run.scenario), without]))
     return markup('<div class="columns">{}</div>', first + parts.notes(run.run))
 
 

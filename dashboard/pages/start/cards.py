@@ -29,13 +29,11 @@ LEAD = (
     "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves how far it can "
     "be from the best possible."
 )
-MORE = (
-    "Choose a scenario, move the travel time and see what the driver has to do, how much more the other "
-    "strategies need, and how wrong loads, delays and speed limits change it."
-)
+MORE = "Move the travel time and see what the driver has to do, and how much more other strategies need."
 BUTTONS = Markup(
-    '<div class="asks"><button type="button" class="text-button" data-ask="file">Open file</button>'
-    '<button type="button" class="text-button" data-open="Files">Import line or train</button></div>'
+    '<div class="asks"><button type="button" class="text-button" data-open="Drive">Drive this train</button>'
+    '<button type="button" class="text-button" data-open="Files">Use your own line, train or file</button>'
+    '<button type="button" class="text-button" data-open="Learn">Learn why coasting saves energy</button></div>'
 )
 
 
@@ -160,7 +158,7 @@ def _run_words(run: Trajectory | None) -> tuple[Markup, str, str]:
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
     name = f"Speed over distance, up to {words.number(run.max_speed_kmh)} km/h"
     strategy = "" if run.strategy == "optimal" else f"{words.strategy(run.strategy)}: "
-    asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s allowed)"
+    asked = comparisons.other_time_of(run) and f" (timetable {words.time(run.scenario.travel_time_s)}\u00a0s)"
     cost = f"{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}"
     return line, name, cost
 

@@ -82,7 +82,8 @@ class Start(Page):
         self.host.heading.visible = False
         self.host.browser.listen("scenario", lambda message: self._open(str(message.get("name"))))
         self.host.browser.listen("open_saved", lambda message: self._open_file(str(message.get("name"))))
-        return stack(self.hero, self.files, *self.groups.values())
+        first, *others = self.groups.values()
+        return stack(self.hero, first, self.files, *others)
 
     @shows("desk.runs")
     def _show_picture(self) -> None:

@@ -139,7 +139,7 @@ HOW = (
     "where the train is. A click on the chart sets a red signal there."
 )
 STANDS_IN = "{} over cells of {} m, as {} is too slow for that or refuses the line"
-FASTEST = "as fast as allowed, as the time is too short"
+FASTEST = "as fast as permitted, as the time is too short"
 UNLIKE = (
     "Energies of different arrivals do not compare. Set an accepted delay in the sidebar and play again, so that both "
     "arrive at the same time."

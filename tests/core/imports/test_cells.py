@@ -51,9 +51,9 @@ def test_empty_cells_at_the_end_need_no_column():
         ("from,to\n0,1,2\n", "a.csv, row 2: 3 cells under 2 columns."),
         ("from,from\n0,1\n", "a.csv, row 1: the column 'from' appears twice."),
         ("from,to\n0,1\0\n", "a.csv: not a text file: it holds the character NUL."),
-        (f"{'x,' * 10_000}x\n0\n", f"a.csv, row 1: 10001 columns; at most {MAX_COLUMNS} are allowed."),
+        (f"{'x,' * 10_000}x\n0\n", f"a.csv, row 1: 10001 columns; at most {MAX_COLUMNS} are permitted."),
         (f"{'x' * 300},to\n0,1\n", "a.csv, row 1: a column's name has 300 characters; at most 200."),
-        ("0,1\n" * (MAX_ROWS + 1), f"a.csv: more than the {MAX_ROWS} rows allowed."),
+        ("0,1\n" * (MAX_ROWS + 1), f"a.csv: more than the {MAX_ROWS} rows permitted."),
         (b"\xd0\xcf\x11\xe0old", "a.csv: an old workbook (.xls); save it as .xlsx or CSV."),
     ],
 )

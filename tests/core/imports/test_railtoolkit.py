@@ -256,7 +256,7 @@ def test_bad_files_are_refused_in_one_sentence(source, changes, sentence):
         ("a: " + "[" * 5000 + "]" * 5000, "a.yaml: its lists or tables are nested too deeply."),
         ("a: !!python/object/apply:os.system ['true']\n", "a.yaml: not YAML: could not determine a constructor"),
         ("a: 2022-13-45\n", "a.yaml: not YAML: 'month must be in 1..12'."),
-        ("#" * 2_000_001, "a.yaml: larger than the 2 MB allowed."),
+        ("#" * 2_000_001, "a.yaml: larger than the 2 MB permitted."),
     ],
 )
 def test_hostile_yaml_is_refused_in_one_sentence(text, sentence):

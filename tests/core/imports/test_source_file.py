@@ -18,12 +18,12 @@ def test_a_missing_file_is_told(tmp_path):
 
 
 def test_a_device_without_end_is_not_read_to_its_end():
-    with pytest.raises(ScenarioError, match=r"^zero: larger than the 50 MB allowed\.$"):
+    with pytest.raises(ScenarioError, match=r"^zero: larger than the 50 MB permitted\.$"):
         SourceFile.read("/dev/zero")
 
 
 def test_large_content_is_refused_however_it_came():
-    with pytest.raises(ScenarioError, match=r"^a.csv: larger than the 50 MB allowed\.$"):
+    with pytest.raises(ScenarioError, match=r"^a.csv: larger than the 50 MB permitted\.$"):
         read_text(SourceFile("a.csv", b" " * (MAX_BYTES + 1)))
 
 

@@ -80,7 +80,7 @@ def test_dates_are_no_positions():
 
 def test_many_columns_are_refused():
     content = workbook([["x"] * 10_000])
-    with pytest.raises(ScenarioError, match=rf"row 1: 10000 columns; at most {MAX_COLUMNS} are allowed"):
+    with pytest.raises(ScenarioError, match=rf"row 1: 10000 columns; at most {MAX_COLUMNS} are permitted"):
         read_cells(SourceFile("line.xlsx", content))
 
 
@@ -89,7 +89,7 @@ def test_a_cell_far_down_is_refused():
     book.active.cell(1_048_576, 1, "x")
     stream = io.BytesIO()
     book.save(stream)
-    with pytest.raises(ScenarioError, match=r"^line.xlsx: more than the 200000 rows allowed\.$"):
+    with pytest.raises(ScenarioError, match=r"^line.xlsx: more than the 200000 rows permitted\.$"):
         read_cells(SourceFile("line.xlsx", stream.getvalue()))
 
 
@@ -105,7 +105,7 @@ def test_a_size_that_the_file_claims_costs_nothing():
 def test_what_unpacks_to_too_much_is_not_unpacked():
     bomb = package([("xl/workbook.xml", b"0" * (MAX_UNPACKED_BYTES + 1))])
     assert len(bomb) < 1_000_000
-    with pytest.raises(ScenarioError, match=r"^line.xlsx: unpacks to 200 MB; at most 200 MB are allowed\.$"):
+    with pytest.raises(ScenarioError, match=r"^line.xlsx: unpacks to 200 MB; at most 200 MB are permitted\.$"):
         read_cells(SourceFile("line.xlsx", bomb))
 
 

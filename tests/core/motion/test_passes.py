@@ -229,7 +229,7 @@ def test_speeds_at_the_ends_that_cannot_be(ends):
 
 def test_a_speed_at_an_end_above_the_limit_is_told():
     changes = {"timetable.exit_speed_kmh": 60.0, "line.speed_limits": [{"from_m": 1500, "to_m": 2000, "limit_kmh": 50}]}
-    with pytest.raises(InfeasibleLineError, match=r"run at 60 km/h at 2000 m, where at most 50 km/h are allowed"):
+    with pytest.raises(InfeasibleLineError, match=r"run at 60 km/h at 2000 m, where the limit is 50 km/h"):
         solve(plain_scenario(changes))
 
 

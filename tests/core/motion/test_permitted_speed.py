@@ -167,7 +167,7 @@ def test_a_speed_above_the_curve_is_refused():
     }
     with pytest.raises(InfeasibleLineError) as refusal:
         prepare_task(plain_scenario(changes))
-    assert str(refusal.value) == "The train is to run at 90 km/h at 900 m, where at most 37.662 km/h are allowed."
+    assert str(refusal.value) == "The train is to run at 90 km/h at 900 m, where the limit is 37.662 km/h."
 
 
 @pytest.mark.parametrize(

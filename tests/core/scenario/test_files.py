@@ -79,7 +79,7 @@ def test_a_hexadecimal_number_of_many_digits(tmp_path):
 def test_a_file_over_ten_megabytes(tmp_path):
     with (tmp_path / "huge.toml").open("wb") as file:
         file.truncate(MAX_FILE_BYTES + 1)
-    with pytest.raises(ScenarioError, match=r"^huge.toml: larger than the 10 MB allowed.$"):
+    with pytest.raises(ScenarioError, match=r"^huge.toml: larger than the 10 MB permitted.$"):
         load_scenario(tmp_path / "huge.toml")
     with pytest.raises(ScenarioError, match="10 MB"):
         parse_scenario(" " * (MAX_FILE_BYTES + 1))

@@ -131,7 +131,7 @@ def test_a_run_is_the_trapezoid_with_the_energy_of_12(suburban, ramp):
             {"enoc.acceleration_time_s": 90.0, "timetable.entry_speed_kmh": 72.0, "timetable.exit_speed_kmh": 90.0},
             "needs less time: within 200.0 s its ramps between these speeds of the ends cover the whole line.",
         ),
-        ({"vehicle.traction.max_speed_kmh": 40.0}, "needs 40.38 km/h, but only 40 km/h is allowed."),
+        ({"vehicle.traction.max_speed_kmh": 40.0}, "needs 40.38 km/h, but the limit is 40 km/h."),
         ({"line.stations": [{"position_m": 900.0}]}, "needs a line without stops between its ends."),
     ],
 )

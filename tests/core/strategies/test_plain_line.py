@@ -91,7 +91,7 @@ def test_feasible_runs_pass(seed):
     ("changes", "peak_ms", "sentence"),
     [
         # 28^2 m2/s2 times 0.99 at the last node before the middle
-        ({}, 28.0, "needs 100.3 km/h, but only 100 km/h is allowed."),
+        ({}, 28.0, "needs 100.3 km/h, but the limit is 100 km/h."),
         # 22 kN of inertia and 2 of resistance at the start, less 2 and 2.5 of drag where braking begins
         ({"vehicle.traction.max_effort_kn": 20.0}, 20.0, "pulls with 24 kN at 0 m, where at most 20 kN are available."),
         (
@@ -102,12 +102,12 @@ def test_feasible_runs_pass(seed):
         (
             {"vehicle.traction.max_acceleration_ms2": 0.15},
             20.0,
-            "accelerates by 0.2 m/s2 at 0 m, but only 0.15 m/s2 is allowed.",
+            "accelerates by 0.2 m/s2 at 0 m, but the limit is 0.15 m/s2.",
         ),
         (
             {"vehicle.braking.max_deceleration_ms2": 0.15},
             20.0,
-            "slows down by 0.2 m/s2 at 1000 m, but only 0.15 m/s2 is allowed.",
+            "slows down by 0.2 m/s2 at 1000 m, but the limit is 0.15 m/s2.",
         ),
     ],
     ids=["speed", "effort", "braking", "acceleration", "deceleration"],

@@ -62,7 +62,7 @@ def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
     assert "2.223 kWh from the supply, proven optimal, 0.01 % above the bound" in text
-    assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
+    assert "133.7 s; shortest possible 76.9 s, timetable 133.7 s: slack 56.8 s (73.8 %)" in text
     assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
     assert "iterations" in text
@@ -127,7 +127,7 @@ def test_check_prints_json(capsys, run_file):
 
 def test_check_prints_a_table_and_a_verdict(capsys, run_file):
     lines = answer(capsys, "check", run_file, "--scenario", "liashenko-ii").splitlines()
-    assert lines[0].split() == ["rule", "largest", "deviation", "allowed", "share", "of", "position,", "m"]
+    assert lines[0].split() == ["rule", "largest", "deviation", "permitted", "share", "of", "position,", "m"]
     assert any(line.startswith("balance of forces ") for line in lines)
     assert "Not checked: account: a table of nodes has none." in lines
     assert lines[-1] == "The run keeps all 21 rules that were checked."

@@ -165,4 +165,4 @@ def test_a_pasted_table_is_refused_with_its_cell_or_replaces_all_rows(state: Wor
     which.value = "Stations"
     file._refuse()
     stations = next(form for form, table in group._tables if table.key == "line.stations")
-    assert stations.table["refusal"]["sentence"].startswith("The file is larger than the 1 MB allowed.")
+    assert stations.table["refusal"]["sentence"].startswith("The file is larger than the limit of 1 MB.")

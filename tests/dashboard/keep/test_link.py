@@ -67,8 +67,8 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
     ("query", "sentence"),
     [
         ("?v=2&load_percent=30", "The link has version 2, but this page reads version 1; it was not opened."),
-        pytest.param("?v=1&" + "&k=1" * 600, "has more than the 500 values allowed", id="many values"),
-        pytest.param("?v=1&toml=" + "a" * LONGEST_LINK, "longer than the 2,000,000 characters allowed", id="long"),
+        pytest.param("?v=1&" + "&k=1" * 600, "has more than the limit of 500 values", id="many values"),
+        pytest.param("?v=1&toml=" + "a" * LONGEST_LINK, "longer than the limit of 2,000,000 characters", id="long"),
         ("?v=1&load_percent=340", "load_percent = 340 must be at most 300."),
         ("?v=1&load_percent=nan", "load_percent = nan must be a finite number."),
         ("?v=1&travel_time_s=1e9", "travel_time_s = 1e9 must be at most 86400."),

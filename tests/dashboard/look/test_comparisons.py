@@ -70,9 +70,9 @@ def test_only_a_proven_reference_is_the_optimum(run: Trajectory) -> None:
     ("strategy", "time", "words"),
     [
         ("optimal", 9999.04, ""),
-        ("optimal", 5769.6, "4\u202f229.4 s earlier than the 9\u202f999.0 s allowed: more time saves nothing"),
-        ("fastest", 9990.0, "9.0 s earlier than the 9\u202f999.0 s allowed"),
-        ("speed_limits", 10_003.0, "4.0 s later than the 9\u202f999.0 s allowed"),
+        ("optimal", 5769.6, "4\u202f229.4 s earlier than the timetable\u2019s 9\u202f999.0 s: more time saves nothing"),
+        ("fastest", 9990.0, "9.0 s earlier than the timetable\u2019s 9\u202f999.0 s"),
+        ("speed_limits", 10_003.0, "4.0 s later than the timetable\u2019s 9\u202f999.0 s"),
     ],
 )
 def test_another_time_than_asked_is_told(strategy: str, time: float, words: str) -> None:
@@ -95,6 +95,12 @@ def test_a_late_run_tells_how_late_it_is_instead_of_a_percentage(run: Trajectory
     assert comparisons.beside(late, in_time) == "1.7 s late"
     assert comparisons.beside(late, retimed(run, 1.7)) == "0.00"
     assert comparisons.beside(in_time, late) == "0.00"
+    # less time needs more energy, which is no loss by the way of driving
+    early = replace(retimed(run, -36.4), strategy="fastest")
+    assert comparisons.in_time_asked(early) == "36.4 s early"
+    assert comparisons.beside(early, run) == "36.4 s early"
+    # a best known run that gains nothing by waiting has its own percentage
+    assert comparisons.in_time_asked(retimed(run, -36.4)) == "0.00"
     # later than another one is none where the timetable asks for it
     assert comparisons.beside(retimed(run, 10.0, asked_later_s=10.0), in_time) == "0.00"
 

@@ -111,3 +111,17 @@ def test_a_continuous_curve_is_one_instruction() -> None:
         "ease off from 35 to 33 km/h between 200 m and 300 m",
         "brake gradually from 300 m to a stop at 360 m",
     ]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "shown"),
+    [
+        ("changing at 1150 m.", "changing at 1\u202f150 m."),
+        ("travel_time_s = 1080.0 s is below 12000 s", "travel_time_s = 1\u202f080.0 s is below 12\u202f000 s"),
+        # years, names and decimals are no quantities
+        ("Liashenko 2025 prints 0.0001 kWh for profile-1300 m", "Liashenko 2025 prints 0.0001 kWh for profile-1300 m"),
+        ("950 m", "950 m"),
+    ],
+)
+def test_quantities_in_sentences_have_narrow_spaces(sentence: str, shown: str) -> None:
+    assert words.grouped(sentence) == shown

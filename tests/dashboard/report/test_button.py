@@ -56,7 +56,7 @@ def test_a_refusal_keeps_the_form_open() -> None:
     form.sections.value, form.note.value = ["proof"], "x" * 2001
     form.make.clicks += 1
     refusal = form.refusal.object.replace("<b>", "").replace("</b>", "")
-    assert "note: has 2,001 characters, at most 2,000 are allowed." in refusal
+    assert "note: has 2,001 characters, at most 2,000 are permitted." in refusal
     assert form.refusal.visible
     assert form.dialog.open
     form.sections.value, form.note.value = [], ""

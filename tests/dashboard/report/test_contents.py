@@ -28,10 +28,10 @@ def test_texts_have_their_bounds() -> None:
     # letters that take two of JavaScript's units and four bytes each: characters are counted
     longest = "\U0001d465" * LONGEST_NOTE
     assert Contents(note=longest).paragraphs == (longest,)
-    with pytest.raises(ContentsError, match=r"^note: has 2,001 characters, at most 2,000 are allowed\.$"):
+    with pytest.raises(ContentsError, match=r"^note: has 2,001 characters, at most 2,000 are permitted\.$"):
         Contents(note=longest + "x")
     assert Contents(author="x" * LONGEST_AUTHOR).author
-    with pytest.raises(ContentsError, match=r"^author: has 101 characters, at most 100 are allowed\.$"):
+    with pytest.raises(ContentsError, match=r"^author: has 101 characters, at most 100 are permitted\.$"):
         Contents(author="x" * (LONGEST_AUTHOR + 1))
     with pytest.raises(ContentsError, match=r"^author: must be one line\.$"):
         Contents(author="A\nB")

@@ -49,6 +49,8 @@ def test_the_optimum_of_the_timetable_is_among_the_optima(steps: list[Findings])
 def test_reality_is_asked_for_by_a_disturbance(steps: list[Findings]) -> None:
     assert steps[-1].reality is None
     assert isinstance(found("liashenko-0", {"disturbance.coordinate_error_m": 10.0}).reality, Following)
+    # nothing of the run differs from the plan, as the pages have it: no plan under target braking curves beside it
+    assert found("liashenko-0", {"disturbance.departure_delay_s": 5.0}).reality is None
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
     assert isinstance(found("liashenko-0", {"disturbance.stops": stop}).reality, DisturbedRun)
 

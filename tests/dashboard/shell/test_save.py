@@ -49,7 +49,8 @@ def test_a_scenario_is_saved_with_its_changes_and_the_page_keeps_its_own(folder:
     keeping.note()
     before = state.scenario.scenario()
     assert save(saving, "my run") == "Saved as my run.toml."
-    assert folder.open("my run") == before == state.scenario.scenario()
+    # its title differs from the original's in pins, links and reports
+    assert folder.open("my run") == before.replace(title="my run") == state.scenario.scenario()
     assert (dict(state.scenario.changes), state.ticked) == ({}, ["eoc"])
     assert saving.name.value == state.files.current == "my run"
     keeping.undo()
@@ -86,3 +87,13 @@ def test_another_scenario_removes_the_message(folder: ScenarioFolder) -> None:
     saving.state.scenario.choose("tram-950m")
     assert saving.status == ""
     assert saving.name.value == "tram-flat-950-m"
+
+
+def test_a_title_of_its_own_stays(folder: ScenarioFolder) -> None:
+    saving = make()
+    saving.state.scenario.edit({"title": "Line 4, evening"})
+    save(saving, "my run")
+    assert folder.open("my run").title == "Line 4, evening"
+    saving.state.scenario.travel_time_s = 190.0
+    save(saving, "my run", "replace")
+    assert folder.open("my run").title == "Line 4, evening"

@@ -37,7 +37,7 @@ SECTIONS = ", ".join(["{length_m = 5.0}"] * 5001)
 @pytest.mark.parametrize(
     ("text", "error", "sentence"),
     [
-        ("#" * (LONGEST_TEXT + 1), ScenarioError, "x: more than the 2 MB allowed."),
+        ("#" * (LONGEST_TEXT + 1), ScenarioError, "x: more than the limit of 2 MB."),
         (
             GOOD + "\n[solver]\nmesh_m = 0.05\n",
             ScenarioError,

@@ -13,7 +13,6 @@ from railjoule.core import load_scenario, sweep
 from railjoule.core.errors import SolverError
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies import energy_time_frontier, monte_carlo, sensitivity
-from railjoule.core.studies.detuning import detuning_steps
 from railjoule.core.studies.rows import RowByRow, all_rows, rows_in_order
 from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, make_study, run_study, running
 from railjoule.core.studies.sweep.engine import VersionError, solve_rows
@@ -174,16 +173,10 @@ def test_an_error_that_is_no_result_ends_a_study():
         all_rows(RowByRow(fail, 2, ()), np.zeros((3, 1)), executor)
 
 
-def last_detuning(*arguments, **options):
-    *_, last = detuning_steps(*arguments, **options)
-    return last
-
-
-@pytest.mark.parametrize("study", [monte_carlo, sensitivity, last_detuning, energy_time_frontier])
+@pytest.mark.parametrize("study", [monte_carlo, sensitivity, energy_time_frontier])
 def test_studies_do_not_depend_on_who_does_their_runs(study):
-    base = load_scenario("ftorek-300s" if study is last_detuning else "liashenko-0").replace(**{"montecarlo.runs": 90})
+    base = load_scenario("liashenko-0").replace(**{"montecarlo.runs": 90})
     asked = {
-        last_detuning: {"factors": (0.8, 1.0, 1.2)},
         sensitivity: {"load_factors": (0.0, 1.0), "coordinate_errors_m": (-5.0, 5.0)},
         energy_time_frontier: {"travel_times_s": np.array([70.0, 150.0, 180.0])},
         monte_carlo: {},

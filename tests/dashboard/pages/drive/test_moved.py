@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.keep.pins import run_again
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.page_work import PageWorks
+from railjoule.dashboard.state.pins import KeptPin
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.workbench import Workbench
 
@@ -53,7 +55,17 @@ def test_a_typed_place_costs_the_energy_of_the_sentence(desk: Desk) -> None:
     assert desk.text == f"Coasting from 1 000 m instead of 970 m: +{more:.2f} %, same arrival."
     # the run is drawn beside the optimum
     assert len(desk.speed.sources["variant"].data["x"]) == len(desk.page.moved.found.position_m)
+    desk.page.pin_moved.clicks += 1
+    (pin,) = desk.state.pins
+    assert pin.trajectory.energy_kwh == desk.page.moved.found.energy_kwh
+    assert pin.name.startswith("Moved to 1\u202f000 m, Optimal, 170.0 s")
+    assert desk.state.pin_of_run is None
+    # a link has it, and its run is the same again
+    (again,) = run_again((KeptPin.of(pin),))
+    assert again.trajectory.energy_kwh == pytest.approx(pin.trajectory.energy_kwh, rel=1e-9)
+    assert again.recipe == pin.recipe
     desk.page.moved_phase = -1
+    assert not desk.page.pin_moved.visible
     assert not desk.speed.switch.visible
     assert not len(desk.speed.sources["variant"].data["x"])
 

@@ -103,9 +103,8 @@ def test_the_verdict_has_the_figure_of_the_row_above_and_says_when_it_is_too_lit
     far = runs_with(arrival_s=105.0)
     more = far.runs["given"].run.energy_kwh / far.best.run.energy_kwh - 1
     assert more > 0.05
-    assert sharing_words(far) == [
-        f"Compared with the optimal supplement, the present timetable costs {100 * more:.1f} % more."
-    ]
+    optimal = f"Compared with the optimal supplement, {words.energy(far.best.run.energy_kwh)} kWh"
+    assert sharing_words(far) == [f"{optimal}, the present timetable costs {100 * more:.1f} % more."]
     assert any(f">+{100 * more:.1f}<" in cell for cell in figure_cells(far))
 
 

@@ -9,7 +9,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.motor.page import Motor
-from railjoule.dashboard.pages.motor.texts import length, run_figures
+from railjoule.dashboard.pages.motor.texts import finding, length, run_figures
 from railjoule.dashboard.workbench import Workbench
 
 
@@ -32,8 +32,10 @@ def test_charts_draw_the_run(view: Motor) -> None:
     charts = view.host.plots
     assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
     assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
-    _, energy = sent(charts["loop_energy"], "")
-    assert energy[-1] == pytest.approx(run.energy_by_parts_j[-1] / 3.6e6, rel=5e-4)
+    # the motors' energy is the sum of its parts
+    _, energy = sent(charts["rival_energy"], "EOC")
+    eoc = view.rivals.strategies["eoc"]
+    assert energy[-1] == pytest.approx(sum(eoc.parts_j.values()) / 3.6e6, rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
     assert 50 < len(view.host.plots["machine_map"].sources["points"].data["x"]) <= 120
@@ -57,12 +59,13 @@ def test_a_limit_below_the_starting_current_is_refused_above_the_last_run(view: 
 def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
     """The tram returns no braking energy: its motors' net 1.042 kWh is no number beside the plan's 1.053 kWh."""
     run = simulate_field_oriented(load_scenario("tram-950m").replace(**{"simulation.kind": "field_oriented"}))
-    main, at_motors, *_ = run_figures(run)
+    main, *others = run_figures(run)
     # railjoule simulate tram-950m --set 'simulation.kind="field_oriented"': 1.192 kWh driven, +13.2 % energy
     assert "<div class=value>1.192<" in main
     assert "13.2 % above the plan, 1.053 kWh" in main
-    assert "<div class=value>1.042<" in at_motors
-    assert "plan" not in at_motors
+    assert not any("plan" in other for other in others)
+    sentence = "the train needs 1.192 kWh, 13.2 % above the plan\u2019s 1.053 kWh"
+    assert sentence in finding(run)
 
 
 def test_the_cruise_is_drawn_over_the_flux(view: Motor) -> None:

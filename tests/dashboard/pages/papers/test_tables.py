@@ -1,12 +1,14 @@
 import csv
+import re
 from io import StringIO
 
 import pytest
 
-from railjoule.core.validation import Erratum, Row, Table, Validation
+from railjoule.core.validation import Claim, Erratum, Row, Table, Validation
 from railjoule.dashboard.pages.papers.tables import (
     errata_html,
-    figure_cells,
+    finding,
+    overview_html,
     summary_words,
     table_html,
     tables_csv,
@@ -65,11 +67,14 @@ def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
     close, differs = Row("a", "W", "Wh", 2.0, 2.0, source="a"), Row("b", "W", "Wh", 2.0, 3.0, "Because.", "b")
     again = Row("a", "W by parts", "Wh", 2.0, 3.0, "Because.", "a")
     tables = (Table("One", (close, differs)), Table("Two", (again, Row("c", "W", "Wh", 2.0, 2.0))))
-    _, agree, explained, unexplained = figure_cells([Validation("ftorek", "", tables, ())])
-    assert ">1<" in agree
-    assert "of 2 printed numbers" in agree
-    assert ">1<" in explained
-    assert ">0<" in unexplained
+    claims = (Claim("p", "c", "f", "refutes", "r"), Claim("p", "d", "f", "supports", "r"))
+    paper = Validation("ftorek", "", tables, (), claims)
+    text = finding([paper])
+    assert "supports 1 of 2 claims of the papers, refutes 1 and leaves 0 undecided" in text
+    assert "Of 2 printed numbers 1 agree within 1 %, 1 differ for a stated reason and none without one" in text
+    row = re.search(r"Ftorek(.*?)<tr", overview_html({"ftorek": paper}))
+    assert row is not None
+    assert re.findall(r"<td>(\d+)", row[1]) == ["2", "1", "1", "0", "2", "1", "1", "0"]
 
 
 @pytest.mark.parametrize(

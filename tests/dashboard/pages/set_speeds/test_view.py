@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from lines import sent
 
-from railjoule.core import load_scenario
+from railjoule.core import load_scenario, solve
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
@@ -13,16 +13,19 @@ from railjoule.dashboard.page_host import PageHost
 from railjoule.dashboard.pages.set_speeds.charts import WITH_SET_SPEEDS
 from railjoule.dashboard.pages.set_speeds.compute import run_figures
 from railjoule.dashboard.pages.set_speeds.page import SetSpeeds
-from railjoule.dashboard.pages.set_speeds.texts import rule_html
+from railjoule.dashboard.pages.set_speeds.texts import rule
 from railjoule.dashboard.workbench import Workbench
 
 
 @pytest.fixture
 def view(state: Workbench) -> SetSpeeds:
     """The page with all its figures in sight."""
+    # the parts of both tabs are made
+    state.pages["Set speeds"].tab = "losses"
     names = [plot.name for plot in SetSpeeds.figures]
     PageHost(state.pages["Set speeds"], Browser(started=True, charts_in_sight=names), Palette(dark=False))
     page: SetSpeeds = state.pages["Set speeds"]
+    page.tab = "speeds"
     return page
 
 
@@ -32,6 +35,7 @@ def test_all_charts_draw_the_run(view: SetSpeeds) -> None:
     assert view.host.plots["limit_speed"].sources["steps"].data["right"] == [1200.0, 2400.0]
     assert len(sent(view.host.plots["limit_speed"], WITH_SET_SPEEDS)[0]) == len(run.run.position_m)
     assert sent(view.host.plots["limit_energy"], WITH_SET_SPEEDS)[1][-1] == pytest.approx(run.run.energy_kwh)
+    view.tab = "losses"
     assert len(view.host.plots["motor_map"].sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.host.plots["motor_map"].sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
     assert view.host.plots["storage"].sources["chosen"].data["x"] == pytest.approx([run.need.max_drop_kwh])
@@ -42,7 +46,7 @@ def test_all_charts_draw_the_run(view: SetSpeeds) -> None:
 )
 def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str) -> None:
     """The published relay asks for the brake above V + dV, (5) and the words above it."""
-    text = rule_html(load_scenario("kharkiv-like-40kmh").replace(**{"search.regulator": regulator}))
+    text = rule(load_scenario("kharkiv-like-40kmh").replace(**{"search.regulator": regulator}))
     assert does in text
     assert other not in text
 
@@ -62,7 +66,7 @@ def test_one_section_has_one_step_without_a_movable_end(view: SetSpeeds) -> None
 
 
 def test_a_run_out_of_its_window_is_marked(view: SetSpeeds) -> None:
-    assert "allowed 205.3 to" in view.host.figures.object
+    assert "permitted 205.3 to" in view.host.figures.object
     view.sections[0].limit_kmh = 70.0
     assert "s too early" in view.host.figures.object
     view.set([20.0, 20.0], [1200.0])
@@ -72,6 +76,7 @@ def test_a_run_out_of_its_window_is_marked(view: SetSpeeds) -> None:
 def test_the_sentence_stands_where_the_map_is_missing(view: SetSpeeds) -> None:
     assert view.host.plots["motor_map"].host.visible
     assert view.no_map.object == ""
+    view.tab = "losses"
     view.desk.scenario.choose("liashenko-ii")
     assert not view.host.plots["motor_map"].host.visible
     assert "there is no efficiency map" in view.no_map.object
@@ -85,6 +90,7 @@ def test_the_losses_by_kind_stand_below_the_map(view: SetSpeeds) -> None:
 
 
 def test_the_motor_alone_is_better_than_with_its_inverter(view: SetSpeeds) -> None:
+    view.tab = "losses"
     drive = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
     view.whose.value = "motor"
     motor = np.array(view.host.plots["motor_map"].sources["map"].data["image"][0])
@@ -123,8 +129,22 @@ def test_what_a_storage_saves_is_one_sentence(view: SetSpeeds) -> None:
     assert f"The run needs {energy(view.run.need.max_drop_kwh)} kWh" in view.storage_text.object
 
 
-def test_other_sections_than_those_of_the_strategy_are_named(view: SetSpeeds) -> None:
-    assert "other pages" not in view.host.heading.object
+def test_the_finding_is_the_distance_to_the_optimum_in_the_same_time(view: SetSpeeds) -> None:
+    run = view.run.run
+    more = f"{100 * (run.energy_kwh / view.run.optimum.energy_kwh - 1):.1f} % more"
+    assert f"With 2 set speeds the train needs {energy(run.energy_kwh)} kWh, {more} than" in view.finding.object
+
+
+def test_one_press_uses_the_sections_of_the_other_pages(view: SetSpeeds) -> None:
+    assert not view.as_on_drive.visible
     view.desk.scenario.choose("metro-with-limit")
-    assert len(view.desk.scenario.scenario().line.sections) == 11
-    assert "the strategy Set speeds has 11 sections" in view.host.heading.object
+    assert view.as_on_drive.label == "Use 11 sections, as on the other pages"
+    view.use_line_sections()
+    assert len(view.run.limits_kmh) == 11
+    # railjoule solve metro-with-limit --strategy speed_limits
+    assert view.run.run.energy_kwh == pytest.approx(solve_set_speeds(view), rel=1e-9)
+    assert not view.as_on_drive.visible
+
+
+def solve_set_speeds(view: SetSpeeds) -> float:
+    return solve(view.desk.scenario.scenario().replace(strategy="speed_limits")).energy_kwh

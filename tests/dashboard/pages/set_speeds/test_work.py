@@ -14,6 +14,8 @@ def test_the_search_sets_the_limits(state: Workbench) -> None:
     assert model.run.run.travel_time_s == pytest.approx(1.01 * 207.36, abs=1e-3)
     # `railjoule solve kharkiv-like-40kmh`
     assert model.run.run.energy_kwh == pytest.approx(8.72, abs=5e-3)
+    assert model.storage is model.motor_map is None
+    model.tab = "losses"
     assert model.storage is not None
     assert model.motor_map is not None
 
@@ -85,6 +87,7 @@ def test_bad_borders_are_told_and_the_last_run_stays(state: Workbench) -> None:
 
 def test_a_storage_that_is_named_counts(state: Workbench) -> None:
     model = state.pages["Set speeds"]
+    model.tab = "losses"
     most = model.storage.chosen.saved_kwh
     model.storage_size_kwh = 0.2
     assert model.storage.chosen.storage.size_kwh == 0.2
