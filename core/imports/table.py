@@ -93,7 +93,7 @@ def require_rising(positions: Sequence[float], where: str) -> None:
 
 def bounded(place: str, column: str, cell: Cell, amount: float, kind: IntervalKind, value_unit: str = "") -> float:
     """Round a value that a section of a line can have; ScenarioError if none can."""
-    if kind == "tunnels" and value_unit != "factor":
+    if kind not in KEYS or (kind == "tunnels" and value_unit != "factor"):
         return amount
     unit = {"gradients": " per mille", "limits": " km/h", "curves": " m"}.get(kind, "")
     for bound in Section.model_fields[KEYS[kind]].metadata:
