@@ -19,9 +19,9 @@ from scipy import interpolate
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.columns import STEEPEST_PERMILLE
 from railjoule.core.imports.findings import Notes
 from railjoule.core.imports.table import MIN_STRETCH_M, Interval, bounded, place
+from railjoule.core.imports.table_units import STEEPEST_PERMILLE
 
 USUAL_TOLERANCE_M = 1.0
 ROUNDING_M = 1e-9
@@ -157,20 +157,20 @@ def intervals_of_heights(points: Sequence[Interval], tolerance_m: float | None, 
     """
     tolerance = USUAL_TOLERANCE_M if tolerance_m is None else tolerance_m
     setting = "heights.tolerance_m"
-    ordered = sorted((one for one in points if one.value is not None), key=lambda one: one.from_m)
-    for one in ordered:
-        if not (abs(one.from_m) <= FARTHEST_M and LOWEST_M <= (one.value or 0.0) <= HIGHEST_M):
+    ordered = sorted((one.from_m, one.value, one.row) for one in points if one.value is not None)
+    for place_m, height_m, row in ordered:
+        if not (abs(place_m) <= FARTHEST_M and LOWEST_M <= height_m <= HIGHEST_M):
             raise ScenarioError(
-                f"{notes.source}, row {one.row}: {one.value:g} m at {place(one.from_m)} m must be a height from "
+                f"{notes.source}, row {row}: {height_m:g} m at {place(place_m)} m must be a height from "
                 f"{LOWEST_M:g} to {HIGHEST_M:g} m at a place within {FARTHEST_M / 1e3:g} km."
             )
-    for one, beside in pairwise(ordered):
-        if one.from_m == beside.from_m and abs(beside.value - one.value) > 2 * tolerance:
+    for (place_m, height_m, row), (beside_m, other_m, beside_row) in pairwise(ordered):
+        if place_m == beside_m and abs(other_m - height_m) > 2 * tolerance:
             raise ScenarioError(
-                f"{notes.source}: rows {one.row} and {beside.row} give two heights at {place(one.from_m)} m, "
-                f"{one.value:g} and {beside.value:g} m; leave one of them out, or allow more by {setting}."
+                f"{notes.source}: rows {row} and {beside_row} give two heights at {place(place_m)} m, {height_m:g} and "
+                f"{other_m:g} m; leave one of them out, or allow more by {setting}."
             )
-    position, height = np.array([(one.from_m, one.value) for one in ordered]).T
+    position, height, numbers = np.array(ordered).T
     if position[-1] - position[0] < MIN_STRETCH_M:
         raise ScenarioError(f"{notes.source}: needs heights at two places at least.")
     profile = fit_heights(position, height, tolerance)
@@ -196,7 +196,7 @@ def intervals_of_heights(points: Sequence[Interval], tolerance_m: float | None, 
         f"{setting} = {tolerance:g} m; the heights differ from them by at most {profile.largest_m:.2g} m, in the root "
         f"mean square {profile.deviation_m:.2g} m.",
     )
-    rows = [ordered[index].row for index in np.searchsorted(position, profile.knots_m)]
+    rows = [int(numbers[index]) for index in np.searchsorted(position, profile.knots_m)]
     name = f"{notes.source}, row"
     return [
         Interval(

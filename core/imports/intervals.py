@@ -13,7 +13,6 @@ from railjoule.core.imports.columns import (
     IS_LEVEL,
     RISES,
     ColumnMap,
-    TableUnits,
     direction_word,
     line_selectors,
     resolve,
@@ -33,6 +32,7 @@ from railjoule.core.imports.table import (
     in_order,
     rows_words,
 )
+from railjoule.core.imports.table_units import TableUnits
 from railjoule.core.imports.units import IntervalKind, TableKind, unit_words
 from railjoule.core.scenario._sentences import counted, shorten, show, shown_list
 

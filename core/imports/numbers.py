@@ -221,10 +221,8 @@ def parse_value(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated:
     if kind == "limits" and text.lower() in NO_SPEED:
         raise ValueError("is no speed; write a number, or leave the cell empty if no limit holds")
     if kind == "curves" and (angle := DEGREES.fullmatch(text)):
-        number, own = repr(sum(float(part or 0) / 60**power for power, part in enumerate(angle.groups()))), "deg"
-        decimal = "."
-    else:
-        number, own = without_unit(text, kind)
+        text, decimal = f"{sum(float(part or 0) / 60**power for power, part in enumerate(angle.groups()))!r} deg", "."
+    number, own = without_unit(text, kind)
     if own == "deg" and unit == "deg_arc":  # a cell does not distinguish them
         own = unit
     if own is not None:

@@ -13,7 +13,6 @@ from railjoule.core.imports.columns import (
     VALUE_UNITS,
     WORDS_OF_NAMES,
     ColumnMap,
-    TableUnits,
     resolve_stations,
 )
 from railjoule.core.imports.findings import FromFile, Notes
@@ -21,6 +20,7 @@ from railjoule.core.imports.intervals import chosen_rows, find_decimal
 from railjoule.core.imports.numbers import Decimal, parse_position, parse_value, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.table import DIGITS_M, Interval, place, rows_words
+from railjoule.core.imports.table_units import TableUnits
 from railjoule.core.imports.units import CLOCK, read_heading
 from railjoule.core.scenario._sentences import show, shown_list
 
@@ -92,7 +92,7 @@ def _table_of(cells: CellTable, wanted: ColumnMap) -> StationTable:
     readers = {role: _TimeColumn.of(cells, role, column, wanted, notes) for role, column in times.items()}
     rows, without_place = [], []
     for number, content in cells.rows:
-        row = dict(zip(cells.header, content, strict=True))
+        row: dict[str | None, Cell] = dict(zip(cells.header, content, strict=True))
         if text_of_cell(row[found.begin]) == "":
             without_place.append(number)
             continue
@@ -106,7 +106,7 @@ def _table_of(cells: CellTable, wanted: ColumnMap) -> StationTable:
                     given[role] = time_s
         except ValueError as error:
             raise ScenarioError(f"{cells.source}, row {number}: {column} = {show(row[column])} {error}.") from None
-        name = " ".join(text_of_cell(row[roles["name"]]).split())[:200] if roles["name"] else ""
+        name = " ".join(text_of_cell(row.get(roles["name"], "")).split())[:200]
         rows.append(StationRow(name, position_m, given, number))
     if without_place:
         notes.add_unused(f"{rows_words(without_place, 'is', 'are')} without {found.begin}.")
@@ -277,7 +277,9 @@ def _runs_well(table: StationTable, ordered: Sequence[StationRow]) -> bool:
 
 def _on_one_day(table: StationTable, ordered: Sequence[StationRow], source: str) -> list[StationRow]:
     """Return stations with times that rise, past midnight too; ScenarioError if they fall or are none of a train."""
-    timed, now, before = [], None, None
+    timed: list[StationRow] = []
+    now: float | None = None
+    before: StationRow | None = None
     for one in ordered:
         times = dict(one.times_s)
         for role in ("arrival", "departure", "earliest", "latest"):
@@ -292,7 +294,7 @@ def _on_one_day(table: StationTable, ordered: Sequence[StationRow], source: str)
                         f"{source}: {one.words} has an earlier {role} than the time before it; correct its times or "
                         "the order of the stations."
                     )
-                if before is not None and before.row != one.row:
+                if before is not None and now is not None and before.row != one.row:
                     _require_possible(source, before, one, times[role] - now, table.is_clock)
                 now, before = times[role], one
         timed.append(StationRow(one.name, one.position_m, times, one.row))
@@ -318,7 +320,7 @@ def _with_both(one: StationRow, is_first: bool, source: str) -> dict[str, float]
     if arrival is None and dwell is None:
         raise ScenarioError(f"{source}: {one.words} has a departure only; write its arrival or its dwell time.")
     if arrival is None:
-        return {**times, "arrival": departure - dwell}
+        return {**times, "arrival": departure - (dwell or 0.0)}
     stands_s = departure - arrival
     # clocks that show whole minutes
     within_s = ROUNDING_S if arrival % S_PER_MINUTE or departure % S_PER_MINUTE else S_PER_MINUTE

@@ -13,12 +13,12 @@ from railjoule.dashboard.parts import html as parts
 
 DROP = "Choose files or drop them anywhere on the page: "
 INVITATION = {
-    "line": f"{DROP}tables of gradients, speed limits, curves, tunnels or neutral sections (CSV, XLSX; also as SNCF "
-    "and RINF publish them), TTOBench (JSON), scenarios and reports. Your scenario changes only when you press "
-    "\u201cUse\u201d. The example is an invented line in the columns of SNCF.",
-    "runs": f"{DROP}CSV or XLSX with time and speed, better with position, effort and power. The example is two runs "
-    "over the line of Metro, profile II + I. This program simulated them with a slightly different train and wrote "
-    "them down with the steps and errors of a recorder: nobody has measured them.",
+    "line": f"{DROP}tables of gradients or heights, speed limits, curves, tunnels, neutral sections and stations (CSV, "
+    "GPX, XLSX with a sheet for each; also as SNCF and RINF publish them), TTOBench (JSON), scenarios and reports. "
+    "Your scenario changes only when you press \u201cUse\u201d. The example is an invented line in columns of SNCF.",
+    "runs": f"{DROP}CSV, XLSX or GPX with time and speed, better with position, effort and power. The example is two "
+    "runs over the line of Metro, profile II + I. This program simulated them with a slightly different train and "
+    "wrote them down with the steps and errors of a recorder: nobody has measured them.",
 }
 """What a tab without a file says."""
 FIT_CSS = """

@@ -148,7 +148,7 @@ JOURNEY = ("--journey", FILES / "ttobench-journey.json")
 def test_a_track_and_a_train_become_a_scenario(capsys, tmp_path):
     target = tmp_path / "scenario.toml"
     out, told = imported(capsys, *TTOBENCH, *JOURNEY, "-o", target)
-    assert out == f"{target}: 5.00 km, 9 sections, 360.0 s\n"
+    assert out == f"{target}: 5.00 km, 9 sections, 1 station, 360.0 s\n"
     assert "not used: ttobench-train.json: num seats." in told
     assert main(("solve", str(target), "--json")) == OK
     # to the bound for every driving
