@@ -242,7 +242,7 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     assert out == f"{target}: Example, 160.0 t, 140.0 km/h\n"
     out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
-    assert "not used: railtoolkit-path.yaml: paths not read: example." in told
+    assert "not used: railtoolkit-path.yaml: paths not read: example." in notes
 
 
 # ---- a workbook, stations, heights, GPX
@@ -263,10 +263,10 @@ def test_one_workbook_becomes_a_scenario(capsys, tmp_path):
     book.create_sheet("Remarks").append(["none"])
     book.save(tmp_path / "line.xlsx")
     target = tmp_path / "s.toml"
-    out, told = imported(capsys, "intervals", tmp_path / "line.xlsx", "--vehicle", "metro-81-7036", "-o", target)
+    out, notes = imported(capsys, "intervals", tmp_path / "line.xlsx", "--vehicle", "metro-81-7036", "-o", target)
     assert out == f"{target}: 2.00 km, 2 sections, 2 stations, 150.0 s\n"
-    assert "line.xlsx, Stops: row 3, 'B', gives timetable.travel_time_s = 150 s, its arrival." in told
-    assert "not used: line.xlsx: sheets not read: Remarks." in told
+    assert "line.xlsx, Stops: row 3, 'B', gives timetable.travel_time_s = 150 s, its arrival." in notes
+    assert "not used: line.xlsx: sheets not read: Remarks." in notes
     scenario = load_scenario(target)
     assert scenario.travel_time_s == 150
     assert [one.name for one in scenario.line.stations] == ["A", "B"]
@@ -292,8 +292,8 @@ def test_files_of_one_kind_exclude_each_other(capsys, tmp_path):
 
 def test_a_track_in_gpx_is_a_line_and_a_run(capsys, tmp_path):
     track = FILES / "track.gpx"
-    out, told = imported(capsys, "intervals", track, "-o", tmp_path / "line.toml")
+    out, notes = imported(capsys, "intervals", track, "-o", tmp_path / "line.toml")
     assert out.endswith(": 1.60 km, 2 sections\n")
-    assert any("Douglas and Peucker" in one for one in told)
+    assert any("Douglas and Peucker" in one for one in notes)
     out, _ = imported(capsys, "run", track, "-o", tmp_path / "run.csv")
     assert out.endswith("run.csv: 1.60 km in 130.0 s, 131 rows\n")
