@@ -15,7 +15,7 @@ from railjoule.core.csv_text import unguarded
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import FromFile, Notes
 from railjoule.core.imports.gpx import is_gpx, read_track_points
-from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text, sheet_of
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text, select_sheet
 from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
@@ -209,8 +209,8 @@ def _workbook_rows(source: SourceFile, sheet: str | None, notes: Notes) -> tuple
     # wrote may hold formulas without what they give, which would read as empty cells
     with _workbooks(source, (True, False)) as books:
         sheets = _filled_sheets(books[0])
-        is_alone = source.sheet in sheets and sheet in (None, source.sheet)
-        chosen = source.sheet if is_alone else sheets[notes.chosen(sheets, sheet, "sheet")]
+        is_file = source.sheet in sheets and sheet in (None, source.sheet)
+        chosen = source.sheet if is_file else sheets[notes.chosen(sheets, sheet, "sheet")]
         values, formulas = (_sheet_rows(book[chosen]) for book in books)
         rows = [
             _checked_row(name, number, [_cell(name, number, *pair) for pair in zip_longest(*row)])
@@ -254,7 +254,7 @@ def first_rows_of_sheets(source: SourceFile) -> dict[str, CellTable | None]:
     tables: dict[str, CellTable | None] = {}
     with _workbooks(source, (True,)) as (book,):
         for sheet in _filled_sheets(book):
-            name = sheet_of(source, sheet).name
+            name = select_sheet(source, sheet).name
             rows = enumerate(islice(_sheet_rows(book[sheet]), LEADING_ROWS), 1)
             tables[sheet] = None
             with suppress(ScenarioError):

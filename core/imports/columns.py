@@ -177,8 +177,8 @@ def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Resolved
     value = None if kind == "neutral" else chosen["value"]  # a stretch is neutral or not
     choices = f"COLUMN, of {shown_list(list(cells.header))}."
     if begin is None:
-        what = "the position of each row" if kind == "heights" else "where each row begins"
-        raise ScenarioError(f"{cells.source}: no column says {what}; name it, as {kind}.from={choices}")
+        what = "contains the position" if kind == "heights" else "says where each row begins"
+        raise ScenarioError(f"{cells.source}: no column {what}; name it, as {kind}.from={choices}")
     if value is None and kind not in {"tunnels", "neutral"}:
         raise ScenarioError(f"{cells.source}: no column of {kind} was found; name it, as {kind}.value={choices}")
     direction = named.get("direction") or (_directions(cells) if kind == "gradients" else None)
@@ -207,7 +207,7 @@ def resolve_stations(cells: CellTable, wanted: ColumnMap) -> tuple[dict[str, str
     if (begin := chosen["position"]) is None:
         choices = f"COLUMN, of {shown_list(list(cells.header))}."
         raise ScenarioError(
-            f"{cells.source}: no column says where each station lies; name it, as stations.position={choices}"
+            f"{cells.source}: no column contains the position of each station; name it, as stations.position={choices}"
         )
     heading = _position_heading({"position": begin}, named, wanted)
     return chosen, ResolvedColumns(begin, None, None, None, heading, Heading())

@@ -17,7 +17,7 @@ from railjoule.core.imports.columns import (
 )
 from railjoule.core.imports.findings import FromFile
 from railjoule.core.imports.gpx import is_gpx
-from railjoule.core.imports.source_file import SourceFile, sheet_of
+from railjoule.core.imports.source_file import SourceFile, select_sheet
 from railjoule.core.imports.units import TableKind, plain
 from railjoule.core.scenario._sentences import shown_list
 
@@ -36,7 +36,7 @@ TIMES = ("time", "timestamp", "zeit", "uhrzeit", "temps", "horodatage")
 """Columns of what a recorder wrote."""
 
 
-def preset_of(cells: CellTable) -> str | None:
+def find_preset(cells: CellTable) -> str | None:
     """Return the published table whose columns a table has; None if it is none of them."""
     return next(
         (
@@ -64,7 +64,7 @@ def kind_of_table(cells: CellTable, name: str) -> TableKind | None:
     name : str
         The file or the sheet.
     """
-    if preset := preset_of(cells):
+    if preset := find_preset(cells):
         return PRESETS[preset][0]
     by_name = kind_by_name(name)
     if not cells.has_header or any(has_name(column, TIMES) for column in cells.header):
@@ -91,7 +91,7 @@ def _is_of_stations(cells: CellTable) -> bool:
 
 def known_columns(cells: CellTable | None, kind: TableKind) -> ColumnMap:
     """Return the columns of a table of a kind, if it is one that is published; else nothing."""
-    preset = None if cells is None else preset_of(cells)
+    preset = None if cells is None else find_preset(cells)
     return PRESETS[preset][1] if preset and PRESETS[preset][0] == kind else ColumnMap()
 
 
@@ -140,7 +140,7 @@ def tables_of_file(source: SourceFile, chosen: Mapping[TableKind, str]) -> Found
     names: dict[TableKind, str] = {**{kind: sheets[0] for kind, sheets in found.items()}, **chosen}
     return FoundTables(
         source.name,
-        {kind: (sheet_of(source, name), known_columns(tables.get(name), kind)) for kind, name in names.items()},
+        {kind: (select_sheet(source, name), known_columns(tables.get(name), kind)) for kind, name in names.items()},
         unused=unread_sheets(source, tables, names.values()),
     )
 

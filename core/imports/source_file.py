@@ -68,7 +68,7 @@ class SourceFile:
         return cls(path.name, read_bytes(path, MAX_BYTES), encoding)
 
 
-def sheet_of(source: SourceFile, sheet: str) -> SourceFile:
+def select_sheet(source: SourceFile, sheet: str) -> SourceFile:
     """Return a sheet of a workbook as a file of its own."""
     return replace(source, name=f"{source.name}, {sheet}", sheet=sheet)
 

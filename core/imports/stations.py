@@ -76,10 +76,10 @@ def read_stations(source: SourceFile, columns: ColumnMap | None = None) -> Stati
     wanted = columns or ColumnMap()
     cells = read_cells(source, wanted.sheet)
     with encoding_mentioned(cells.findings):
-        return _table_of(cells, wanted)
+        return _read_rows(cells, wanted)
 
 
-def _table_of(cells: CellTable, wanted: ColumnMap) -> StationTable:
+def _read_rows(cells: CellTable, wanted: ColumnMap) -> StationTable:
     notes = Notes(cells.source, list(cells.findings), list(cells.unused))
     roles, found = resolve_stations(cells, wanted)
     cells = chosen_rows(cells, "stations", [column for column in roles.values() if column], wanted, notes)

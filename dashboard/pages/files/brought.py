@@ -10,7 +10,7 @@ from railjoule.core.imports import TABLE_KINDS, ColumnMap, SourceFile, TableKind
 from railjoule.core.imports.cells import CellTable, first_rows_of_sheets, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, STATION_ROLES, same_name
 from railjoule.core.imports.kinds import kind_by_name, known_columns
-from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json, sheet_of
+from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json, select_sheet
 from railjoule.core.measured import recorder_cells
 from railjoule.dashboard.pages.files.columns import RunFile, find_quantities, read_runs
 
@@ -217,7 +217,7 @@ def split_workbook(name: str, content: bytes) -> list["Brought"]:
     if len(sheets) < 2:
         return []
     return [
-        Brought(0, sheet_of(source, names[0]).name, content, sheet=names[0])
+        Brought(0, select_sheet(source, names[0]).name, content, sheet=names[0])
         if len(names) == 1
         else Brought(0, f"{name}, {TABLE_WORDS[kind].lower()}", content, said_kind=kind)
         for kind, names in sheets.items()

@@ -13,7 +13,7 @@ GRADIENTS = [8, 0, -13, 14.25]
 """Differences of `HEIGHTS_M` over those of `KNOTS_M`, in per mille: the profile of row 13 of the field test."""
 
 
-def table_of(text, name="h.csv", **columns):
+def read(text, name="h.csv", **columns):
     return read_intervals(SourceFile(name, text.encode()), "heights", ColumnMap(**columns))
 
 
@@ -35,7 +35,7 @@ def test_a_table_of_heights_gives_gradients_with_the_method(header):
     places = KNOTS_M / (1 if header.startswith("position") else 1000)
     heights = HEIGHTS_M / (0.3048 if "ft" in header else 1)
     rows = "".join(f"{a!r},{h!r}\n" for a, h in zip(places.tolist(), heights.tolist(), strict=True))
-    table = table_of(f"{header}\n{rows}")
+    table = read(f"{header}\n{rows}")
     assert [one.value for one in table.intervals] == pytest.approx(GRADIENTS, abs=1e-9)
     assert table.kind == "gradients"
     (method,) = [one.sentence for one in table.findings if "Douglas and Peucker" in one.sentence]
@@ -75,8 +75,8 @@ def test_gradients_of_errors_are_asked_about():
     measured = truth + np.random.default_rng(1).normal(0, 2.0, len(truth))
     text = "position_m,height_m\n" + "".join(f"{a},{h}\n" for a, h in zip(position, measured, strict=True))
     with pytest.raises(ScenarioError, match=r"with a tolerance of 1 m its gradients reach .* as heights.tolerance_m=5"):
-        table_of(text)
-    table = table_of(text, tolerance_m=8.0)
+        read(text)
+    table = read(text, tolerance_m=8.0)
     assert max(abs(one.value) for one in table.intervals) < 20
 
 
@@ -95,17 +95,17 @@ def test_gradients_of_errors_are_asked_about():
 )
 def test_what_is_no_profile_is_refused(text, columns, sentence):
     with pytest.raises(ScenarioError) as refused:
-        table_of(text, **columns)
+        read(text, **columns)
     assert sentence in str(refused.value)
 
 
 def test_heights_beyond_all_railways_without_a_unit_are_asked_about():
     with pytest.raises(UnitError, match=r"heights reach 8000 m; name the unit, as heights.value_unit=ft"):
-        table_of("km,height\n0,7990\n5,8000\n")
+        read("km,height\n0,7990\n5,8000\n")
 
 
 def test_heights_and_gradients_exclude_each_other():
-    heights = table_of("km,height_m\n0,100\n5,130\n")
+    heights = read("km,height_m\n0,100\n5,130\n")
     gradients = read_intervals(SourceFile("g.csv", b"from_m,to_m,gradient\n0,5000,6\n"), "gradients")
     with pytest.raises(ScenarioError, match=r"g.csv and h.csv both give the gradients; leave out one of them"):
         build_line(heights=heights, gradients=gradients)

@@ -10,21 +10,21 @@ from railjoule.core.imports import ColumnMap, SourceFile, build_line, read_inter
 LEVEL = b"from (km),to (km),gradient (\xe2\x80\xb0)\n0,10,0\n"
 
 
-def line_of(text, gradients=LEVEL, reverse=False, **columns):
+def build(text, gradients=LEVEL, reverse=False, **columns):
     table = read_stations(SourceFile("s.csv", text.encode()), ColumnMap(**columns))
     return build_line(
         gradients=read_intervals(SourceFile("g.csv", gradients), "gradients"), stations=table, reverse=reverse
     )
 
 
-def stations_of(text, **settings):
-    return line_of(text, **settings).document["line"]["stations"]
+def build_stations(text, **settings):
+    return build(text, **settings).document["line"]["stations"]
 
 
 def test_arrivals_on_a_clock_become_times_from_the_departure():
     """Written by hand: 23:58:30 to 00:01:40 are 190 s, to 00:06:10 460 s; 00:01:40 to 00:02:10 are 30 s."""
     text = "Station,km,Arrival,Departure\nA,1,,23:58:30\nB,4,00:01:40,00:02:10\nC,9,00:06:10,\n"
-    line = line_of(text)
+    line = build(text)
     assert line.document["line"]["stations"] == [
         {"name": "A", "position_m": 0},
         {"name": "B", "position_m": 3000, "arrival_s": 190, "dwell_s": 30},
@@ -48,18 +48,18 @@ def test_arrivals_on_a_clock_become_times_from_the_departure():
     ],
 )
 def test_one_timetable_in_six_notations(text):
-    stations = stations_of(text)
+    stations = build_stations(text)
     assert [(one["name"], one["position_m"]) for one in stations] == [("A", 0), ("B", 3500), ("C", 10000)]
     assert stations[1]["arrival_s"] == pytest.approx(200)
     assert stations[1]["dwell_s"] == 30
-    assert line_of(text).travel_time_s == pytest.approx(500)
+    assert build(text).travel_time_s == pytest.approx(500)
 
 
 def test_windows_are_kept_and_the_latest_arrival_at_the_terminus_is_the_travel_time():
     text = (
         "name,km,earliest arrival [s],latest arrival [s],latest departure [s]\nA,0,,,\nB,4,180,200,250\nC,10,400,500,\n"
     )
-    line = line_of(text)
+    line = build(text)
     window = {"earliest_arrival_s": 180, "latest_arrival_s": 200}
     assert line.document["line"]["stations"][1] == {"name": "B", "position_m": 4000, **window}
     assert line.document["line"]["stations"][2]["latest_arrival_s"] == 500
@@ -69,7 +69,7 @@ def test_windows_are_kept_and_the_latest_arrival_at_the_terminus_is_the_travel_t
 
 def test_a_run_in_falling_chainage_counts_from_its_own_departure():
     text = "name,km,arrival,departure\nC,10,,8:00\nB,4,8:06,8:07\nA,0,8:12,\n"
-    line = line_of(text, reverse=True)
+    line = build(text, reverse=True)
     assert [(one["name"], one["position_m"]) for one in line.document["line"]["stations"]] == [
         *[("C", 0), ("B", 6000), ("A", 10000)]
     ]
@@ -78,11 +78,11 @@ def test_a_run_in_falling_chainage_counts_from_its_own_departure():
     with pytest.raises(
         ScenarioError, match=r"by its times the train runs in falling chainage; run it so, as --reverse"
     ):
-        line_of(text)
+        build(text)
 
 
 def test_what_the_ends_cannot_have_is_not_used_with_a_word():
-    line = line_of("name,km,dwell (s)\nA,0,20\nB,5,30\nC,10,40\n")
+    line = build("name,km,dwell (s)\nA,0,20\nB,5,30\nC,10,40\n")
     assert line.document["line"]["stations"] == [
         {"name": "A", "position_m": 0},
         {"name": "B", "position_m": 5000, "dwell_s": 30},
@@ -96,7 +96,10 @@ def test_what_the_ends_cannot_have_is_not_used_with_a_word():
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("name,arrival\nA,1\n", "no column says where each station lies; name it, as stations.position=COLUMN"),
+        (
+            "name,arrival\nA,1\n",
+            "no column contains the position of each station; name it, as stations.position=COLUMN",
+        ),
         ("name,km,departure\nA,0,8:00\nB,5,8:05\nC,10,8:10\n", "row 3, 'B', has a departure only; write its arrival"),
         (
             "name,km,arrival,departure,dwell (s)\nA,0,,8:00:00,\nB,5,8:05:00,8:05:50,20\nC,10,8:10:00,,\n",
@@ -114,14 +117,14 @@ def test_what_the_ends_cannot_have_is_not_used_with_a_word():
         ),
         (
             "name,km,arrival (fortnights)\nA,0,\nB,5,3\n",
-            "says 'fortnights', which is not understood; name the unit, as",
+            "'fortnights', which is not understood; name the unit, as",
         ),
         ("name,km,arrival\nA,0,0\nB,5,nearly\n", "row 3: arrival = 'nearly' must be a number"),
     ],
 )
 def test_what_is_in_doubt_is_refused_in_one_sentence(text, sentence):
     with pytest.raises(ScenarioError) as refused:
-        line_of(text)
+        build(text)
     assert sentence in str(refused.value)
     assert str(refused.value).startswith("s.csv")
 
@@ -129,22 +132,22 @@ def test_what_is_in_doubt_is_refused_in_one_sentence(text, sentence):
 def test_minutes_that_count_as_seconds_are_asked_about():
     """5 km in 4 s are 4500 km/h."""
     with pytest.raises(UnitError, match=r"from row 2 to row 3 a train has 4 s for 5,000 m; .* stations.value_unit=min"):
-        line_of("name,km,arrival,departure\nA,0,,0\nB,5,4,5\nC,10,9,\n")
-    line = line_of("name,km,arrival,departure\nA,0,,0\nB,5,4,5\nC,10,9,\n", value_unit="min")
+        build("name,km,arrival,departure\nA,0,,0\nB,5,4,5\nC,10,9,\n")
+    line = build("name,km,arrival,departure\nA,0,,0\nB,5,4,5\nC,10,9,\n", value_unit="min")
     assert (line.document["line"]["stations"][1]["arrival_s"], line.travel_time_s) == (240, 540)
 
 
 def test_columns_are_named_by_the_user():
     text = "a,b,c,d\nA,0,,8:00\nB,5,8:05,\n"
     columns = {"name": "a", "position": "b", "arrival": "c", "departure": "d"}
-    assert line_of(text, columns=columns, position_unit="km").travel_time_s == 300
+    assert build(text, columns=columns, position_unit="km").travel_time_s == 300
 
 
 def test_a_line_of_tables_takes_a_table_of_stations():
     gradients = pd.DataFrame({"from [m]": [0], "to [m]": [3000], "gradient [permille]": [5]})
     stations = pd.DataFrame({"name": ["A", "B"], "position [m]": [500, 2500], "arrival [s]": [0.0, 150.0]})
-    told = (r"gives timetable.travel_time_s = 150 s, its arrival", r"the run lies between A and B")
-    with pytest.warns(UserWarning, match=told[0]), pytest.warns(UserWarning, match=told[1]):
+    sentences = (r"gives timetable.travel_time_s = 150 s, its arrival", r"the run lies between A and B")
+    with pytest.warns(UserWarning, match=sentences[0]), pytest.warns(UserWarning, match=sentences[1]):
         line = rj.Line.from_tables(gradients=gradients, stations=stations)
     assert line.length_m == 2000
     assert [(one.name, one.position_m, one.arrival_s) for one in line.stations] == [("A", 0, None), ("B", 2000, 150)]
