@@ -240,7 +240,7 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     target = tmp_path / "out.toml"
     out, _ = imported(capsys, "railtoolkit", FILES / "railtoolkit-train.yaml", "-o", target)
     assert out == f"{target}: Example, 160.0 t, 140.0 km/h\n"
-    out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
+    out, notes = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
     assert "not used: railtoolkit-path.yaml: paths not read: example." in notes
 
