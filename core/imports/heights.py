@@ -186,7 +186,7 @@ def intervals_of_heights(points: Sequence[Interval], tolerance_m: float | None, 
         if tolerance_m is None:
             raise ScenarioError(
                 f"{notes.source}: with a tolerance of {tolerance:g} m its gradients reach {where}; if errors of the "
-                f"heights make them, allow more, as {setting}=5, else say {setting}={tolerance:g}."
+                f"heights make them, allow more, as {setting}=5; if not, keep it, as {setting}={tolerance:g}."
             )
         notes.add("question", f"its gradients reach {where}: is {setting} = {tolerance:g} too small?")
     pieces = len(slopes)

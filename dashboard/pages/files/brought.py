@@ -108,6 +108,8 @@ class Brought:
             said = replace(said, position_unit=value or None)
         elif what == "value_unit":
             said = replace(said, value_unit=value or None)
+        elif what == "tolerance_m":
+            said = replace(said, tolerance_m=float(value) if value else None)
         elif what in (*ROLES, *STATION_ROLES):
             roles = {role: column for role, column in said.columns.items() if role != what}
             said = replace(said, columns={**roles, **chosen})

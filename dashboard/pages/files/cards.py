@@ -19,6 +19,7 @@ from railjoule.core.imports.columns import (
     resolve_stations,
 )
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
+from railjoule.core.imports.heights import USUAL_TOLERANCE_M
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
@@ -31,7 +32,7 @@ from railjoule.dashboard.pages.files.measured import ReadRun
 
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
-COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|--reverse|(?:{'|'.join(TABLE_KINDS)})\.[^=]+=[^.,]*)")
+COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|--reverse|(?:{'|'.join(TABLE_KINDS)})\.[^=]+=[^.,;]*)")
 """How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
 
 UNIT_WORDS = {
@@ -69,6 +70,8 @@ ROLES_OF_KIND: Mapping[str, tuple[str, ...]] = {
     "stations": STATION_ROLES,
 }
 """Roles of columns, where they are not from, to and value."""
+TOLERANCES_M = ("0.1", "0.3", "1", "2", "5", "10", "20")
+"""Largest differences in height from which the user can choose [m]."""
 ROLE_LABELS: Mapping[str, str] = {
     "from": "From",
     "to": "To",
@@ -254,6 +257,10 @@ def _choices(file: Brought, found: ResolvedColumns | None, columns: Mapping[str,
     if values := VALUE_UNITS[kind]:  # type: ignore[index]
         guess = (found and found.amount.unit) or wanted.value_unit or values[0]
         yield _menu("value_unit", "Times in" if kind == "stations" else "Values in", values, guess, UNIT_WORDS)
+    if kind == "heights":
+        usual = f"{USUAL_TOLERANCE_M:g} m, usual"
+        value = "" if wanted.tolerance_m is None else f"{wanted.tolerance_m:g}"
+        yield _menu("tolerance_m", "Tolerance", TOLERANCES_M, value, {one: f"{one} m" for one in TOLERANCES_M}, usual)
     for column in selectors_of(cells, tuple(columns.values())):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:

@@ -237,3 +237,15 @@ def test_a_track_in_gpx_is_a_run(page: Files) -> None:
     assert [(card.kind, card.failure) for card in page.cards] == [("run", "")]
     page.say(page.cards[0].number, "kind", "heights")
     assert (page.cards[0].kind, page.reading.line is not None) == ("heights", True)
+
+
+def test_heights_with_errors_ask_for_a_tolerance(page: Files) -> None:
+    rows = "".join(f"{25 * k},{100 + 3 * (k % 2)}\n" for k in range(60))
+    page.bring([("heights.csv", f"position_m,height_m\n{rows}".encode())])
+    (card,) = page.cards
+    assert card.failure.endswith("allow more; if not, keep it.")
+    page.say(card.number, "tolerance_m", "5")
+    (card,) = page.cards
+    assert card.failure == ""
+    # heights that go up and down by 3 m are level in the mean
+    assert all(abs(section.gradient_permille) < 1 for section in page.reading.line.line.sections)
