@@ -106,7 +106,7 @@ if __name__ == "__main__":
 
 
 STUDIES = (".nc",)
-FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json")
+FILE_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx", ".json", ".gpx")
 """Endings of the names of files of lines, trains and runs."""
 
 

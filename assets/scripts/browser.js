@@ -99,7 +99,7 @@ export function render({model, view}) {
   // --- buttons and keys
 
   const ask_for_file = () => {
-    const input = make("input", {type: "file", accept: ".toml,.html,.htm,.csv,.tsv,.txt,.xlsx,.nc"});
+    const input = make("input", {type: "file", accept: ".toml,.html,.htm,.csv,.tsv,.txt,.xlsx,.gpx,.nc"});
     on(input, "change", () => { for (const file of input.files) { send_file(model, file); } });
     input.click();
   };

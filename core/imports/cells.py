@@ -1,9 +1,10 @@
-"""Tables of cells, from CSV or from a workbook (.xlsx), which openpyxl of the extra `excel` reads."""
+"""Tables of cells, from CSV, a track in GPX or a workbook (.xlsx), which openpyxl of the extra `excel` reads."""
 
 import csv
 import io
 import zipfile
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from datetime import date, datetime, time, timedelta
 from itertools import islice, product, zip_longest
@@ -13,7 +14,8 @@ from typing import Any
 from railjoule.core.csv_text import unguarded
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import FromFile, Notes
-from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text
+from railjoule.core.imports.gpx import is_gpx, read_track_points
+from railjoule.core.imports.source_file import MAX_BYTES, SourceFile, read_text, select_sheet
 from railjoule.core.scenario._sentences import shorten, show, shown_list
 
 Cell = str | float
@@ -63,14 +65,14 @@ class CellTable(FromFile):
 
 
 def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTest | None = None) -> CellTable:
-    """Read the cells of a CSV file or of a sheet of a workbook.
+    """Read the cells of a CSV file, of a track in GPX or of a sheet of a workbook.
 
     Parameters
     ----------
     source : SourceFile
         The file.
     sheet : str, optional
-        The workbook's sheet; by default its only one.
+        The workbook's sheet, or the track; by default its only one.
     is_header : callable, optional
         Distinguishes the names of the columns from other rows above the table; if no row passes, or without it, the
         first row of at least two cells has them.
@@ -78,7 +80,7 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     Raises
     ------
     ChoiceError
-        If a workbook has several sheets and none is named.
+        If there are several sheets or tracks and none is named.
     ScenarioError
         If it is no table, or larger than allowed.
     """
@@ -88,6 +90,9 @@ def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTe
     if source.content.startswith(ZIP_MARK):
         rows, sheets = _workbook_rows(source, sheet, notes)
         return replace(_named_table(rows, "", notes, is_header), sheets=sheets)
+    if is_gpx(source):
+        header, rows = read_track_points(source, sheet, notes)
+        return CellTable(source.name, header, tuple(rows), findings=tuple(notes.findings), unused=tuple(notes.unused))
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
     text, notes.findings = read_text(source)
@@ -200,6 +205,24 @@ def _workbook_rows(source: SourceFile, sheet: str | None, notes: Notes) -> tuple
         If openpyxl is missing, the file is no workbook, or it unpacks to more than allowed.
     """
     name = source.name
+    # what formulas gave when the workbook was saved, and beside it the formulas: a sheet that another program
+    # wrote may hold formulas without what they give, which would read as empty cells
+    with _workbooks(source, (True, False)) as books:
+        sheets = _filled_sheets(books[0])
+        is_file = source.sheet in sheets and sheet in (None, source.sheet)
+        chosen = source.sheet if is_file else sheets[notes.chosen(sheets, sheet, "sheet")]
+        values, formulas = (_sheet_rows(book[chosen]) for book in books)
+        rows = [
+            _checked_row(name, number, [_cell(name, number, *pair) for pair in zip_longest(*row)])
+            for number, row in enumerate(zip_longest(values, formulas, fillvalue=()), 1)
+        ]
+    return rows, sheets
+
+
+@contextmanager
+def _workbooks(source: SourceFile, only_values: Sequence[bool]) -> Iterator[list[Any]]:
+    """Open a workbook, with or without its formulas; ScenarioError for whatever is wrong with it."""
+    name = source.name
     try:
         import openpyxl  # noqa: PLC0415  (of an extra, and slow to import)
     except ModuleNotFoundError:
@@ -209,25 +232,37 @@ def _workbook_rows(source: SourceFile, sheet: str | None, notes: Notes) -> tuple
         ) from None
     _require_small(source)
     try:
-        # what formulas gave when the workbook was saved, and beside it the formulas: a sheet that another program
-        # wrote may hold formulas without what they give, which would read as empty cells
-        books = [
-            openpyxl.load_workbook(io.BytesIO(source.content), read_only=True, data_only=data_only, keep_links=False)
-            for data_only in (True, False)
-        ]
-        sheets = _filled_sheets(books[0])
-        chosen = sheets[notes.chosen(sheets, sheet, "sheet")]
-        values, formulas = (_sheet_rows(book[chosen]) for book in books)
-        rows = [
-            _checked_row(name, number, [_cell(name, number, *pair) for pair in zip_longest(*row)])
-            for number, row in enumerate(zip_longest(values, formulas, fillvalue=()), 1)
+        yield [
+            openpyxl.load_workbook(io.BytesIO(source.content), read_only=True, data_only=one, keep_links=False)
+            for one in only_values
         ]
     except ScenarioError:
         raise
     # openpyxl has no error of its own for a broken file: whatever its parsers meet comes through
     except Exception as error:
         raise ScenarioError(f"{name}: not a workbook that can be read: {show(str(error))}.") from None
-    return rows, sheets
+
+
+def first_rows_of_sheets(source: SourceFile) -> dict[str, CellTable | None]:
+    """Read the names of columns and the first rows of each sheet of a workbook; None if a sheet is no table.
+
+    Raises
+    ------
+    ScenarioError
+        If the file is no workbook, or it unpacks to more than allowed.
+    """
+    tables: dict[str, CellTable | None] = {}
+    with _workbooks(source, (True,)) as (book,):
+        for sheet in _filled_sheets(book):
+            name = select_sheet(source, sheet).name
+            rows = enumerate(islice(_sheet_rows(book[sheet]), LEADING_ROWS), 1)
+            tables[sheet] = None
+            with suppress(ScenarioError):
+                read = [
+                    _checked_row(name, number, [_cell(name, number, one, None) for one in row]) for number, row in rows
+                ]
+                tables[sheet] = _named_table(read, "", Notes(name), None)
+    return tables
 
 
 def _require_small(source: SourceFile) -> None:

@@ -4,39 +4,42 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import zip_longest
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
-from railjoule.core.errors import ScenarioError, UnitError
+from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell, CellTable
-from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS, is_zero_in_words, names_unit, text_of_cell
-from railjoule.core.imports.table import Interval
+from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS
 from railjoule.core.imports.units import (
     BRACKETS,
-    NOTHING,
-    ColumnUnit,
     Heading,
     IntervalKind,
-    Quantity,
+    TableKind,
     name_tokens,
     plain,
     read_heading,
-    unit_words,
 )
 from railjoule.core.scenario._sentences import show, shown_list, suggestion
 
 INTERVAL_KINDS: tuple[IntervalKind, ...] = get_args(IntervalKind)
+TABLE_KINDS: tuple[TableKind, ...] = (*INTERVAL_KINDS, "stations")
+"""Kinds of tables that describe a line."""
 ROLES = ("from", "to", "value", "direction")
-SETTINGS = ("position_unit", "value_unit", "decimal", "sheet")
+WINDOW_ROLES = ("earliest", "latest")
+TIME_ROLES = ("dwell", *WINDOW_ROLES, "arrival", "departure")
+STATION_ROLES = ("name", "position", *TIME_ROLES)
+SETTINGS = ("position_unit", "value_unit", "decimal", "sheet", "tolerance_m")
 SELECTORS = ("line", "track")
 """Columns of which one value must be chosen."""
-VALUE_UNITS: Mapping[IntervalKind, tuple[str, ...]] = {
+VALUE_UNITS: Mapping[TableKind, tuple[str, ...]] = {
     "gradients": ("permille", "percent", "fraction", "ratio", "deg", "rad", "per10000", "ft/mi"),
     "limits": ("km/h", "m/s", "mph"),
-    "curves": ("m", "km", "ft", "yd", "ch", "deg", "1/m", "1/km"),
+    "heights": ("m", "ft"),
+    "curves": ("m", "km", "ft", "yd", "ch", "mi", "deg", "deg_arc", "1/m", "1/km", "1/ft"),
     "tunnels": ("factor", "m2"),
     "neutral": (),
+    "stations": ("s", "min", "h"),
 }
-"""Units of what a table of each kind holds; of gradients, limits and curves the first holds where none is named."""
+"""Units of what a table of each kind holds; except of tunnels the first holds where none is named."""
 ALL_POSITION_UNITS = (*POSITION_UNITS, *COMPOUND_UNITS)
 NAMES: Mapping[str, tuple[str, ...]] = {
     role: tuple(map(plain, names))
@@ -48,13 +51,28 @@ NAMES: Mapping[str, tuple[str, ...]] = {
                "终点里程", "end position", "to position"),
         "gradients": ("gradient", "slope", "grade", "inclination", "neigung", "längsneigung", "declivite", "valeur",
                       "value", "permille", "steigung", "ill gradprofile", "pochylenie", "уклон", "ухил", "坡度"),
-        "limits": ("limit", "speed limit", "speed", "v max", "vmax", "max speed", "maxspeed", "vitesse",
+        "limits": ("limit", "speed limit", "speed", "v max", "vmax", "max speed", "maxspeed", "vitesse", "line speed",
+                   "linespeed",
                    "geschwindigkeit", "höchstgeschwindigkeit", "value", "velocity", "permitted speed",
                    "v", "prędkość", "скорость", "швидкість", "限速"),
         "curves": ("radius", "rayon", "curve radius", "r", "halbmesser", "value", "degree of curve", "curvature",
                    "promień", "радиус", "радіус", "半径", "曲线半径"),
         "tunnels": ("factor", "tunnel factor", "cross section", "area", "querschnitt", "section", "value"),
         "neutral": (),
+        "heights": ("height", "elevation", "altitude", "ele", "elev", "alt", "höhe", "wysokość", "rzędna", "высота",
+                    "отметка", "висота", "高程", "标高", "value"),
+        "name": ("station name", "stop name", "name", "station", "stop", "stop id", "bahnhof", "haltestelle",
+                 "betriebsstelle", "gare", "nom", "stacja", "станция", "станція", "车站", "站名"),
+        "position": ("position", "pos", "chainage", "kilometer", "kilometre", "km", "mileage", "milepost", "location",
+                     "pk", "distance", "shape dist traveled", "kilometraż", "里程"),
+        "dwell": ("dwell", "dwell time", "stop time", "haltezeit", "aufenthalt", "temps d arret", "postój", "стоянка",
+                  "停站时间"),
+        "earliest": ("earliest arrival", "earliest"),
+        "latest": ("latest arrival", "latest"),
+        "arrival": ("arrival", "arrival time", "arr", "ankunft", "an", "arrivee", "przyjazd", "прибытие", "прибуття",
+                    "到达"),
+        "departure": ("departure", "departure time", "dep", "abfahrt", "ab", "depart", "odjazd", "отправление",
+                      "відправлення", "出发"),
         "line": ("line", "code ligne", "strecke", "line code", "route", "ligne"),
         "track": ("track", "nom voie", "voie", "gleis"),
     }.items()
@@ -63,13 +81,7 @@ NAMES: Mapping[str, tuple[str, ...]] = {
 WORDS_OF_NAMES = frozenset(word for names in NAMES.values() for name in names for word in name.split())
 FALLS, RISES, IS_LEVEL = ("pente", "fall", "gefalle", "gefaelle", "down"), ("rampe", "rise", "up"), ("palier", "level")
 """Words of a column of directions, as they begin."""
-SHORTEST_LINE_M = 50.0
-"""Of a run that a train can be driven over; below it the unit was another."""
-SHORTEST_RUN_S = 20.0
-"""For which no line is long enough that a train may run over at its highest limit."""
-STEEPEST_PERMILLE, LEVELLEST_PERMILLE, MIN_RADIUS_M = 60.0, 0.3, 50.0
-"""Limits of railways with usual wheels and tracks; beyond it another unit is likely, though none is certain."""
-UnitKey = Literal["position_unit", "value_unit"]
+LARGEST_TOLERANCE_M = 100.0
 
 
 @dataclass(frozen=True)
@@ -80,16 +92,20 @@ class ColumnMap:
     ----------
     columns : mapping of str to str
         The columns 'from', 'to', 'value', and 'direction', whose texts say whether a gradient falls.
+        Of stations they are `STATION_ROLES`.
     position_unit : str or None
         m, km, mi, ch, yd, ft, pk (012+345), mi.ch (12.34 is 12 miles 34 chains) or mi.yd.
     value_unit : str or None
-        As in `VALUE_UNITS`; ratio is 1 in so many, ft/mi feet a mile, deg of curves the degree of curve.
+        As in `VALUE_UNITS`; ratio is 1 in so many, ft/mi feet a mile, deg of curves the degree of curve over a chord,
+        deg_arc that over an arc. Of stations it is the unit of times.
     decimal : str or None
         The decimal sign, '.' or ','.
     rows : mapping of str to str
         Rows are used where these columns have these values.
     sheet : str or None
-        The sheet of a workbook; by default its only one.
+        The sheet of a workbook, or the track of a GPX file; by default its only one.
+    tolerance_m : float or None
+        By how much the line may lie above or below heights [m]; None is `heights.USUAL_TOLERANCE_M`.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)
@@ -98,11 +114,17 @@ class ColumnMap:
     decimal: str | None = None
     rows: Mapping[str, str] = field(default_factory=dict)
     sheet: str | None = None
+    tolerance_m: float | None = None
 
     @classmethod
     def of(cls, key: str, value: str) -> "ColumnMap":
         """Make a map of one setting, such as 'from' and a column, or 'decimal' and a sign."""
         settings: dict[str, Any] = {key: value} if key in SETTINGS else {"columns": {key: value}}
+        if key == "tolerance_m":
+            try:
+                settings = {key: float(value)}
+            except ValueError:
+                raise ScenarioError(f"heights.tolerance_m = {show(value)} must be a number.") from None
         return cls(**settings)
 
     def over(self, base: "ColumnMap") -> "ColumnMap":
@@ -146,41 +168,64 @@ def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Resolved
     ScenarioError
         If a column that is named is missing, or one that is needed is not recognised.
     """
-    _require_known(cells.source, kind, wanted)
-    named = {role: _column(cells, role, name) for role, name in wanted.columns.items()}
-    chosen: dict[str, str | None] = dict(named)
+    named = require_known(cells, kind, ROLES, wanted)
     if cells.has_header:
-        for role in ("from", "to", "value"):
-            free = [column for column in cells.header if column not in chosen.values()]
-            chosen[role] = named.get(role) or _guessed(cells.source, kind, free, role)
+        chosen = guess_columns(cells, kind, ("from", "value") if kind == "heights" else ("from", "to", "value"), named)
     else:
         chosen = {**_by_place(cells, kind), **named}
-    begin, end = chosen["from"], chosen["to"]
+    begin, end = chosen["from"], chosen.get("to")
     value = None if kind == "neutral" else chosen["value"]  # a stretch is neutral or not
     choices = f"COLUMN, of {shown_list(list(cells.header))}."
     if begin is None:
-        raise ScenarioError(f"{cells.source}: no column has the start of each row; name it, as {kind}.from={choices}")
+        what = "contains the position" if kind == "heights" else "has the start of each row"
+        raise ScenarioError(f"{cells.source}: no column {what}; name it, as {kind}.from={choices}")
     if value is None and kind not in {"tunnels", "neutral"}:
         raise ScenarioError(f"{cells.source}: no column of {kind} was found; name it, as {kind}.value={choices}")
     direction = named.get("direction") or (_directions(cells) if kind == "gradients" else None)
-    position = Heading(wanted.position_unit) if wanted.position_unit else _position_heading(begin, end, named)
-    amount = Heading(wanted.value_unit)
+    position = _position_heading({"from": begin, "to": end}, named, wanted)
+    amount = Heading()
     if wanted.value_unit is None and value is not None and VALUE_UNITS[kind]:
         amount = read_heading(value, kind, None if "value" in named else WORDS_OF_NAMES)
     return ResolvedColumns(begin, end, value, direction, position, amount)
 
 
-def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> Heading:
+def resolve_stations(cells: CellTable, wanted: ColumnMap) -> tuple[dict[str, str | None], ResolvedColumns]:
+    """Find the column of each role of `STATION_ROLES`, None if there is none, and that of positions with its unit.
+
+    Raises
+    ------
+    ScenarioError
+        As of `resolve`.
+    """
+    named = require_known(cells, "stations", STATION_ROLES, wanted)
+    chosen = guess_columns(cells, "stations", STATION_ROLES, named)
+    # windows are those of arrivals, not of departures
+    others = {**dict.fromkeys(WINDOW_ROLES, NAMES["departure"]), "departure": WINDOW_ROLES, "arrival": WINDOW_ROLES}
+    for role, words in others.items():
+        if role not in named and set(words) & set(_name_words(chosen[role] or "").split()):
+            chosen[role] = None
+    if (begin := chosen["position"]) is None:
+        choices = f"COLUMN, of {shown_list(list(cells.header))}."
+        raise ScenarioError(
+            f"{cells.source}: no column contains the position of each station; name it, as stations.position={choices}"
+        )
+    heading = _position_heading({"position": begin}, named, wanted)
+    return chosen, ResolvedColumns(begin, None, None, None, heading, Heading())
+
+
+def _position_heading(columns: Mapping[str, str | None], named: Mapping[str, str], wanted: ColumnMap) -> Heading:
     """Read the unit that the columns of positions name; one of them may leave it to the other."""
+    if wanted.position_unit:
+        return Heading(wanted.position_unit)
     headings = [
         read_heading(column, "positions", None if role in named else WORDS_OF_NAMES)
-        for role, column in (("from", begin), ("to", end))
+        for role, column in columns.items()
         if column is not None
     ]
     doubt = next((heading.doubt for heading in headings if heading.doubt), "")
     units = list(dict.fromkeys(heading.unit for heading in headings if heading.unit))
     if len(units) > 1 and not doubt:
-        doubt = f"{begin!r} and {end!r} name two units, {' and '.join(units)}"
+        doubt = f"{' and '.join(map(repr, columns.values()))} name two units, {' and '.join(units)}"
     return Heading(units[0] if units else None, doubt)
 
 
@@ -190,15 +235,26 @@ def line_selectors(cells: CellTable, used: Collection[str]) -> list[str]:
     return [column for column in cells.header if column not in used and _name_words(column) in names]
 
 
+def has_name(column: str, names: Collection[str]) -> bool:
+    """Return whether a column has one of some names, whatever its unit."""
+    return _name_words(column) in names
+
+
 def same_name(one: str, other: str) -> bool:
     """Tell whether two names of columns differ only in capitals, accents and signs."""
     return _words(one) == _words(other)
 
 
-def _require_known(source: str, kind: IntervalKind, wanted: ColumnMap) -> None:
+def require_known(cells: CellTable, kind: TableKind, roles: Sequence[str], wanted: ColumnMap) -> dict[str, str]:
+    """Find the columns that the user names; ScenarioError if one of them, a role or a unit is unknown."""
+    source = cells.source
     for name in wanted.columns:
-        if name not in ROLES:
-            raise ScenarioError(f"{source}: {kind}.{name} is unknown, {_hint(name, ROLES)}")
+        if name not in roles:
+            raise ScenarioError(f"{source}: {kind}.{name} is unknown, {_hint(name, roles)}")
+    tolerance = wanted.tolerance_m
+    if tolerance is not None and (kind != "heights" or not 0 <= tolerance <= LARGEST_TOLERANCE_M):
+        bound = f"0 to {LARGEST_TOLERANCE_M:g} m" if kind == "heights" else "left out: only heights have one"
+        raise ScenarioError(f"{source}: {kind}.tolerance_m = {tolerance:g} must be {bound}.")
     for key, words, known in (
         ("position_unit", "one of ", ALL_POSITION_UNITS),
         ("value_unit", "one of ", VALUE_UNITS[kind] or ("left out",)),
@@ -208,6 +264,7 @@ def _require_known(source: str, kind: IntervalKind, wanted: ColumnMap) -> None:
         if given is not None and given not in known:
             choices = (", " if words else " or ").join(known)
             raise ScenarioError(f"{source}: {kind}.{key} = {show(given)} must be {words}{choices}.")
+    return {role: _column(cells, role, name) for role, name in wanted.columns.items()}
 
 
 def _hint(name: str, known: Collection[str]) -> str:
@@ -224,9 +281,21 @@ def _column(cells: CellTable, role: str, name: str) -> str:
     return name if name in cells.header else alike[0]
 
 
-def _guessed(source: str, kind: IntervalKind, free: list[str], role: str) -> str | None:
+def guess_columns(
+    cells: CellTable, kind: TableKind, roles: Sequence[str], named: Mapping[str, str]
+) -> dict[str, str | None]:
+    """Find the column of each role, one after the other among those that are left."""
+    chosen: dict[str, str | None] = dict(named)
+    for role in roles:
+        free = [column for column in cells.header if column not in chosen.values()]
+        chosen[role] = named.get(role) or _guessed(cells.source, kind, free, role)
+    return chosen
+
+
+def _guessed(source: str, kind: TableKind, free: list[str], role: str) -> str | None:
     """Find the column with the likeliest name, None if there is none; ScenarioError if two are equally likely."""
-    names = NAMES[kind if role == "value" else role]
+    # heights are those of places
+    names = NAMES[kind if role == "value" else "position" if kind == "heights" and role == "from" else role]
     words = {column: _name_words(column) for column in free}
     for is_whole in (True, False):
         for name in names:
@@ -250,7 +319,7 @@ def _by_place(cells: CellTable, kind: IntervalKind) -> dict[str, str | None]:
     columns = list(cells.header)
     if len(columns) > 3:
         raise ScenarioError(f"{cells.source}: {len(columns)} columns without names; the first row must name them.")
-    if len(columns) == 2 and kind in {"gradients", "limits", "curves"}:
+    if len(columns) == 2 and kind in {"gradients", "heights", "limits", "curves"}:
         return {"from": columns[0], "to": None, "value": columns[1]}
     return dict(zip_longest(("from", "to", "value"), columns))
 
@@ -276,82 +345,3 @@ def _name_words(column: str) -> str:
 def _words(text: str) -> str:
     """Normalise a column's name to small letters without accents and signs."""
     return " ".join(re.sub(r"[\W_]+", " ", plain(text)).split())
-
-
-@dataclass(frozen=True)
-class TableUnits:
-    """The units of a table, and questions about them."""
-
-    source: str
-    kind: IntervalKind
-    found: ResolvedColumns
-    wanted: ColumnMap
-
-    def unit(self, key: UnitKey, cells: Mapping[int, Cell]) -> ColumnUnit:
-        """Find the unit of positions or values, empty if there are none; UnitError if it is in doubt."""
-        column, heading, quantity, units = self._role(key)
-        if not column or not units:
-            return NOTHING
-        if heading.doubt:
-            raise self._question(key, heading.doubt)
-        if heading.unit is not None:
-            return ColumnUnit(heading.unit, heading.unit, False)
-        named = {row for row, cell in cells.items() if names_unit(cell, quantity)}
-        bare = [row for row, cell in cells.items() if row not in named and not _is_nothing(cell, quantity)]
-        if named and bare:
-            words = f"row {min(named)} names a unit under {column!r}, and row {bare[0]} does not"
-            raise self._question(key, words)
-        return ColumnUnit(units[0], None, not named)
-
-    def size_doubts(self, intervals: Sequence[Interval], position: ColumnUnit, value: ColumnUnit) -> list[str]:
-        """List sizes that suggest another unit than the heading names; UnitError if nothing names the unit."""
-        sentences = []
-        keys: tuple[tuple[UnitKey, ColumnUnit], ...] = (("position_unit", position), ("value_unit", value))
-        for key, unit in keys:
-            sentence, likely = self._doubt(key, intervals)
-            if not sentence or getattr(self.wanted, key) is not None:
-                continue
-            if unit.is_assumed:
-                likely = (*likely, unit.unit) if likely else ()
-                words = f"no unit is named for {self._role(key)[0]!r}, and in {unit_words(unit.unit)} {sentence}"
-                raise self._question(key, words, likely)
-            sentences.append(f"{sentence}: is the unit right?")
-        return sentences
-
-    def _role(self, key: UnitKey) -> tuple[str | None, Heading, Quantity, tuple[str, ...]]:
-        """Return the column of positions or values, its heading, its quantity and the units of that."""
-        if key == "position_unit":
-            return self.found.begin, self.found.position, "positions", ALL_POSITION_UNITS
-        return self.found.value, self.found.amount, self.kind, VALUE_UNITS[self.kind]
-
-    def _question(self, key: UnitKey, doubt: str, likely: tuple[str, ...] = ()) -> UnitError:
-        return UnitError(self.source, doubt, (self.kind, key), self._role(key)[3], likely)
-
-    def _doubt(self, key: UnitKey, intervals: Sequence[Interval]) -> tuple[str, tuple[str, ...]]:
-        """Describe sizes that suggest another unit, and the likely units; an empty text if none do."""
-        amounts = [abs(one.value) for one in intervals if one.value]
-        if key == "position_unit":
-            ends = [end for one in intervals for end in (one.from_m, one.to_m) if end < float("inf")]
-            length_m = max(ends) - min(one.from_m for one in intervals)
-            likely = ("mi",) if self.found.amount.unit == "mph" else ("km",)
-            fastest_kmh = max(amounts, default=0.0) if self.kind == "limits" else 0.0
-            if 0 < length_m < SHORTEST_LINE_M:
-                return f"it covers {length_m:g} m in all", likely
-            if 0 < length_m * 3.6 < SHORTEST_RUN_S * fastest_kmh:
-                return f"it covers {length_m:g} m in all, with limits to {fastest_kmh:.4g} km/h", likely
-        elif self.kind == "gradients" and amounts:
-            steepest = max(amounts)
-            if steepest > STEEPEST_PERMILLE:
-                return f"gradients reach {steepest:.4g} per mille", ("ratio",) if min(amounts) > 1 else ()
-            if steepest < LEVELLEST_PERMILLE:
-                # a fraction of 0.06 is the steepest, and a line in per cent is rarely as level
-                return f"no gradient exceeds {steepest:.4g} per mille", ("fraction",) if steepest < 0.06 else ()
-        elif self.kind == "curves" and amounts and min(amounts) < MIN_RADIUS_M:
-            return f"radii go down to {min(amounts):.4g} m", ("km",) if max(amounts) < MIN_RADIUS_M else ()
-        return "", ()
-
-
-def _is_nothing(cell: Cell, quantity: Quantity) -> bool:
-    """Tell whether a cell is empty or, in any unit, 0."""
-    text = text_of_cell(cell)
-    return not text.strip("-+0.,") or is_zero_in_words(text, quantity)

@@ -1,4 +1,4 @@
-"""Tables of intervals over chainage: gradients, speed limits, curves, tunnels, neutral sections."""
+"""Tables of intervals over chainage: gradients or heights, speed limits, curves, tunnels, neutral sections."""
 
 import math
 import re
@@ -13,14 +13,13 @@ from railjoule.core.imports.columns import (
     IS_LEVEL,
     RISES,
     ColumnMap,
-    ResolvedColumns,
-    TableUnits,
     direction_word,
     line_selectors,
     resolve,
     same_name,
 )
 from railjoule.core.imports.findings import Notes
+from railjoule.core.imports.heights import intervals_of_heights
 from railjoule.core.imports.numbers import M_PER_KM, Decimal, decimal_mark, parse_position, parse_value, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
 from railjoule.core.imports.table import (
@@ -33,7 +32,8 @@ from railjoule.core.imports.table import (
     in_order,
     rows_words,
 )
-from railjoule.core.imports.units import IntervalKind, unit_words
+from railjoule.core.imports.table_units import TableUnits
+from railjoule.core.imports.units import IntervalKind, TableKind, unit_words
 from railjoule.core.scenario._sentences import counted, shorten, show, shown_list
 
 RINF_STRING = re.compile(r"([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\( ?([+-]?\d{1,9}(?:[.,]\d{1,9})?) ?\)")
@@ -52,6 +52,11 @@ def read_intervals(source: SourceFile, kind: IntervalKind, columns: ColumnMap | 
     columns : ColumnMap, optional
         Its columns and units, as far as they are not to be guessed.
 
+    Returns
+    -------
+    table : ImportedTable
+        Of the kind; heights become gradients.
+
     Raises
     ------
     ScenarioError
@@ -67,23 +72,26 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
     notes = Notes(cells.source, list(cells.findings), list(cells.unused))
     units = None
     if columns_of_strings := _string_columns(cells, wanted) if kind == "gradients" else []:
-        cells = _chosen_rows(cells, kind, columns_of_strings, wanted, notes)
+        cells = chosen_rows(cells, kind, columns_of_strings, wanted, notes)
         rows = TableRows(_intervals_of_strings(cells, columns_of_strings, notes))
     else:
         found = resolve(cells, kind, wanted)
         named = (found.begin, found.end, found.value, found.direction)
-        cells = _chosen_rows(cells, kind, [column for column in named if column], wanted, notes)
+        cells = chosen_rows(cells, kind, [column for column in named if column], wanted, notes)
         units = TableUnits(cells.source, kind, found, wanted)
         rows = _intervals_of_rows(cells, units, notes)
     if len(rows.intervals) == len(rows.blank):
         raise ScenarioError(f"{cells.source}: no row has both a position and a value.")
-    intervals = in_order(rows, kind, notes)
+    intervals = rows.intervals if kind == "heights" else in_order(rows, kind, notes)
     for doubt in units.size_doubts(intervals, rows.position, rows.value) if units else []:
         notes.add("question", doubt)
-    add_continuity(kind, intervals, notes)
+    if kind == "heights":
+        intervals = intervals_of_heights(intervals, wanted.tolerance_m, notes)
+    else:
+        add_continuity(kind, intervals, notes)
     return ImportedTable(
         cells.source,
-        kind,
+        "gradients" if kind == "heights" else kind,
         tuple(intervals),
         rows.value.unit,
         findings=tuple(notes.findings),
@@ -91,9 +99,7 @@ def _table_of(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Import
     )
 
 
-def _chosen_rows(
-    cells: CellTable, kind: IntervalKind, used: Sequence[str], wanted: ColumnMap, notes: Notes
-) -> CellTable:
+def chosen_rows(cells: CellTable, kind: TableKind, used: Sequence[str], wanted: ColumnMap, notes: Notes) -> CellTable:
     """Select the rows of one line and one track, and list the columns that are not `used`.
 
     Raises
@@ -141,7 +147,7 @@ def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: Notes) -> Tab
         for column in (found.begin, found.end, found.value, found.direction)
     )
     position, value = units.unit("position_unit", begins), units.unit("value_unit", values)
-    decimal = _decimal(cells, found, units.wanted, notes)
+    decimal = find_decimal(cells, (found.begin, found.end, found.value), units.wanted, notes)
     for column, unit in ((found.begin, position), (found.value, value)):
         if unit.is_assumed:
             notes.add("assumption", f"no unit is named for {column!r}: taken as {unit_words(unit.unit)}.")
@@ -177,11 +183,11 @@ def _intervals_of_rows(cells: CellTable, units: TableUnits, notes: Notes) -> Tab
     return TableRows(intervals, frozenset(blank), found.end is not None, position, value)
 
 
-def _decimal(cells: CellTable, found: ResolvedColumns, wanted: ColumnMap, notes: Notes) -> Decimal:
+def find_decimal(cells: CellTable, columns: Sequence[str | None], wanted: ColumnMap, notes: Notes) -> Decimal:
+    """Return the decimal sign of columns as the user names it, or find it, and note if it is in doubt."""
     if wanted.decimal is not None:
         return cast("Decimal", wanted.decimal)
-    names = [name for name in (found.begin, found.end, found.value) if name]
-    with_numbers = [pair for name in names for pair in cells.column(name)]
+    with_numbers = [pair for name in columns if name for pair in cells.column(name)]
     decimal, in_doubt = decimal_mark(with_numbers, cells.separator, cells.source)
     if in_doubt is not None:
         sign = {".": "point", ",": "comma"}[decimal]

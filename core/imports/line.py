@@ -13,17 +13,22 @@ from pydantic import BaseModel
 from railjoule.core.arrays import FloatArray
 from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.columns import INTERVAL_KINDS, ColumnMap
-from railjoule.core.imports.findings import Finding, Imported
+from railjoule.core.imports.columns import TABLE_KINDS, ColumnMap
+from railjoule.core.imports.findings import Finding, Imported, Notes
 from railjoule.core.imports.intervals import read_intervals
 from railjoule.core.imports.source_file import SourceFile
+from railjoule.core.imports.stations import StationTable, read_stations, stations_of_run
 from railjoule.core.imports.table import DIGITS_M, MIN_STRETCH_M, WHOLE, ImportedTable, Interval, place
-from railjoule.core.imports.units import IntervalKind
+from railjoule.core.imports.units import TableKind
 from railjoule.core.scenario import Line, Station
 from railjoule.core.scenario._sentences import counted, shorten, shown_list, validated
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 
 if TYPE_CHECKING:
     import pandas
+
+
+LineTable = ImportedTable | StationTable
 
 
 class _LineTable(BaseModel):
@@ -31,19 +36,10 @@ class _LineTable(BaseModel):
 
 
 @dataclass(frozen=True)
-class Stop:
-    """A stop between the ends of a line: chainage [m], dwell time and times from the start of the run [s]."""
-
-    name: str
-    position_m: float
-    dwell_s: float = 0.0
-    earliest_arrival_s: float | None = None
-    latest_arrival_s: float | None = None
-
-
-@dataclass(frozen=True)
 class ImportedLine(Imported):
     """A line from tables, from position 0 in the direction of travel; reversed it runs in falling chainage.
+
+    Its document has a timetable, too, if a table of stations gives the travel time.
 
     `begin_m` is the chainage of its start, reversed of its end [m]; `tunnels` have positions on the line [m].
     """
@@ -52,6 +48,12 @@ class ImportedLine(Imported):
     begin_m: float
     is_reversed: bool = False
     tunnels: tuple[Interval, ...] = field(default=(), kw_only=True)
+
+    @property
+    def travel_time_s(self) -> float | None:
+        """Travel time by the table of stations [s]; None if that does not give it."""
+        time_s: float | None = self.document.get("timetable", {}).get("travel_time_s")
+        return time_s
 
     def to_csv(self) -> str:
         """Format the sections as a table that a scenario's `line.file` can name."""
@@ -63,11 +65,12 @@ class ImportedLine(Imported):
 def build_line(
     *,
     gradients: ImportedTable | None = None,
+    heights: ImportedTable | None = None,
     limits: ImportedTable | None = None,
     curves: ImportedTable | None = None,
     tunnels: ImportedTable | None = None,
     neutral: ImportedTable | None = None,
-    stops: Sequence[Stop] = (),
+    stations: StationTable | Sequence[Mapping[str, Any]] = (),
     begin_m: float | None = None,
     end_m: float | None = None,
     reverse: bool = False,
@@ -77,12 +80,13 @@ def build_line(
 
     Parameters
     ----------
-    gradients, limits, curves, tunnels, neutral : ImportedTable, optional
-        Tables of the line, over one chainage; at least one of them.
-    stops : sequence of Stop
-        Stops between the ends.
+    gradients, heights, limits, curves, tunnels, neutral : ImportedTable, optional
+        Tables of the line, over one chainage; at least one of them. Gradients come from one of the first two.
+    stations : StationTable or sequence of mapping
+        Its stations: a table, or the tables of a scenario's stations with positions as chainage.
     begin_m, end_m : float, optional
-        The chainage between which it lies [m]; by default from the first to the last row of gradients and limits.
+        The chainage between which it lies [m]; by default from the first to the last station of a table, or row of
+        gradients and limits.
     reverse : bool
         Run it in falling chainage: positions are mirrored, and gradients change their signs.
     name : str
@@ -93,8 +97,15 @@ def build_line(
     ScenarioError
         If there is no table, no end, or no such line can be.
     """
+    if heights is not None and gradients is not None:
+        raise ScenarioError(f"{gradients.source} and {heights.source} both give the gradients; leave out one of them.")
+    gradients = heights or gradients
     tables = [table for table in (gradients, limits, curves, tunnels, neutral) if table is not None]
     source = ", ".join(dict.fromkeys(table.source for table in tables))
+    notes = Notes(stations.source if isinstance(stations, StationTable) else source)
+    if isinstance(stations, StationTable):
+        begin_m, end_m = _ends_of_run(stations, begin_m, end_m, notes)
+        source = f"{source}, {stations.source}" if tables else source
     begin, end = _extent(tables, begin_m, end_m)
     findings = [finding for table in tables for finding in (*table.findings, *_missing_ends(table, begin, end))]
     if gradients is None:
@@ -130,12 +141,19 @@ def build_line(
     # a stretch may have no length after rounding
     if neutrals := [one for one in placed.get("neutral", ()) if one.to_m > one.from_m]:
         document["neutral_sections"] = [{"from_m": one.from_m, "to_m": one.to_m} for one in neutrals]
-    if stations := _stations(stops, begin, end, reverse):
-        document["stations"] = stations
+    travel_time_s = None
+    if isinstance(stations, StationTable):
+        findings, unused = [*stations.findings, *findings], [*stations.unused, *unused]
+        stations, travel_time_s = stations_of_run(stations, begin, end, reverse, notes)
+        findings, unused = findings + notes.findings, unused + notes.unused
+    elif outside := [place(one["position_m"]) for one in stations if not begin <= one["position_m"] <= end]:
+        unused.append(f"stations outside {place(begin)} to {place(end)} m: at {shown_list(outside)} m.")
+    if placed_stations := _stations(stations, begin, end, reverse):
+        document["stations"] = placed_stations
     line = validated(_LineTable, {"line": document}, source).line
     return ImportedLine(
         source,
-        {"line": document},
+        {"line": document, **({} if travel_time_s is None else {"timetable": {"travel_time_s": travel_time_s}})},
         line,
         begin,
         reverse,
@@ -230,15 +248,27 @@ def _sections(length_m: float, placed: Mapping[str, Sequence[Interval]]) -> list
     return [_section(length, *row) for length, row in zip(lengths, values[begins], strict=True)]
 
 
-def _stations(stops: Sequence[Stop], begin: float, end: float, reverse: bool) -> list[dict[str, Any]]:
-    """Return the stations of a line in the direction of travel."""
-    inner = sorted((stop for stop in stops if begin < stop.position_m < end), key=lambda stop: stop.position_m)
-    # what is empty or 0 is a default of a scenario's station
-    return [
-        {key: value for key, value in vars(stop).items() if value}
-        | {"position_m": round(end - stop.position_m if reverse else stop.position_m - begin, DIGITS_M)}
-        for stop in (reversed(inner) if reverse else inner)
+def _ends_of_run(
+    stations: StationTable, begin_m: float | None, end_m: float | None, notes: Notes
+) -> tuple[float | None, float | None]:
+    """Return the ends that are given, else the first and the last station of a table, if it has two."""
+    first, last = stations.rows[0], stations.rows[-1]
+    if last.position_m - first.position_m < SHORTEST_DISTANCE_M:
+        return begin_m, end_m
+    if begin_m is None or end_m is None:
+        words = " and ".join(one.name or f"the station at {place(one.position_m)} m" for one in (first, last))
+        notes.add("assumption", f"the run lies between {words}, the first and the last of it (else --begin, --end).")
+    return first.position_m if begin_m is None else begin_m, last.position_m if end_m is None else end_m
+
+
+def _stations(stations: Sequence[Mapping[str, Any]], begin: float, end: float, reverse: bool) -> list[dict[str, Any]]:
+    """Return the stations on a line in the direction of travel."""
+    on_line = [one for one in stations if begin <= one["position_m"] <= end]
+    placed = [
+        {**one, "position_m": round(end - one["position_m"] if reverse else one["position_m"] - begin, DIGITS_M)}
+        for one in on_line
     ]
+    return sorted(placed, key=lambda one: one["position_m"])
 
 
 def _cells_of(borders: FloatArray, intervals: Sequence[Interval]) -> list[tuple[Interval, slice]]:
@@ -261,9 +291,13 @@ def _section(length: float, gradient: float, limit: float, curvature: float, tun
     return section
 
 
+def read_line_table(source: SourceFile, kind: TableKind, columns: ColumnMap | None = None) -> LineTable:
+    """Read a table of any kind that describes a line; arguments and errors as of `read_intervals`."""
+    return read_stations(source, columns) if kind == "stations" else read_intervals(source, kind, columns)
+
+
 def line_from_tables(
-    tables: Mapping[IntervalKind, "str | Path | pandas.DataFrame | None"],
-    stations: Sequence[Station],
+    tables: Mapping[TableKind, "str | Path | pandas.DataFrame | Sequence[Station] | None"],
     settings: Mapping[str, str],
     begin_m: float | None,
     end_m: float | None,
@@ -274,28 +308,27 @@ def line_from_tables(
     maps: dict[str, ColumnMap] = {}
     for path, value in settings.items():
         kind, _, key = path.partition(".")
-        if kind not in INTERVAL_KINDS or not key:
+        if kind not in TABLE_KINDS or not key:
             raise ScenarioError(
                 f"settings: {shorten(path)} must begin with the kind of its table and a dot; choose one of "
-                f"{', '.join(INTERVAL_KINDS)}."
+                f"{', '.join(TABLE_KINDS)}."
             )
         maps[kind] = ColumnMap.of(key, value).over(maps.get(kind, ColumnMap()))
-    read = {
-        kind: read_intervals(_source(kind, table), kind, maps.get(kind))
+    read: dict[str, Any] = {
+        kind: [one.model_dump(exclude_defaults=True) for one in table]
+        if isinstance(table, list | tuple) and all(isinstance(one, Station) for one in table)
+        else read_line_table(_source(kind, table), kind, maps.get(kind))
         for kind, table in tables.items()
         if table is not None
     }
-    stops = [
-        Stop(one.name, one.position_m, one.dwell_s, one.earliest_arrival_s, one.latest_arrival_s) for one in stations
-    ]
-    found = build_line(**read, stops=stops, begin_m=begin_m, end_m=end_m, reverse=reverse, name=name)
-    for sentence in (*(finding.sentence for finding in found.findings), *found.unused):
+    found = build_line(**read, begin_m=begin_m, end_m=end_m, reverse=reverse, name=name)
+    for sentence in found.sentences:
         # the reader of a table should know what was assumed, and a program has no page that lists it
         warnings.warn(sentence, stacklevel=3)
     return found.line
 
 
-def _source(kind: str, table: "str | Path | pandas.DataFrame") -> SourceFile:
+def _source(kind: str, table: Any) -> SourceFile:
     """Return a table as a file that the readers of imports take."""
     if isinstance(table, str | Path):
         return SourceFile.read(table)

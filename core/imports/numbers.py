@@ -34,12 +34,21 @@ FACTORS: Mapping[str, Mapping[str, float]] = {
     },
     "limits": {"km/h": 1.0, "m/s": 1 / MS_PER_KMH, "mph": M_PER_MILE / M_PER_KM},
     "curves": POSITION_UNITS,
+    "heights": POSITION_UNITS,
+    "stations": {"s": 1.0, "min": 60.0, "h": 3600.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9},
 }
-"""Per mille, km/h and m in one of each unit that is proportional to them."""
-RADIANS = {"rad": 1.0, "deg": math.pi / 180}
-CURVATURE_UNITS = {"1/m": 1.0, "1/km": 1 / M_PER_KM}
+"""Per mille, km/h, m and s in one of each unit that is proportional to them."""
+RADIANS = {"rad": 1.0, "deg": math.pi / 180, "deg_arc": math.pi / 180}
+CURVATURE_UNITS = {"1/m": 1.0, "1/km": 1 / M_PER_KM, "1/ft": 1 / M_PER_FOOT}
 CHORD_M = 100 * M_PER_FOOT
-"""The degree of curve is the angle of the arc over this chord, as North American railways define it."""
+"""The degree of curve is the angle of the arc over this chord, as North American railways define it; that of roads is
+the angle over an arc of this length, 30.48 m."""
+DEGREES = re.compile(
+    r"(\d{1,3})\s*\u00b0\s*(?:(\d{1,2})\s*['\u2032\u2019]\s*)?(?:(\d{1,2}(?:\.\d+)?)\s*[\"\u2033\u201d]\s*)?"
+)
+"""Degrees, minutes and seconds of an angle."""
+NO_SPEED = ("none", "walk", "signals", "variable", "implicit")
+"""Texts of OpenStreetMap's `maxspeed` that are no number."""
 LONGEST_NUMBER = 40
 """Characters of a number that is read; a longer one is none."""
 THIN_SPACES = dict.fromkeys(map(ord, " \u00a0\u2007\u2009\u202f'\u2019"))
@@ -54,9 +63,7 @@ RANGE = re.compile(r"\d[\d.,]*-\d[\d.,-]*")
 CHAINAGE_UNITS = ("m", "km", "pk")
 """Units in which a table may be that has places in km and m."""
 MILES = re.compile(r"(\d+)\s*(?:mi|m|miles?)\.?\s*(\d+(?:[.,]\d+)?)\s*(ch|c|chains?|yd|y|yards?)\.?", re.IGNORECASE)
-WITH_UNIT = re.compile(r"([^a-z]+)(km|mi|ch|yd|ft|m)", re.IGNORECASE)
-"""A number with its unit behind it; 12m by itself is metres."""
-PLACES_WITH_UNITS = (KILOMETRES_METRES, BEFORE_ORIGIN, MILES, WITH_UNIT)
+PLACES_WITH_UNITS = (KILOMETRES_METRES, BEFORE_ORIGIN, MILES)
 RATIO = re.compile(r"([+-]?)\s*1\s*(?::|in|/)\s*([+-]?)\s*(\d[\d.,]*)\s*([RF]?)", re.IGNORECASE)
 THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2}[.,]\d{3}(?!\d)")
 LEVEL = {"level", "l", "1:inf", "1:\u221e", "\u221e", "palier", "eben"}
@@ -171,8 +178,8 @@ def parse_position(cell: Cell, unit: str, decimal: Decimal) -> float:
             raise ValueError("looks like a range or a date, and must be one place; 120 m before the origin is 000-120")
         if found := MILES.fullmatch(text):
             return _miles(found[1], float(found[2].replace(",", ".")), found[3][0].lower())
-        if found := WITH_UNIT.fullmatch(text):
-            cell, unit = found[1].strip(), found[2].lower()
+        number, own = without_unit(text, "positions")
+        cell, unit = (number, own) if own else (cell, unit)
     value = parse_cell(cell, decimal)
     if unit not in ("mi.ch", "mi.yd"):
         # chainage without a plus: only whole kilometres, or kilometres with decimals
@@ -211,7 +218,13 @@ def parse_value(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated:
         return (-1 if falls else 1) * _one_in(parse_cell(length, decimal))
     if is_zero_in_words(text, kind):
         return 0.0
+    if kind == "limits" and text.lower() in NO_SPEED:
+        raise ValueError("is no speed; write a number, or leave the cell empty if no limit holds")
+    if kind == "curves" and (angle := DEGREES.fullmatch(text)):
+        text, decimal = f"{sum(float(part or 0) / 60**power for power, part in enumerate(angle.groups()))!r} deg", "."
     number, own = without_unit(text, kind)
+    if own == "deg" and unit == "deg_arc":  # a cell does not distinguish them
+        own = unit
     if own is not None:
         if stated is not None and own != stated:
             raise ValueError(f"is in {unit_words(own)}, but the column in {unit_words(stated)}")
@@ -233,7 +246,10 @@ def names_unit(cell: Cell, kind: Quantity) -> bool:
     if len(text) > LONGEST_NUMBER:
         return False
     if kind == "positions":
-        return any(form.fullmatch(text.replace(" ", "")) for form in PLACES_WITH_UNITS)
+        joined = text.replace(" ", "")
+        return any(form.fullmatch(joined) for form in PLACES_WITH_UNITS) or without_unit(text, kind)[1] is not None
+    if kind == "curves" and DEGREES.fullmatch(text):
+        return True
     return (kind == "gradients" and RATIO.fullmatch(text) is not None) or without_unit(text, kind)[1] is not None
 
 
@@ -253,6 +269,8 @@ def _converted(value: float, kind: Quantity, unit: str) -> float:
         if abs(angle) >= math.pi / 2:
             raise ValueError("must be less steep than a right angle")
         return 1000.0 * math.tan(angle)
+    if unit == "deg_arc":
+        return CHORD_M / angle
     if value >= 180:
         raise ValueError("must be below 180 degrees")
     return CHORD_M / 2 / math.sin(angle / 2)

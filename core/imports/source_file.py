@@ -9,7 +9,7 @@ import re
 import unicodedata
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -52,18 +52,25 @@ USUAL_HANZI_SHARE = 0.8
 class SourceFile:
     """A file by its name and content, so that an uploaded one is read like one on disk.
 
-    `encoding` is its code page if it is a text but not UTF-8; empty if that is to be found.
+    `encoding` is its code page if it is a text but not UTF-8; empty if that is to be found. `sheet` is that of a
+    workbook if it is read as a file of its own.
     """
 
     name: str
     content: bytes
     encoding: str = ""
+    sheet: str = ""
 
     @classmethod
     def read(cls, path: str | Path, encoding: str = "") -> "SourceFile":
         """Read a file of at most 50 MB; ScenarioError if it is missing or too large."""
         path = Path(path)
         return cls(path.name, read_bytes(path, MAX_BYTES), encoding)
+
+
+def select_sheet(source: SourceFile, sheet: str) -> SourceFile:
+    """Return a sheet of a workbook as a file of its own."""
+    return replace(source, name=f"{source.name}, {sheet}", sheet=sheet)
 
 
 def read_text(source: SourceFile) -> tuple[str, list[Finding]]:

@@ -10,11 +10,11 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
 from railjoule.core.imports.findings import FromFile, Notes
 from railjoule.core.imports.numbers import text_of_cell
-from railjoule.core.imports.units import NOTHING, ColumnUnit, IntervalKind
+from railjoule.core.imports.units import NOTHING, ColumnUnit, IntervalKind, TableKind
 from railjoule.core.scenario import Section
 from railjoule.core.scenario._sentences import show, shown_list
 
-KEYS: Mapping[IntervalKind, str] = {
+KEYS: Mapping[TableKind, str] = {
     "gradients": "gradient_permille",
     "limits": "speed_limit_kmh",
     "curves": "curve_radius_m",
@@ -91,9 +91,9 @@ def require_rising(positions: Sequence[float], where: str) -> None:
             )
 
 
-def bounded(place: str, column: str, cell: Cell, amount: float, kind: IntervalKind, value_unit: str = "") -> float:
+def bounded(place: str, column: str, cell: Cell, amount: float, kind: TableKind, value_unit: str = "") -> float:
     """Round a value that a section of a line can have; ScenarioError if none can."""
-    if kind == "tunnels" and value_unit != "factor":
+    if kind not in KEYS or (kind == "tunnels" and value_unit != "factor"):
         return amount
     unit = {"gradients": " per mille", "limits": " km/h", "curves": " m"}.get(kind, "")
     for bound in Section.model_fields[KEYS[kind]].metadata:

@@ -6,8 +6,11 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-IntervalKind = Literal["gradients", "limits", "curves", "tunnels", "neutral"]
-Quantity = IntervalKind | Literal["positions"]
+IntervalKind = Literal["gradients", "heights", "limits", "curves", "tunnels", "neutral"]
+TableKind = IntervalKind | Literal["stations"]
+Quantity = TableKind | Literal["positions"]
+CLOCK = "clock"
+"""Unit of times of day, hh:mm:ss with or without a date."""
 KNOTS = "kn"
 """A unit of speed that is recognised, and refused."""
 LENGTHS = {
@@ -16,11 +19,11 @@ LENGTHS = {
     "ft": ("ft", "foot", "feet"),
     "yd": ("yd", "yds", "yard", "yards"),
     "ch": ("ch", "chain", "chains"),
+    "mi": ("mi", "mile", "miles"),
 }
 SPELLINGS: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
     "positions": {
         **LENGTHS,
-        "mi": ("mi", "mile", "miles"),
         "mi.ch": ("mi.ch", "mi ch", "miles.chains", "miles chains", "miles and chains", "mile.chain", "m.ch"),
         "mi.yd": ("mi.yd", "mi yd", "miles.yards", "miles yards", "miles and yards", "mile.yard", "m.yd"),
     },
@@ -47,9 +50,18 @@ SPELLINGS: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
     },
     "curves": {
         **LENGTHS,
-        "deg": ("deg", "degree", "degrees", "\u00b0"),
-        "1/m": ("1/m", "m-1", "m^-1", "per m", "per metre", "per meter"),
-        "1/km": ("1/km", "km-1", "km^-1", "per km"),
+        "deg": ("deg", "degree", "degrees", "\u00b0", "chord", "chord definition"),
+        "deg_arc": ("deg arc", "degrees arc", "arc", "arc definition"),
+        "1/m": ("1/m", "m-1", "m^-1", "per m", "per metre", "per meter", "rad/m"),
+        "1/km": ("1/km", "km-1", "km^-1", "per km", "rad/km"),
+        "1/ft": ("1/ft", "ft-1", "ft^-1", "per ft", "per foot"),
+    },
+    "heights": {unit: LENGTHS[unit] for unit in ("m", "ft")},
+    "stations": {
+        "s": ("s", "sec", "secs", "second", "seconds", "sek", "\u0441", "\u79d2"),
+        "min": ("min", "mins", "minute", "minutes", "\u043c\u0438\u043d", "\u0445\u0432", "\u5206"),
+        "h": ("h", "hour", "hours"),
+        CLOCK: ("hh:mm", "hh:mm:ss", "h:mm", "h:mm:ss", "am/pm", "clock", "utc", "local time"),
     },
     "tunnels": {"factor": ("factor",), "m2": ("m2", "m^2")},
     "neutral": {},
@@ -110,7 +122,8 @@ NOTHING = ColumnUnit("", None, False)
 
 def unit_words(unit: str) -> str:
     """Format a unit for a sentence."""
-    return {"permille": "per mille", "percent": "per cent", "ratio": "1 in n"}.get(unit, unit)
+    words = {"permille": "per mille", "percent": "per cent", "ratio": "1 in n", "deg_arc": "degrees by the arc"}
+    return words.get(unit, unit)
 
 
 def plain(text: str) -> str:
@@ -187,6 +200,8 @@ def read_heading(heading: str, quantity: Quantity, names: Collection[str] | None
 
 
 def _judged(heading: str, quantity: Quantity, units: Sequence[str], unknown: Sequence[str]) -> Heading:
+    if {"deg", "deg_arc"} == set(units):  # degrees, by the arc
+        units = ["deg_arc"]
     unit = units[0] if len(units) == 1 else None
     if unknown:
         return Heading(unit, f"{heading!r} contains {', '.join(map(repr, unknown))}, which is not understood")
@@ -194,7 +209,7 @@ def _judged(heading: str, quantity: Quantity, units: Sequence[str], unknown: Seq
         return Heading(None, f"{heading!r} names {len(units)} units, {' and '.join(map(unit_words, units))}")
     words = name_tokens(heading)
     is_curvature = quantity == "curves" and any(word in CURVATURES for word in words) and "radius" not in words
-    if is_curvature and unit not in {"deg", "1/m", "1/km"}:
+    if is_curvature and unit not in {"deg", "deg_arc", "1/m", "1/km", "1/ft"}:
         return Heading(unit, f"{heading!r} is no radius, and does not name the unit of its curvatures")
     return Heading(unit)
 

@@ -8,11 +8,9 @@ from types import MappingProxyType
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.columns import same_name
 from railjoule.core.imports.numbers import M_PER_MILE
-from railjoule.core.imports.units import plain, stated_unit
+from railjoule.core.imports.units import CLOCK, plain, stated_unit
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
-CLOCK = "clock"
-"""Unit of times of day, hh:mm:ss with or without a date."""
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, CLOCK: 1.0},

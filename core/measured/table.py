@@ -1,23 +1,21 @@
 """A recorder's file as columns of numbers: header row, decimal comma, clock times, rows without values, positions."""
 
-import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
 from itertools import chain
-from types import MappingProxyType
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
+from railjoule.core.imports.clock import parse_clock, past_midnight, unit_of_times
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_mark, parse_cell, parse_position, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, encoding_mentioned
+from railjoule.core.imports.units import CLOCK
 from railjoule.core.measured.columns import (
-    CLOCK,
     GENERIC,
     Column,
     RecorderFormat,
@@ -29,19 +27,10 @@ from railjoule.core.measured.speed import MAX_CHANGE_MS2, impossible_change
 from railjoule.core.scenario._sentences import counted, show, shown_list
 from railjoule.core.units import plain_number
 
-S_PER_DAY = 86_400.0
-EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 NO_VALUES = ("", "nan", "null", "na", "n/a", "-")
 """Texts of a cell without a value."""
 NEVER_EMPTY = ("time", "position", "speed")
 """A row without these is no sample; a row without an effort or a power is one without that."""
-TIME_OF_DAY = r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d{1,9})?))?(?: ?([AaPp])\.?[Mm]\.?)?"
-NOON_H = 12
-EPOCH_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType(
-    {"ms": (1e11, 1e14), "us": (1e14, 1e17), "ns": (1e17, 1e20)}
-)
-"""Between which numbers a time since 1970 lies in such units, from 1973 to 5138; below the first it is one in s."""
-DAY_FIRST = re.compile(rf"(\d{{1,2}})[./](\d{{1,2}})[./](\d{{4}})[ T]+({TIME_OF_DAY})")
 MAX_ROWS_SHOWN = 5
 
 
@@ -140,12 +129,10 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
     table = Table(source, {one.quantity: one for one in columns}, values, tuple(number for number, _ in cells.rows), ())
     table = _whole_rows(table, notes)
     if table.columns.get("time", Column("", "", "")).unit == CLOCK and len(table.rows):
-        time = table.values["time"]
-        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
-        # a date makes times of its own, which never fall by half a day
-        if midnights[-1]:
+        time = past_midnight(table.values["time"])
+        if time[-1] > table.values["time"][-1]:
             notes.append("The clock passes midnight.")
-            table = replace(table, values={**table.values, "time": time + S_PER_DAY * midnights})
+            table = replace(table, values={**table.values, "time": time})
     return replace(table, notes=tuple(notes))
 
 
@@ -155,16 +142,6 @@ def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Colum
         return column
     unit = unit_of_times(cells, column.header)
     return replace(column, unit=unit) if unit == CLOCK or (unit and column.is_assumed) else column
-
-
-def unit_of_times(cells: CellTable, header: str) -> str:
-    """Recognise the unit of a column of times by its cells: a time of day or since 1970; empty for others."""
-    first = next((text for _, cell in cells.column(header) if (text := text_of_cell(cell))), "")
-    if ":" in first:
-        return CLOCK
-    with suppress(ValueError):
-        return next((unit for unit, (low, high) in EPOCH_UNITS.items() if low <= float(first) < high), "")
-    return ""
 
 
 def _decimals(columns: Sequence[Column], cells: CellTable) -> dict[str, Decimal]:
@@ -183,7 +160,7 @@ def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
             continue
         try:
             if column.unit == CLOCK:
-                values[index] = _clock(text_of_cell(cell))
+                values[index] = parse_clock(text_of_cell(cell))
             elif column.quantity == "position":
                 values[index] = parse_position(cell, column.unit, decimal)
             else:
@@ -207,32 +184,6 @@ def _whole_rows(table: Table, notes: list[str]) -> Table:
         if missing := int(np.isnan(values).sum()):
             notes.append(f"{table.columns[quantity].header} has no value in {missing} of {len(values)} rows.")
     return table
-
-
-def _clock(text: str) -> float:
-    """Return a time of day, or a date with one, in s; raises ValueError where it is neither."""
-    if match := re.fullmatch(TIME_OF_DAY, text):
-        return _seconds(*match.groups())
-    if match := DAY_FIRST.fullmatch(text):
-        first, second, year, _, *clock = match.groups()
-        # only differences count: which of the two is the day only matters at midnight
-        day, month = (first, second) if int(second) <= 12 else (second, first)
-        return _clock(f"{year}-{month:>02}-{day:>02}") + _seconds(*clock)
-    with suppress(ValueError, OverflowError):
-        moment = datetime.fromisoformat(text)
-        # every zone has the same differences
-        return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
-    raise ValueError("must be a time, as 10:15:30, 10:15:30 PM or 2026-01-31T10:15:30")
-
-
-def _seconds(hours: str, minutes: str, seconds: str | None, half: str | None) -> float:
-    hour = int(hours)
-    if half:
-        if not 1 <= hour <= NOON_H:
-            raise ValueError("must have an hour from 1 to 12 before AM or PM")
-        # 12 AM is midnight, 12 PM is noon
-        hour = hour % NOON_H + (NOON_H if half.lower() == "p" else 0)
-    return 3600.0 * hour + 60.0 * int(minutes) + float((seconds or "0").replace(",", "."))
 
 
 FALLING = "Positions fall: the train runs in falling chainage, counted from the first row."

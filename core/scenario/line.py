@@ -152,11 +152,12 @@ class Line(PresetPart):
         cls,
         *,
         gradients: "str | Path | pandas.DataFrame | None" = None,
+        heights: "str | Path | pandas.DataFrame | None" = None,
         limits: "str | Path | pandas.DataFrame | None" = None,
         curves: "str | Path | pandas.DataFrame | None" = None,
         tunnels: "str | Path | pandas.DataFrame | None" = None,
         neutral: "str | Path | pandas.DataFrame | None" = None,
-        stations: Sequence[Station] = (),
+        stations: "str | Path | pandas.DataFrame | Sequence[Station]" = (),
         settings: Mapping[str, str] | None = None,
         begin_m: float | None = None,
         end_m: float | None = None,
@@ -172,14 +173,18 @@ class Line(PresetPart):
         gradients, limits, curves, tunnels, neutral : str, Path or DataFrame, optional
             A CSV file, a workbook or a data frame, with columns such as "from [m]", "to [m]", "gradient [permille]". At
             least one table is needed.
-        stations : sequence of Station
-            Stops between the ends, at their chainage [m].
+        heights : str, Path or DataFrame, optional
+            Heights over position, or a track in GPX, from which gradients are found, if there is no table of them.
+        stations : str, Path, DataFrame or sequence of Station
+            A table of stations, with columns such as "name", "position [m]", "dwell [s]", "arrival", "departure",
+            "earliest arrival [s]"; or the stations at their chainage [m]. A warning names the travel time that an
+            arrival at the last station gives.
         settings : mapping of str to str, optional
             Columns and units that the tables do not name, such as {"gradients.value_unit": "permille"} or
             {"limits.from": "begins at"}.
         begin_m, end_m : float, optional
-            The chainage between which the line lies [m]; by default from the first to the last row of gradients and
-            limits.
+            The chainage between which the line lies [m]; by default from the first to the last station of a table, or
+            row of gradients and limits.
         reverse : bool
             Run it in falling chainage: positions are mirrored, and gradients change their signs.
         name : str
@@ -194,12 +199,14 @@ class Line(PresetPart):
         module = import_module("railjoule.core.imports.line")
         tables: dict[Any, Any] = {
             "gradients": gradients,
+            "heights": heights,
             "limits": limits,
             "curves": curves,
             "tunnels": tunnels,
             "neutral": neutral,
+            "stations": stations,
         }
-        line: Line = module.line_from_tables(tables, stations, settings or {}, begin_m, end_m, reverse, name)
+        line: Line = module.line_from_tables(tables, settings or {}, begin_m, end_m, reverse, name)
         return line
 
     @model_validator(mode="after")

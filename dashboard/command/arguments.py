@@ -136,14 +136,22 @@ STUDIES = {
     ),
 }
 INTERVALS = (
+    argument(
+        "files",
+        metavar="FILE",
+        nargs="*",
+        help="tables that are found by the names of their columns, each sheet of a workbook for itself",
+    ),
     *(
-        argument(f"--{kind}", metavar="FILE", help=f"a table of {what}, with columns from, to and value")
+        argument(f"--{kind}", metavar="FILE", help=f"a table of {what}")
         for kind, what in (
-            ("gradients", "gradients"),
+            ("gradients", "gradients, with columns from, to and value; so are limits, curves, tunnels and neutral"),
+            ("heights", "heights over position, or a track in GPX, in place of gradients"),
             ("limits", "speed limits"),
             ("curves", "radii or curvatures"),
             ("tunnels", "tunnels"),
             ("neutral", "neutral sections"),
+            ("stations", "stations: name, position, dwell time, arrival, departure, earliest and latest arrival"),
         )
     ),
     several(
@@ -155,10 +163,12 @@ INTERVALS = (
         "--columns",
         metavar="TABLE.KEY=VALUE",
         type=values.of_table,
-        help="which column holds what, as gradients.from=PKD; KEY is from, to, value, direction, position_unit (m, km, "
+        help="which column holds what, as gradients.from=PKD; KEY is from, to, value, direction, of stations "
+        "name, position, dwell, arrival, departure, earliest, latest; position_unit (m, km, "
         "mi, ch, yd, ft, pk, mi.ch, mi.yd), value_unit (of gradients permille, percent, fraction, ratio for 1 in n, "
-        "deg, rad, per10000, ft/mi; of limits km/h, m/s, mph; of curves m, km, ft, yd, ch, 1/m, 1/km, or deg for the "
-        "degree of curve; of tunnels factor, m2), decimal or sheet",
+        "deg, rad, per10000, ft/mi; of limits km/h, m/s, mph; of heights m, ft; of curves m, km, ft, yd, ch, "
+        "mi, 1/m, 1/km, 1/ft, or deg for the degree of curve over a chord and deg_arc over an arc; of tunnels factor, "
+        "m2; of stations s, min, h), decimal, sheet or of heights tolerance_m (1: the largest difference in m)",
     ),
     several(
         "--rows",
@@ -229,7 +239,7 @@ DATA_SHEET = (
     TOML_OUTPUT,
 )
 RECORDED = (
-    file_argument("FILE", "FILE.csv or FILE.xlsx"),
+    file_argument("FILE", "FILE.csv, FILE.xlsx or FILE.gpx"),
     *columns("--columns"),
     output("OUT.csv or OUT.parquet", *TABLE_SUFFIXES),
 )
@@ -237,7 +247,11 @@ FORMATS = {
     "ttobench": Command(
         "make a scenario of a track and a train of TTOBench, JSON 1.1 to 1.5", "imports.ttobench", TTOBENCH
     ),
-    "intervals": Command("put a line together from tables of intervals, CSV or XLSX", "imports.intervals", INTERVALS),
+    "intervals": Command(
+        "put a line together from tables of intervals, heights and stations: CSV, XLSX, GPX",
+        "imports.intervals",
+        INTERVALS,
+    ),
     "osrd-stock": Command(
         "make a vehicle of a rolling stock of OSRD, JSON 3.0 to 3.4", "imports.osrd_stock", OSRD_STOCK
     ),
@@ -250,7 +264,7 @@ FORMATS = {
         DATA_SHEET,
     ),
     "run": Command(
-        "make the table of a run of what a recorder measured, CSV or XLSX", "imports.measured_run", RECORDED
+        "make the table of a run of what a recorder measured, CSV, XLSX or GPX", "imports.measured_run", RECORDED
     ),
 }
 SERVE = (

@@ -9,16 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core.imports import (
-    INTERVAL_KINDS,
     PRESETS,
+    TABLE_KINDS,
     ColumnMap,
     Finding,
     Imported,
     ImportedLine,
-    IntervalKind,
     SourceFile,
+    TableKind,
     build_line,
-    read_intervals,
+    read_line_table,
+    tables_of_file,
 )
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
 from railjoule.core.scenario._sentences import counted
@@ -44,24 +45,49 @@ def intervals(options: argparse.Namespace) -> None:
         raise CommandError(f"-o {shortened(target)}: must end in .toml with --vehicle, which makes a scenario.")
     train = {} if options.vehicle is None else _train(options.vehicle)
     maps = _column_maps(options)
-    given = {kind: getattr(options, kind) for kind in INTERVAL_KINDS if getattr(options, kind) is not None}
+    given, unread = _line_files(options, maps)
     if missing := [kind for kind in maps if kind not in given]:
         raise CommandError(f"--{missing[0]} is missing, whose columns are named.")
-    tables: dict[str, Any] = {
-        kind: read_intervals(SourceFile.read(file, options.encoding), kind, maps.get(kind))
-        for kind, file in given.items()
-    }
+    tables: dict[str, Any] = {kind: read_line_table(source, kind, maps.get(kind)) for kind, source in given.items()}
     line = build_line(
         **tables, begin_m=options.begin, end_m=options.end, reverse=options.reverse, name=options.name or ""
     )
+    line = replace(line, unused=(*line.unused, *unread))
     if train:
         _write_scenario(target, _scenario_of(line, train, options.travel_time_s))
         return
     files.write(target, line.to_csv() if as_table else line.to_toml())
     # a table of sections has no row for them
-    if as_table and line.line.neutral_sections:
-        line = replace(line, unused=(*line.unused, f"{target.name}: it contains only sections, no neutral ones."))
+    for words, parts in (("neutral ones", line.line.neutral_sections), ("stations", line.line.stations)):
+        if as_table and parts:
+            line = replace(line, unused=(*line.unused, f"{target.name}: it contains only sections, no {words}."))
     _tell(line, target, _line_words(line.line))
+
+
+def _line_files(
+    options: argparse.Namespace, maps: dict[TableKind, ColumnMap]
+) -> tuple[dict[TableKind, SourceFile], list[str]]:
+    """Return the file of each kind of table, named or found by its columns, and in words what is not read.
+
+    `maps` receives the columns of published tables.
+    """
+    named: dict[TableKind, Any] = {kind: getattr(options, kind) for kind in TABLE_KINDS}
+    given = {kind: SourceFile.read(file, options.encoding) for kind, file in named.items() if file is not None}
+    unread: list[str] = []
+    for name in options.files:
+        source = SourceFile.read(name, options.encoding)
+        chosen = {kind: one.sheet for kind, one in maps.items() if one.sheet is not None and kind not in given}
+        found = tables_of_file(source, chosen)
+        unread += found.unused
+        for kind, (table, columns) in found.tables.items():
+            # a file that is named precedes
+            if kind in given and named[kind] is None:
+                raise CommandError(
+                    f"{given[kind].name} and {table.name} are both tables of {kind}; leave out one of them."
+                )
+            if kind not in given:
+                given[kind], maps[kind] = table, maps.get(kind, ColumnMap()).over(columns)
+    return given, unread
 
 
 def _train(name: str) -> Mapping[str, Any]:
@@ -92,6 +118,7 @@ def _scenario_of(line: ImportedLine, train: Mapping[str, Any], travel_time_s: fl
         findings=line.findings,
         unused=line.unused,
     )
+    travel_time_s = line.travel_time_s if travel_time_s is None else travel_time_s
     if travel_time_s is None:
         return _with_some_time(imported, "no --travel-time-s")
     document = {**imported.document, "timetable": {"travel_time_s": travel_time_s}}
@@ -182,12 +209,13 @@ def _vehicle_words(vehicle: Vehicle) -> str:
 
 
 def _line_words(line: Line) -> str:
-    return f"{terminal.distance(line.length_m)} km, {counted(len(line.sections), 'section')}"
+    stations = f", {counted(len(line.stations), 'station')}" if line.stations else ""
+    return f"{terminal.distance(line.length_m)} km, {counted(len(line.sections), 'section')}{stations}"
 
 
-def _column_maps(options: argparse.Namespace) -> dict[IntervalKind, ColumnMap]:
+def _column_maps(options: argparse.Namespace) -> dict[TableKind, ColumnMap]:
     """Return the options for the columns of each table."""
-    maps: dict[IntervalKind, ColumnMap] = {}
+    maps: dict[TableKind, ColumnMap] = {}
     for name in options.preset:
         if name not in PRESETS:
             raise CommandError(f"--preset {shortened(name)}: must be one of {', '.join(PRESETS)}.")

@@ -109,12 +109,12 @@ def pair(example: str, value: Callable[[str], Any] = str) -> Callable[[str], tup
 
 def of_table(text: str) -> tuple[Any, str, str]:
     """Return the kind of a table of a line, a key and a value, of a word such as gradients.from=PKD."""
-    from railjoule.core.imports import INTERVAL_KINDS  # noqa: PLC0415
+    from railjoule.core.imports import TABLE_KINDS  # noqa: PLC0415
 
     path, equals, value = text.partition("=")
     kind, dot, key = path.partition(".")
-    if kind not in INTERVAL_KINDS or not (equals and dot and key):
-        raise ValueError(f"must be TABLE.KEY=VALUE, where TABLE is {', '.join(INTERVAL_KINDS)}")
+    if kind not in TABLE_KINDS or not (equals and dot and key):
+        raise ValueError(f"must be TABLE.KEY=VALUE, where TABLE is {', '.join(TABLE_KINDS)}")
     return kind, key, value
 
 

@@ -94,13 +94,18 @@ def test_command_runs(command, folder, capsys):
         assert (folder / "run.csv").stat().st_size > 1000
 
 
-def test_the_table_of_a_line_is_imported_as_told(tmp_path, monkeypatch, capsys):
+def test_the_tables_of_a_line_are_imported_as_told(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = text_of("howto/imports")
-    (table,), (command,) = blocks(page, "csv"), blocks(page, "console")
-    (tmp_path / "gradients.csv").write_text(table, encoding="utf-8")
-    assert main(shlex.split(command)[1:]) == OK
+    for name, table in zip(("gradients", "stations", "heights"), blocks(page, "csv"), strict=True):
+        (tmp_path / f"{name}.csv").write_text(table, encoding="utf-8")
+    for command in blocks(page, "console"):
+        assert main(shlex.split(command)[1:]) == OK
     assert "nothing from 800 to 900 m" in capsys.readouterr().err
+    # 23:58:00 to 00:01:30
+    assert load_scenario(tmp_path / "scenario.toml").travel_time_s == 210
+    profile = tomllib.loads((tmp_path / "profile.toml").read_text(encoding="utf-8"))["line"]["sections"]
+    assert [section.get("gradient_permille", 0) for section in profile] == [8, 0, -13, 14.25]
     document = {"vehicle": {"preset": "metro-81-7036"}, "timetable": {"travel_time_s": 180}}
     line = scenario_from_document({**document, "line": {"file": "line.csv"}}, folder=tmp_path).line
     assert [section.gradient_permille for section in line.sections] == [2.5, -4, 0]

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Foreign, FromFile, Notes
-from railjoule.core.imports.line import Stop
 from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.table import place
 from railjoule.core.imports.ttobench.train import Columns, Metadata, notes_on
@@ -20,6 +19,7 @@ StopChoice = Literal["all", "ends"]
 """Whether a train stops at all possible stops, or only at the ends."""
 
 
+WINDOW = ("earliest_arrival_s", "latest_arrival_s")
 TimingPoint = tuple[Number, Number | None, Number | None, Number | None, Number | None]
 
 
@@ -38,11 +38,14 @@ class Journey(Foreign):
 
 @dataclass(frozen=True)
 class Service(FromFile):
-    """A journey as a run: its ends [m], the stops between, and its time and end speeds as in a scenario's timetable."""
+    """A journey as a run: its ends [m], the stops between as tables of stations, and its time and end speeds.
+
+    The last two are as in a scenario's timetable.
+    """
 
     begin_m: float
     end_m: float
-    stops: tuple[Stop, ...]
+    stops: tuple[Mapping[str, Any], ...]
     timetable: Mapping[str, float]
 
 
@@ -88,7 +91,7 @@ def read_service(source: SourceFile, stops: StopChoice = "all") -> Service:
     stops_between = tuple(_stop(arrival, departure, leaves) for arrival, departure in halts)
     for (arrival, departure), stop in zip(halts, stops_between, strict=True):
         demands = []  # the dwell between them is used
-        if stop.earliest_arrival_s is None and stop.latest_arrival_s is None:
+        if not stop.keys() & WINDOW:
             demands.append(_range("the arrival", arrival.earliest_s, arrival.latest_s, "s"))
         if arrival is not departure:
             demands.append(_range("the departure", departure.earliest_s, departure.latest_s, "s"))
@@ -150,16 +153,15 @@ def _halts_and_passed(points: Sequence[_Point]) -> tuple[list[tuple[_Point, _Poi
     return halts, passed
 
 
-def _stop(arrival: _Point, departure: _Point, leaves_s: float) -> Stop:
+def _stop(arrival: _Point, departure: _Point, leaves_s: float) -> dict[str, Any]:
     """Make a stop with its window of arrival from the start of the run, and the minimum dwell time of its windows."""
     latest = arrival.latest_s if arrival.latest_s is not None else arrival.earliest_s
     dwell = 0.0
     if arrival is not departure and latest is not None and departure.earliest_s is not None:
         dwell = max(departure.earliest_s - latest, 0.0)
-    window = (
-        None if time is None or time <= leaves_s else time - leaves_s for time in (arrival.earliest_s, arrival.latest_s)
-    )
-    return Stop("", arrival.position_m, dwell, *window)
+    window = dict(zip(WINDOW, (arrival.earliest_s, arrival.latest_s), strict=True))
+    times = {key: time - leaves_s for key, time in window.items() if time is not None and time > leaves_s}
+    return {"position_m": arrival.position_m, **({"dwell_s": dwell} if dwell else {}), **times}
 
 
 def _travel_time(leaves_s: float, last: _Point, notes: Notes) -> float | None:

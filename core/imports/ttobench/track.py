@@ -1,6 +1,6 @@
 """Tracks of TTOBench, and scenarios of a track, a train and optionally a journey."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,7 +8,7 @@ from pydantic import Field
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Finding, Foreign, Imported, Notes
-from railjoule.core.imports.line import ImportedLine, Stop, build_line
+from railjoule.core.imports.line import ImportedLine, build_line
 from railjoule.core.imports.numbers import STRAIGHT
 from railjoule.core.imports.source_file import SourceFile, read_json
 from railjoule.core.imports.table import (
@@ -117,7 +117,7 @@ def read_track(
         gradients=_steps(slopes, "gradients", "gradients", "slope", "permille", name) if slopes else None,
         curves=_curves(track.curvatures, notes) if track.curvatures else None,
         tunnels=_tunnels(track.tunnels, tunnels, notes) if track.tunnels and track.tunnels.values else None,
-        stops=_stops(places, stops, service, notes),
+        stations=_stops(places, stops, service, notes),
         begin_m=begin,
         end_m=end,
         name=track.metadata.id,
@@ -195,10 +195,12 @@ def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, notes: N
     return ImportedTable(notes.source, "tunnels", tuple(with_factors), "factor")
 
 
-def _stops(places: Sequence[float], choice: StopChoice, service: Service | None, notes: Notes) -> list[Stop]:
+def _stops(
+    places: Sequence[float], choice: StopChoice, service: Service | None, notes: Notes
+) -> list[Mapping[str, Any]]:
     inner = list(places[1:-1])
     if service is not None:
-        served = {stop.position_m for stop in service.stops}
+        served = {stop["position_m"] for stop in service.stops}
         passed = [position for position in inner if position not in served]
         if passed and choice == "all":
             notes.add_unused(f"stops that the journey passes, at {_places(passed)} m.")
@@ -207,7 +209,7 @@ def _stops(places: Sequence[float], choice: StopChoice, service: Service | None,
         notes.add_unused(f"stops between the ends, at {_places(inner)} m.")
     elif inner:
         notes.add("assumption", "its stops have no dwell times: 0 s.")
-    return [] if choice == "ends" else [Stop("", position, 0.0) for position in inner]
+    return [] if choice == "ends" else [{"position_m": position} for position in inner]
 
 
 def _places(positions: Sequence[float]) -> str:

@@ -6,22 +6,25 @@ from functools import cached_property
 from typing import Literal
 
 from railjoule.core.errors import ChoiceError, RailjouleError, ScenarioError
-from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
-from railjoule.core.imports.cells import CellTable, read_cells
-from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
+from railjoule.core.imports import TABLE_KINDS, ColumnMap, SourceFile, TableKind, kind_of_table, sheets_by_kind
+from railjoule.core.imports.cells import CellTable, first_rows_of_sheets, read_cells
+from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, STATION_ROLES, same_name
 from railjoule.core.imports.data_sheet import KEY
-from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json
+from railjoule.core.imports.kinds import kind_by_name, known_columns
+from railjoule.core.imports.source_file import encoding_mentioned, found_code_page, read_json, select_sheet
 from railjoule.core.measured import recorder_cells
 from railjoule.dashboard.pages.files.columns import RunFile, find_quantities, read_runs
 
 OtherKind = Literal["track", "train", "journey", "sheet", "run"]
-Kind = IntervalKind | OtherKind | Literal[""]
+Kind = TableKind | OtherKind | Literal[""]
 TABLE_WORDS: dict[str, str] = {
     "gradients": "Gradients",
+    "heights": "Heights",
     "limits": "Speed limits",
     "curves": "Curves",
     "tunnels": "Tunnels",
     "neutral": "Neutral sections",
+    "stations": "Stations",
     "run": "Recorded run",
 }
 """Kinds of tables, among which the user can choose."""
@@ -40,21 +43,14 @@ KEYS_OF_JSON: dict[OtherKind, str] = {
 }
 """By which key of a JSON file its kind is known."""
 WORKBOOKS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+LARGEST_SEARCHED_BYTES = 2_000_000
+"""Of a workbook whose sheets are searched for tables while the page waits: a second of work."""
 SHEET, ENCODING = "sheet", "encoding"
 """Keys of the choices of a sheet of a workbook and of the code page of a text."""
-GENERIC = ("value", "valeur")
-"""Names of columns that say nothing of the kind."""
-WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
-    "gradients": ("gradient", "slope", "decliv", "neigung", "profil"),
-    "limits": ("limit", "vitesse", "speed", "geschwind"),
-    "curves": ("curve", "courbe", "radi", "bogen"),
-    "tunnels": ("tunnel",),
-    "neutral": ("neutral", "neutre"),
-}
 UNKNOWN = (
-    "it is none of the files that can be read: recorded runs, tables of gradients, speed limits, curves, tunnels or "
-    "neutral sections (CSV, XLSX), TTOBench (JSON); files of OSRD and railtoolkit are read by the command railjoule "
-    "import"
+    "it is none of the files that can be read: recorded runs (CSV, XLSX, GPX), tables of gradients, heights, speed "
+    "limits, curves, tunnels, neutral sections or stations (CSV, XLSX), TTOBench (JSON); files of OSRD and railtoolkit "
+    "are read by the command railjoule import"
 )
 
 
@@ -78,6 +74,8 @@ class Brought:
         The code page of a text that is not UTF-8, where the user says it.
     is_example : bool
         Whether it is one of the example runs.
+    sheet : str
+        The sheet of a workbook of several tables that it is.
     """
 
     number: int
@@ -88,6 +86,7 @@ class Brought:
     factors: dict[str, float] = field(default_factory=dict)
     encoding: str = ""
     is_example: bool = False
+    sheet: str = ""
 
     def with_kind(self, kind: Kind) -> "Brought":
         """Return it as a file of another kind; what was said of its columns is forgotten."""
@@ -112,7 +111,9 @@ class Brought:
             said = replace(said, position_unit=value or None)
         elif what == "value_unit":
             said = replace(said, value_unit=value or None)
-        elif what in ROLES:
+        elif what == "tolerance_m":
+            said = replace(said, tolerance_m=float(value) if value else None)
+        elif what in (*ROLES, *STATION_ROLES):
             roles = {role: column for role, column in said.columns.items() if role != what}
             said = replace(said, columns={**roles, **chosen})
         return replace(self, columns=said)
@@ -120,7 +121,7 @@ class Brought:
     @property
     def source(self) -> SourceFile:
         """The file as the core reads it."""
-        return SourceFile(self.name, self.content, self.encoding)
+        return SourceFile(self.name, self.content, self.encoding, self.sheet)
 
     @cached_property
     def code_page(self) -> str | None:
@@ -154,11 +155,9 @@ class Brought:
     @cached_property
     def wanted(self) -> ColumnMap:
         """What is known of its columns: by a published table that has these, and by the user."""
-        if self.kind not in INTERVAL_KINDS:
+        if self.kind not in TABLE_KINDS:
             return self.columns
-        preset = preset_of(self.cells)
-        known = PRESETS[preset][1] if preset and PRESETS[preset][0] == self.kind else ColumnMap()
-        return self.columns.over(known)
+        return self.columns.over(known_columns(self.cells, self.kind))
 
     def _guess(self) -> Kind:
         beginning = self.content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
@@ -175,7 +174,7 @@ class Brought:
         except ChoiceError as several:
             return self._guess_of_workbook(several)
         with encoding_mentioned(cells.findings):
-            kind = kind_of_table(cells) or ("run" if self._is_recorded() else "")
+            kind = line_kind_of(cells) or ("run" if self._is_recorded() else "")
         if not kind:
             raise ScenarioError(f"{self.name}: {UNKNOWN}.")
         return kind
@@ -201,34 +200,33 @@ def is_recording(header: Sequence[str]) -> bool:
     return "time" in found or {"speed", "position"} <= set(found)
 
 
-def preset_of(cells: CellTable) -> str | None:
-    """Return the published table whose columns a table has; None where it is none of them."""
-    return next(
-        (
-            name
-            for name, (_, columns) in PRESETS.items()
-            if all(any(same_name(column, one) for one in cells.header) for column in columns.columns.values())
-        ),
-        None,
-    )
-
-
-def kind_of_table(cells: CellTable) -> Kind:
-    """Return what a table tells of, by its columns, then by the file's name; empty where neither says it."""
-    if preset := preset_of(cells):
-        return PRESETS[preset][0]
-    name = cells.source.lower()
-    by_name = next((kind for kind, parts in WORDS_IN_NAMES.items() if any(part in name for part in parts)), None)
-    if is_recording(cells.header) and ("time" in find_quantities(cells.header) or by_name is None):
+def line_kind_of(cells: CellTable) -> Kind:
+    """Return the kind of a table by its columns, then by the file's name; empty where neither says it."""
+    if is_recording(cells.header) and ("time" in find_quantities(cells.header) or kind_by_name(cells.source) is None):
         return "run"
-    for kind in ("gradients", "limits", "curves", "tunnels"):
-        try:
-            value = resolve(cells, kind, ColumnMap()).value if cells.has_header else None
-        except ScenarioError:
-            continue
-        if value is not None and not any(same_name(value, word) for word in GENERIC):
-            return kind
-    return by_name or ""
+    return kind_of_table(cells, cells.source) or ""
+
+
+def split_workbook(name: str, content: bytes) -> list["Brought"]:
+    """Return the tables of a line that are sheets of one workbook, each as a file; nothing for other files.
+
+    A kind of which there are several sheets is one file, of which the sheet is to be chosen.
+    """
+    source = SourceFile(name, content)
+    if not content.startswith(WORKBOOKS[0]) or len(content) > LARGEST_SEARCHED_BYTES:
+        return []
+    try:
+        sheets = sheets_by_kind(first_rows_of_sheets(source))
+    except RailjouleError:
+        return []
+    if len(sheets) < 2:
+        return []
+    return [
+        Brought(0, select_sheet(source, names[0]).name, content, sheet=names[0])
+        if len(names) == 1
+        else Brought(0, f"{name}, {TABLE_WORDS[kind].lower()}", content, said_kind=kind)
+        for kind, names in sheets.items()
+    ]
 
 
 def selectors_of(cells: CellTable, used: tuple[str | None, ...]) -> list[str]:

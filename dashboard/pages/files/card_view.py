@@ -15,11 +15,10 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.files.brought import KIND_WORDS, TABLE_WORDS
-from railjoule.dashboard.pages.files.cards import Card, Choice
+from railjoule.dashboard.pages.files.cards import ROLE_LABELS, Card, Choice
 from railjoule.dashboard.pages.files.columns import Question
 from railjoule.dashboard.parts import html as parts
 
-ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
 LIST = '<div class="block listed"><h3>{}</h3><ul class="differences">{}</ul></div>'
 CARD_CSS = ":host { border-bottom: 1px solid var(--rj-line); padding: 6px 0 10px; }"
 TEXT_CSS = """
@@ -170,7 +169,7 @@ def first_rows(card: Card) -> Markup:
     cells = card.cells
     if cells is None:
         return Markup("")
-    roles = {choice.value: ROLE_WORDS[choice.key] for choice in card.choices if choice.key in ROLE_WORDS}
+    roles = {choice.value: choice.label.lower() for choice in card.choices if choice.key in ROLE_LABELS}
     roles |= {choice.key.removeprefix("rows "): "rows" for choice in card.choices if choice.key.startswith("rows ")}
     header = [
         markup("<b>{}</b><span>{}</span>", name, roles[name])

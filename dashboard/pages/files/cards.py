@@ -8,11 +8,19 @@ from typing import Any
 
 from railjoule.core import RailjouleError
 from railjoule.core.errors import ChoiceError, UnitError
-from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
+from railjoule.core.imports import TABLE_KINDS, ImportedLine, read_line_table
 from railjoule.core.imports.cells import CellTable
-from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
+from railjoule.core.imports.columns import (
+    ALL_POSITION_UNITS,
+    STATION_ROLES,
+    VALUE_UNITS,
+    ResolvedColumns,
+    resolve,
+    resolve_stations,
+)
 from railjoule.core.imports.data_sheet import read_data_sheet_file
 from railjoule.core.imports.findings import Finding, OtherUnit, without_name
+from railjoule.core.imports.heights import USUAL_TOLERANCE_M
 from railjoule.core.imports.numbers import text_of_cell
 from railjoule.core.imports.source_file import encoding_mentioned
 from railjoule.core.imports.ttobench import read_track, read_train
@@ -26,7 +34,7 @@ from railjoule.dashboard.pages.files.measured import ReadRun
 
 MOST_CHOICES = 300
 """Lines or tracks of one table among which the page lets choose."""
-COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
+COMMAND_OPTION = re.compile(rf",? as (?:--encoding \w+|--reverse|(?:{'|'.join(TABLE_KINDS)})\.[^=]+=[^.,;]*)")
 """How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
 
 UNIT_WORDS = {
@@ -35,6 +43,7 @@ UNIT_WORDS = {
     "fraction": "m/m",
     "ratio": "1 in n",
     "deg": "degrees",
+    "deg_arc": "degrees by arc",
     "per10000": "per 10 000",
     "m2": "m\u00b2",
     "pk": "km+m",
@@ -56,7 +65,29 @@ CODE_PAGES = {
 """Among which the user can choose for a text that is not UTF-8."""
 
 
-NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, ENCODING)
+ROLES_OF_KIND: Mapping[str, tuple[str, ...]] = {
+    "gradients": ("from", "to", "value", "direction"),
+    "heights": ("from", "value"),
+    "neutral": ("from", "to"),
+    "stations": STATION_ROLES,
+}
+"""Roles of columns, where they are not from, to and value."""
+TOLERANCES_M = ("0.1", "0.3", "1", "2", "5", "10", "20")
+"""Largest differences in height from which the user can choose [m]."""
+ROLE_LABELS: Mapping[str, str] = {
+    "from": "From",
+    "to": "To",
+    "value": "Value",
+    "direction": "Rises or falls",
+    "name": "Name",
+    "position": "Position",
+    "dwell": "Dwell time",
+    "earliest": "Earliest arrival",
+    "latest": "Latest arrival",
+    "arrival": "Arrival",
+    "departure": "Departure",
+}
+NEEDED = ("from", "value", "position", "position_unit", "value_unit", SHEET, ENCODING)
 """Keys of choices without which a file cannot be read."""
 
 
@@ -135,7 +166,7 @@ def card_of(file: Brought) -> Card:
         if file.kind == "run":
             card = replace(card, result=file.runs)
         else:
-            is_table = file.kind in INTERVAL_KINDS
+            is_table = file.kind in TABLE_KINDS
             card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
         if file.columns.sheet is not None:
             first.append(_menu(SHEET, "Sheet", file.cells.sheets, file.columns.sheet))
@@ -176,18 +207,24 @@ def _failed(card: Card, file: Brought, sentence: str) -> Card:
 def _with_table(card: Card, file: Brought) -> Card:
     """Return the card of a table of intervals, with its columns even where it cannot be read yet."""
     cells, kind = file.cells, file.kind
-    assert kind in INTERVAL_KINDS
+    assert kind in TABLE_KINDS
     card = replace(card, cells=cells)
+    columns: Mapping[str, str | None] = {}
+    found: ResolvedColumns | None = None
     try:
         with encoding_mentioned(cells.findings):
-            found: ResolvedColumns | None = resolve(cells, kind, file.wanted)
+            if kind == "stations":
+                columns, found = resolve_stations(cells, file.wanted)
+            else:
+                found = resolve(cells, kind, file.wanted)
+                columns = {"from": found.begin, "to": found.end, "value": found.value, "direction": found.direction}
     except RailjouleError as error:
-        found, card = None, _failed(card, file, str(error))
-    card = replace(card, choices=tuple(_choices(file, found)))
+        card = _failed(card, file, str(error))
+    card = replace(card, choices=tuple(_choices(file, found, columns)))
     if found is None and not any("ILL_GradProfile" in column for column in cells.header):
         return card
     try:
-        return _with_result(card, file, read_intervals(file.source, kind, file.wanted))
+        return _with_result(card, file, read_line_table(file.source, kind, file.wanted))
     except UnitError as error:
         # the menu beside it has the units under the names that the page has for them
         sentence = f"{str(error).partition('; name the unit')[0]}; choose the unit."
@@ -209,25 +246,24 @@ def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
     return replace(card, choices=choices, questions=(question,))
 
 
-def _choices(file: Brought, found: ResolvedColumns | None) -> Iterator[Choice]:
+def _choices(file: Brought, found: ResolvedColumns | None, columns: Mapping[str, str | None]) -> Iterator[Choice]:
     """Yield what can be said of a table's columns."""
     cells, kind, wanted = file.cells, file.kind, file.wanted
-    named = wanted.columns
-    roles = {"from": ("From", found and found.begin), "to": ("To", found and found.end)}
-    if kind != "neutral":
-        roles["value"] = "Value", found and found.value
-    if kind == "gradients":
-        roles["direction"] = "Rises or falls", found and found.direction
-    for role, (label, column) in roles.items():
+    for role in ROLES_OF_KIND.get(kind, ("from", "to", "value")):
         nothing = "none" if found else "choose"
-        yield _menu(role, label, cells.header, column or named.get(role, ""), nothing=nothing)
+        yield _menu(
+            role, ROLE_LABELS[role], cells.header, columns.get(role) or wanted.columns.get(role, ""), nothing=nothing
+        )
     guess = (found and found.position.unit) or wanted.position_unit or "m"
     yield _menu("position_unit", "Positions in", ALL_POSITION_UNITS, guess, UNIT_WORDS)
     if values := VALUE_UNITS[kind]:  # type: ignore[index]
         guess = (found and found.amount.unit) or wanted.value_unit or values[0]
-        yield _menu("value_unit", "Values in", values, guess, UNIT_WORDS)
-    used = (found.begin, found.end, found.value, found.direction) if found else ()
-    for column in selectors_of(cells, used):
+        yield _menu("value_unit", "Times in" if kind == "stations" else "Values in", values, guess, UNIT_WORDS)
+    if kind == "heights":
+        usual = f"{USUAL_TOLERANCE_M:g} m, usual"
+        value = "" if wanted.tolerance_m is None else f"{wanted.tolerance_m:g}"
+        yield _menu("tolerance_m", "Tolerance", TOLERANCES_M, value, {one: f"{one} m" for one in TOLERANCES_M}, usual)
+    for column in selectors_of(cells, tuple(columns.values())):
         texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
         if len(texts) > 1:
             yield _menu(f"rows {column}", f"Only {column}", texts, wanted.rows.get(column, ""))

@@ -10,10 +10,11 @@ from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ChoiceError
 from railjoule.core.imports.cells import Cell, CellTable
+from railjoule.core.imports.clock import EPOCH_UNITS, unit_of_times
 from railjoule.core.imports.source_file import SourceFile
+from railjoule.core.imports.units import CLOCK
 from railjoule.core.measured import RecorderFormat, recorder_cells
-from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised, unknown_unit
-from railjoule.core.measured.table import EPOCH_UNITS, unit_of_times
+from railjoule.core.measured.columns import NEEDED_UNITS, UNITS, USUAL_UNITS, recognised, unknown_unit
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario._sentences import shown_list
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW

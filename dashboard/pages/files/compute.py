@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, build_line
+from railjoule.core.imports import TABLE_KINDS, ImportedLine, ImportedTable, LineTable, build_line
 from railjoule.core.imports.numbers import parse_position
 from railjoule.core.imports.ttobench import read_ttobench
 from railjoule.core.imports.vehicle import ImportedVehicle
@@ -21,7 +21,7 @@ from railjoule.dashboard.pages.files.columns import RunFile
 SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
 LONGEST_TIME_S = 86_400.0
-KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey")
+KINDS_OF_LINES = (*TABLE_KINDS, "track", "journey")
 TABLES_AND_LINE = "the line of the tables is taken"
 
 
@@ -131,7 +131,7 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
     read = [card for card in read if not card.is_run]
     kinds = {card.kind: card for card in read}
     unused = [f"{card.name}: {kinds[card.kind].name} is taken for it." for card in read if kinds[card.kind] is not card]
-    tables = {card.kind: card.result for card in kinds.values() if isinstance(card.result, ImportedTable)}
+    tables = {card.kind: card.result for card in kinds.values() if isinstance(card.result, LineTable)}
     track = kinds.get("track")
     if track is not None and tables:
         unused.append(f"{track.name}: {TABLES_AND_LINE}.")
@@ -151,7 +151,7 @@ def put_together(cards: Sequence[Card], request: Request) -> Reading:
     return reading
 
 
-def _with_tables(reading: Reading, tables: Mapping[str, ImportedTable], stretch: Stretch) -> Reading:
+def _with_tables(reading: Reading, tables: Mapping[str, LineTable], stretch: Stretch) -> Reading:
     """Return the reading with the line that tables make."""
     line = build_line(
         **tables,  # type: ignore[arg-type]
@@ -165,13 +165,13 @@ def _with_tables(reading: Reading, tables: Mapping[str, ImportedTable], stretch:
     return replace(
         reading,
         line=line,
-        tables=tuple(tables.values()),
+        tables=tuple(table for table in tables.values() if isinstance(table, ImportedTable)),
         findings=tuple(one.sentence for one in line.findings if one.sentence not in known),
         unused=(*reading.unused, *(sentence for sentence in line.unused if sentence not in unused)),
     )
 
 
-def _line_name(tables: Mapping[str, ImportedTable]) -> str:
+def _line_name(tables: Mapping[str, LineTable]) -> str:
     first = next(iter(tables.values())).source
     return f"Line of {first.rpartition('.')[0] or first}"[:200]
 
@@ -265,7 +265,10 @@ def _offer(what: str, document: Mapping[str, Any], reading: Reading, now_s: floa
     except MemoryError:
         return Offer(what, titled, failure="It takes more memory than the server has.")
     time, why = float(math.ceil((1 + SLACK) * shortest)), "1.1 \u00d7 the shortest"
-    if what == "both" and reading.travel_time_s is not None:
+    by_stations = reading.line.travel_time_s if reading.line is not None else None
+    if what != "train" and by_stations is not None:
+        time, why = by_stations, "that of the table of stations"
+    elif what == "both" and reading.travel_time_s is not None:
         time, why = reading.travel_time_s, "the journey\u2019s"
     elif now_s is not None and now_s >= shortest:
         time, why = round(now_s, 1), "as now"

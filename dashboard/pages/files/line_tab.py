@@ -267,9 +267,9 @@ def find_title(reading: Reading) -> str:
     found = []
     if reading.line is not None:
         line = reading.line.line
-        found.append(
-            f"{line.name or 'Line'}: {words.distance(line.length_m)} km, {counted(len(line.sections), 'section')}"
-        )
+        counts = [counted(len(line.sections), "section")]
+        counts += [counted(len(line.stations), "station")] if line.stations else []
+        found.append(f"{line.name or 'Line'}: {words.distance(line.length_m)} km, {', '.join(counts)}")
     if reading.vehicle is not None:
         vehicle = reading.vehicle.vehicle
         found.append(f"{vehicle.name or 'Train'}: {words.number(vehicle.total_mass_kg / 1000, 0)} t")

@@ -1,8 +1,10 @@
 """The page Files: lines, trains and recorded runs from files, what their columns mean, and what can be made of them."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from functools import cache
 from importlib.resources import files as resources
+from itertools import count
 from pathlib import PurePath
 from typing import Any
 
@@ -20,7 +22,7 @@ from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.page import shows
 from railjoule.dashboard.pages.files import texts
-from railjoule.dashboard.pages.files.brought import Brought
+from railjoule.dashboard.pages.files.brought import Brought, split_workbook
 from railjoule.dashboard.pages.files.line_charts import LINE_PLOTS
 from railjoule.dashboard.pages.files.line_tab import LINE
 from railjoule.dashboard.pages.files.run_charts import RUN_PLOTS
@@ -117,16 +119,20 @@ class Files(RunsTab):
             self.dropped = None
 
     def add(self, name: str, content: bytes, is_example: bool = False) -> None:
-        """Take a file, or say why not; one of the same name is replaced."""
+        """Take a file, of a workbook its tables of a line, or say why not; one of the same name is replaced."""
         name = "".join(letter if letter.isprintable() else " " for letter in name)[:LONGEST_NAME] or "a file"
-        others = tuple(file for file in self.files if file.name != name)
         if len(content) > LARGEST_RUN_BYTES:
             self.refusal = too_large(name)
-        elif len(others) >= MAX_FILES:
+            return
+        brought = split_workbook(name, content) or [Brought(0, name, content, is_example=is_example)]
+        names = {name, *(file.name for file in brought)}
+        others = tuple(file for file in self.files if file.name not in names)
+        if len(others) + len(brought) > MAX_FILES:
             self.refusal = f"{name}: at most {MAX_FILES} files at a time; remove one first."
-        else:
-            self._count += 1
-            self.files = (*others, Brought(self._count, name, content, is_example=is_example))
+            return
+        numbers = count(self._count + 1)
+        self._count += len(brought)
+        self.files = (*others, *(replace(file, number=number) for file, number in zip(brought, numbers, strict=False)))
 
     def _open_scenario(self, name: str, content: bytes) -> None:
         try:

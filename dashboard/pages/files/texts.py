@@ -13,24 +13,26 @@ from railjoule.dashboard.parts import html as parts
 
 INVITATION = {
     "line": (
-        "Choose files or drop them anywhere on the page. Columns and units are recognised, and can be corrected; "
-        "the scenario changes only when you press \u201cUse\u201d. The example is an invented line in the columns of "
+        "Choose files or drop them anywhere on the page. Sheets, columns and units are recognised, and can be "
+        "corrected; the scenario changes only when you press \u201cUse\u201d. The example is an invented line in the columns of "
         "SNCF.",
         ("File", "Contents", "Format"),
         (
             ("Gradients", "begin, end, gradient; also with signs up and down", "CSV, XLSX"),
+            ("Heights", "position, height; or the points of a track", "CSV, XLSX, GPX"),
             ("Speed limits", "begin, end, limit; several classes of trains in one table", "CSV, XLSX"),
             ("Curves", "begin, end, radius or degree of curve", "CSV, XLSX"),
             ("Tunnels, neutral sections", "begin, end, tunnel factor", "CSV, XLSX"),
+            ("Stations", "name, position, dwell or arrival and departure", "CSV, XLSX"),
             ("Track, train, journey", "as TTOBench publishes them", "JSON"),
             ("Scenario", "everything: saved or downloaded here, or within a report", "TOML, HTML"),
             ("Study", "saved on Explore", "NC"),
         ),
     ),
     "runs": (
-        "Choose files or drop them anywhere on the page. The page finds where the run lies on the line of the "
-        "scenario, and its possible saving. The example is two runs, simulated with a slightly different train and "
-        "the errors of a recorder: they are not measured.",
+        "Choose files or drop them anywhere on the page, CSV, XLSX or GPX. The page finds where the run lies on the "
+        "line of the scenario, and its possible saving. The example is two runs, simulated with a slightly different "
+        "train and the errors of a recorder: they are not measured.",
         ("Column", "Needed", "Units"),
         (
             ("Time", "yes", "s, hh:mm:ss, date and time"),

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from railjoule.core import RailjouleError
-from railjoule.core.imports import INTERVAL_KINDS, SourceFile, build_line, read_intervals
+from railjoule.core.imports import INTERVAL_KINDS, SourceFile, build_line, read_intervals, read_stations
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.railtoolkit import read_railtoolkit
 from railjoule.core.imports.ttobench import read_track, read_train
@@ -19,12 +19,17 @@ from railjoule.core.measured import RecorderFormat, recorder_cells, run_table, t
 
 GENERIC = RecorderFormat()
 FILES = Path(__file__).parent / "files"
+LEVEL = read_intervals(SourceFile("level.csv", b"from_m,to_m,gradient\n0,1500,0\n"), "gradients")
 PIECES = [b"", b"\0", b"\xff", b"=1+1", b"-", b"1e999", b"NaN", b"null", b"{", b'"', b";", b",", b"\n"]
 PIECES += [b"9" * 400, b"[" * 100]
 
 
 def read_line(kind, source):
     build_line(**{kind: read_intervals(source, kind)}).to_toml()
+
+
+def read_stops(source):
+    build_line(gradients=LEVEL, stations=read_stations(source)).to_toml()
 
 
 def read_run(source, form=GENERIC):
@@ -37,6 +42,8 @@ def read_run(source, form=GENERIC):
 READERS: dict[str, list[Callable[[SourceFile], object]]] = {
     "gradients.csv": [partial(read_line, kind) for kind in INTERVAL_KINDS],
     "sncf-curves.csv": [partial(read_line, "curves"), partial(read_line, "gradients")],
+    "stations.csv": [read_stops, partial(read_line, "heights")],
+    "track.gpx": [read_run, partial(read_line, "heights")],
     "osrd-run.csv": [read_run],
     "run.csv": [read_run],
     "osrd-stock.json": [read_osrd_stock],

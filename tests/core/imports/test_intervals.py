@@ -453,3 +453,69 @@ def test_bad_tables_are_refused_in_one_sentence(text, kind, sentence):
 def test_wrong_settings_are_refused_in_one_sentence(columns, sentence):
     with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
         table_of("from,to,limit\n0,100,60\n", "limits", **columns)
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "kmh"),
+    [
+        ("maxspeed", ("40 mph", "100 mph"), (64.37376, 160.9344)),
+        ("maxspeed:forward", ("60 km/h", "25 m/s"), (60, 90)),
+        ("railway:maxspeed", ("40", "100"), (40, 100)),
+        ("Line speed (mph)", ("40 mph", "100"), (64.37376, 160.9344)),
+    ],
+)
+def test_limits_of_openstreetmap(header, cells, kmh):
+    """A mile is 1,609.344 m."""
+    text = f"from_km,to_km,{header}\n" + "".join(f"{k},{k + 1},{cell}\n" for k, cell in enumerate(cells))
+    assert values(table_of(text, "limits")) == [
+        (1000 * k, 1000 * k + 1000, pytest.approx(limit)) for k, limit in enumerate(kmh)
+    ]
+
+
+@pytest.mark.parametrize("word", ["none", "walk", "signals", "variable"])
+def test_words_in_place_of_a_speed_are_refused(word):
+    with pytest.raises(ScenarioError, match=rf"^a.csv, row 3: maxspeed = '{word}' is no speed; write a number"):
+        table_of(f"from_km,to_km,maxspeed\n0,1,40\n1,2,{word}\n", "limits")
+
+
+def test_a_unit_of_the_user_counts_for_cells_without_one():
+    text = "from_km,to_km,maxspeed\n0,1,80\n1,2,40 mph\n"
+    with pytest.raises(UnitError, match=r"row 3 names a unit under 'maxspeed', and row 2 does not; name the"):
+        table_of(text, "limits")
+    table = table_of(text, "limits", value_unit="km/h")
+    assert [one.value for one in table.intervals] == [80, pytest.approx(64.37376)]
+
+
+def test_units_of_one_table_may_stand_in_all_its_cells():
+    table = table_of("from,to,gradient\n0 m,1.2 km,12 \u2030\n1.2 km,1 mi,1 in 80\n1 mi,2 mi,-1.5 %\n")
+    assert values(table) == [
+        *[(0, 1200, 12), (1200, pytest.approx(1609.344), 12.5)],
+        (pytest.approx(1609.344), pytest.approx(3218.688), -15),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "metres"),
+    [
+        ("degree of curve", "6", 50 / math.sin(math.radians(3)) * 0.3048),
+        ("degree of curve", "6\u00b030'", 50 / math.sin(math.radians(3.25)) * 0.3048),
+        ("degree of curve", "6\u00b030'36\"", 50 / math.sin(math.radians(3.255)) * 0.3048),
+        ("degree of curve (chord)", "6", 50 / math.sin(math.radians(3)) * 0.3048),
+        ("degree of curve (arc)", "6", 100 / math.radians(6) * 0.3048),
+        ("curvature in degrees (arc)", "6\u00b0", 30.48 / math.radians(6)),
+        ("curvature (1/m)", "0.002", 500),
+        ("curvature (rad/km)", "-2", 500),
+        ("curvature [1/ft]", "0.001", 304.8),
+        ("radius [ch]", "20", 402.336),
+        ("radius (miles)", "0.25", 402.336),
+        ("radius (yd)", "440", 402.336),
+        ("radius", "1320 ft", 402.336),
+        ("radius_km", "0.35", 350),
+        ("radius", "20 ch", 402.336),
+    ],
+)
+def test_units_of_curves(header, cell, metres):
+    """Over a chord of 100 ft the radius is 50 ft / sin(D/2), over an arc of it 100 ft / D; a mile is 80 ch, 1760 yd."""
+    assert [one.value for one in table_of(f"from_m,to_m,{header}\n0,900,{cell}\n", "curves").intervals] == [
+        pytest.approx(metres)
+    ]

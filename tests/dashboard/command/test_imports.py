@@ -148,7 +148,7 @@ JOURNEY = ("--journey", FILES / "ttobench-journey.json")
 def test_a_track_and_a_train_become_a_scenario(capsys, tmp_path):
     target = tmp_path / "scenario.toml"
     out, told = imported(capsys, *TTOBENCH, *JOURNEY, "-o", target)
-    assert out == f"{target}: 5.00 km, 9 sections, 360.0 s\n"
+    assert out == f"{target}: 5.00 km, 9 sections, 1 station, 360.0 s\n"
     assert "not used: ttobench-train.json: num seats." in told
     assert main(("solve", str(target), "--json")) == OK
     # to the bound for every driving
@@ -240,9 +240,9 @@ def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
     target = tmp_path / "out.toml"
     out, _ = imported(capsys, "railtoolkit", FILES / "railtoolkit-train.yaml", "-o", target)
     assert out == f"{target}: Example, 160.0 t, 140.0 km/h\n"
-    out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
+    out, notes = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
     assert out == f"{target}: 0.50 km, 1 section\n"
-    assert "not used: railtoolkit-path.yaml: paths not read: example." in told
+    assert "not used: railtoolkit-path.yaml: paths not read: example." in notes
 
 
 def test_a_data_sheet_becomes_a_vehicle_and_its_assumptions_are_weighed(tmp_path, monkeypatch, capsys):
@@ -278,3 +278,57 @@ def test_a_shipped_vehicle_without_a_file_runs_in_its_scenario(capsys):
     assert capsys.readouterr().out.startswith("Light rail, seven stations: Fastest")
     assert main(["solve", "--set", "vehicle.preset=light-rail"]) == BAD_INPUT
     assert "there is no preset 'light-rail' among the vehicles" in capsys.readouterr().err
+
+
+# ---- a workbook, stations, heights, GPX
+
+
+def test_one_workbook_becomes_a_scenario(capsys, tmp_path):
+    book = openpyxl.Workbook()
+    book.active.title = "Slopes"
+    for row in (["from_m", "to_m", "gradient (%)"], [0, 1000, 0.5], [1000, 2000, -0.5]):
+        book.active.append(row)
+    stops = book.create_sheet("Stops")
+    for row in (
+        ["Station", "position (m)", "arrival", "departure"],
+        ["A", 0, None, "9:58:30"],
+        ["B", 2000, "10:01:00", None],
+    ):
+        stops.append(row)
+    book.create_sheet("Remarks").append(["none"])
+    book.save(tmp_path / "line.xlsx")
+    target = tmp_path / "s.toml"
+    out, notes = imported(capsys, "intervals", tmp_path / "line.xlsx", "--vehicle", "metro-81-7036", "-o", target)
+    assert out == f"{target}: 2.00 km, 2 sections, 2 stations, 150.0 s\n"
+    assert "line.xlsx, Stops: row 3, 'B', gives timetable.travel_time_s = 150 s, its arrival." in notes
+    assert "not used: line.xlsx: sheets not read: Remarks." in notes
+    scenario = load_scenario(target)
+    assert scenario.travel_time_s == 150
+    assert [one.name for one in scenario.line.stations] == ["A", "B"]
+    assert [one.gradient_permille for one in scenario.line.sections] == [5, -5]
+
+
+def test_a_line_with_the_time_of_its_stations_needs_a_vehicle_only(capsys, tmp_path):
+    stations = FILES / "stations.csv"
+    gradients = tmp_path / "gradients.csv"
+    gradients.write_text("from_m,to_m,gradient\n0,1500,4\n")
+    target = tmp_path / "line.toml"
+    imported(capsys, "intervals", "--gradients", gradients, "--stations", stations, "-o", target)
+    assert tomllib.loads(target.read_text())["timetable"] == {"travel_time_s": 210}
+    assert main(("solve", str(target), "--set", "vehicle.preset=metro-81-7036")) == OK
+
+
+def test_files_of_one_kind_exclude_each_other(capsys, tmp_path):
+    limits = FILES / "limits.csv"
+    assert refusal(capsys, "intervals", limits, limits, "-o", tmp_path / "a.toml") == (
+        "limits.csv and limits.csv are both tables of limits; leave out one of them."
+    )
+
+
+def test_a_track_in_gpx_is_a_line_and_a_run(capsys, tmp_path):
+    track = FILES / "track.gpx"
+    out, notes = imported(capsys, "intervals", track, "-o", tmp_path / "line.toml")
+    assert out.endswith(": 1.60 km, 2 sections\n")
+    assert any("Douglas and Peucker" in one for one in notes)
+    out, _ = imported(capsys, "run", track, "-o", tmp_path / "run.csv")
+    assert out.endswith("run.csv: 1.60 km in 130.0 s, 131 rows\n")

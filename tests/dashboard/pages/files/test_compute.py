@@ -170,8 +170,8 @@ def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
 
 
 def test_a_file_of_an_unknown_kind_is_waited_for_too(base: Scenario) -> None:
-    file = Brought(2, "stations.csv", b"name,km\nA,1\n")
-    assert offers_with(base, file) == {"line": ("stations.csv",)}
+    file = Brought(2, "staff.csv", b"name,role\nA,1\n")
+    assert offers_with(base, file) == {"line": ("staff.csv",)}
 
 
 def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:

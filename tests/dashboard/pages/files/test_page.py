@@ -1,5 +1,9 @@
 """Files that are brought to the page, and what the page makes of them."""
 
+import io
+from pathlib import Path
+
+import openpyxl
 import pytest
 
 from railjoule.core import load_scenario
@@ -171,3 +175,77 @@ def test_earlier_links_open_the_page_on_their_tab(former: str, tab: str) -> None
     read = read_link(f"?v=1&page={former}&measured_runs.coasting_only=true")
     assert read.refusal == ""
     assert read.snapshot == {"page": "Files", "files.tab": tab, "files.coasting_only": True}
+
+
+def line_workbook(*more: str) -> bytes:
+    """A workbook with a table of heights, one of limits and one of stations, each on a sheet of its own."""
+    book = openpyxl.Workbook()
+    book.active.append(["made by a test"])
+    sheets = {
+        "Profile": [["km", "height (m)"], [0, 120], [1, 128], [2.5, 128], [3, 121.5]],
+        "Speeds": [["from (km)", "to (km)", "maxspeed"], [0, 1.5, "40 mph"], [1.5, 3, "60 mph"]],
+        "Stops": [["Station", "km", "arrival", "departure"], ["A", 0, None, "23:58"], ["B", 3, "0:03", None]],
+    }
+    for name in (*sheets, *more):
+        sheet = book.create_sheet(name)
+        for row in sheets.get(name, sheets["Speeds"]):
+            sheet.append(row)
+    content = io.BytesIO()
+    book.save(content)
+    return content.getvalue()
+
+
+def test_one_workbook_brings_all_tables_of_a_line(page: Files) -> None:
+    page.bring([("line.xlsx", line_workbook())])
+    assert [(card.name, card.kind, card.failure) for card in page.cards] == [
+        ("line.xlsx, Profile", "heights", ""),
+        ("line.xlsx, Speeds", "limits", ""),
+        ("line.xlsx, Stops", "stations", ""),
+    ]
+    line = page.reading.line.line
+    assert line.length_m == 3000
+    # 8, 0 and -13 per mille by the differences of the heights
+    assert [section.gradient_permille for section in line.sections] == [8, 0, 0, -13]
+    assert [(one.name, one.position_m, one.arrival_s) for one in line.stations] == [("A", 0, None), ("B", 3000, 300)]
+    (offer,) = page.reading.offers
+    assert (offer.time_s, offer.why) == (300, "that of the table of stations")
+    press(page, "line", "300")
+    assert page.desk.scenario.scenario().travel_time_s == 300
+    # once more it is replaced, and its columns can be named
+    page.bring([("line.xlsx", line_workbook())])
+    assert len(page.cards) == 3
+    stops = page.cards[-1]
+    assert [choice.label for choice in stops.choices[:4]] == ["Name", "Position", "Dwell time", "Earliest arrival"]
+    page.say(stops.number, "arrival", "")
+    page.say(stops.number, "departure", "km")
+    assert "may both be" not in page.cards[-1].failure
+
+
+def test_two_sheets_of_one_kind_wait_for_a_choice(page: Files) -> None:
+    page.bring([("line.xlsx", line_workbook("Speeds, down"))])
+    names = {card.name: card for card in page.cards}
+    card = names["line.xlsx, speed limits"]
+    assert "choose one sheet by its name" in card.failure
+    page.say(card.number, "sheet", "Speeds, down")
+    (card,) = [one for one in page.cards if one.number == card.number]
+    assert (card.kind, card.failure) == ("limits", "")
+
+
+def test_a_track_in_gpx_is_a_run(page: Files) -> None:
+    track = Path(__file__).parents[3] / "core" / "imports" / "files" / "track.gpx"
+    page.bring([(track.name, track.read_bytes())])
+    assert [(card.kind, card.failure) for card in page.cards] == [("run", "")]
+    page.say(page.cards[0].number, "kind", "heights")
+    assert (page.cards[0].kind, page.reading.line is not None) == ("heights", True)
+
+
+def test_heights_with_errors_ask_for_a_tolerance(page: Files) -> None:
+    rows = "".join(f"{25 * k},{100 + 3 * (k % 2)}\n" for k in range(60))
+    page.bring([("heights.csv", f"position_m,height_m\n{rows}".encode())])
+    (card,) = page.cards
+    assert card.failure.endswith("allow more; if not, keep it.")
+    page.say(card.number, "tolerance_m", "5")
+    (card,) = page.cards
+    assert card.failure == ""
+    # heights that go up and down by 3 m are level in the mean
+    assert all(abs(section.gradient_permille) < 1 for section in page.reading.line.line.sections)
