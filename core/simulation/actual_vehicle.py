@@ -22,6 +22,8 @@ def actual_vehicle(scenario: Scenario) -> Scenario:
     scenario : Scenario
         With its disturbance.
     """
+    # the timetable is that of the planned train
+    scenario = scenario.with_fixed_time()
     disturbance, vehicle, line = scenario.disturbance, scenario.vehicle, scenario.line
     if disturbance.actual_load_factor is not None:
         vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)

@@ -15,6 +15,7 @@ calls `register`; it decides which scenarios it refuses and makes the trajectory
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -31,6 +32,7 @@ from railjoule.core.errors import (
     RailjouleError,
     StrategyRefusedError,
 )
+from railjoule.core.jerk import limit_jerk
 from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.optimal import known_optimum
@@ -129,7 +131,8 @@ def solve(
     check_seconds(prove_seconds)
     scenario = as_scenario(scenario)
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
-    trajectory = run_strategy(task, strategy or scenario.strategy)
+    chosen = strategy or scenario.strategy
+    trajectory = run_strategy(task, chosen)
     # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is not None:
         trajectory = _tightened(task, trajectory, prove_seconds)
@@ -138,6 +141,7 @@ def solve(
         best = None if best is None else _tightened(task, best, prove_seconds)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
         *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
+    trajectory = limit_jerk(task, partial(run_strategy, strategy=chosen), trajectory)
     if not (check or callable(strategy)):
         return trajectory
     result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
@@ -212,7 +216,13 @@ def compare(
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
-    return Comparison(tuple(with_bounds(task, runs, prove_seconds)), refused)
+    kept: list[Trajectory] = []
+    for run in with_bounds(task, runs, prove_seconds):
+        try:
+            kept.append(limit_jerk(task, partial(run_strategy, strategy=run.strategy), run))
+        except RailjouleError as refusal:
+            refused[run.strategy] = str(refusal)
+    return Comparison(tuple(kept), refused)
 
 
 def with_bounds(task: Task, runs: list[Trajectory], prove_seconds: float | None = None) -> list[Trajectory]:

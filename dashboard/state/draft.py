@@ -86,8 +86,6 @@ class ScenarioDraft:
         """The keys of the file that differ from the base, in the order in which they count."""
         edited, now = self.edited, self.sliders
         values = {
-            # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
-            "timetable.travel_time_s": (now["travel_time_s"], round(edited.travel_time_s, 1)),
             "vehicle.load_factor": (_fraction(now["load_percent"]), edited.vehicle.load_factor),
             "drive.recuperation_factor": (
                 _fraction(now["recuperation_percent"]),
@@ -96,6 +94,11 @@ class ScenarioDraft:
             "enoc.acceleration_time_s": (now["acceleration_time_s"], edited.enoc.acceleration_time_s),
         }
         slid = {key: value for key, (value, before) in values.items() if value != before}
+        # a reserve makes the time depend on the load
+        timed = self.base.replace(**{**self.plan.edits, **slid}) if slid and edited.timetable.has_reserve else edited
+        # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
+        if now["travel_time_s"] != round(timed.travel_time_s, 1):
+            slid = {"timetable.travel_time_s": now["travel_time_s"], **slid}
         # handed out at each call: who changed it in place would change the scenario of all others
         return MappingProxyType({**self.plan.edits, **slid})
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, ScenarioError
+from railjoule.core import RailjouleError, Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.drive import DriveParameters
@@ -71,7 +71,22 @@ class ScenarioModel(TypedParameters):
     def __init__(self, **params: Any) -> None:
         self._draft: ScenarioDraft | None = None
         super().__init__(**params)
+        self.param.watch(self._follow_reserve, ["load_percent", "travel_time_s"])
         self.restore()
+
+    def _follow_reserve(self, *events: param.parameterized.Event) -> None:
+        """Let the travel time follow the load where a reserve gives it and it was not set by hand."""
+        before = self._draft
+        if before is None or not before.edited.timetable.has_reserve:
+            return
+        if any(event.name == "travel_time_s" for event in events) or "timetable.travel_time_s" in before.changes:
+            return
+        load = {"vehicle.load_factor": self.load_percent / 100}
+        try:
+            self.travel_time_s = round(self.edited.replace(**load).travel_time_s, 1)
+        except RailjouleError:
+            # the runs of this load are refused with their reason
+            return
 
     @property
     def draft(self) -> ScenarioDraft:
