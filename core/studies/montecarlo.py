@@ -12,7 +12,7 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulation.actual_vehicle import voltage_notes
+from railjoule.core.simulation.actual_vehicle import NO_JERK_LIMIT, voltage_notes
 from railjoule.core.simulation.following import (
     follow,
     plan_for,
@@ -86,7 +86,10 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
         "strategy": scenario.strategy,
         "planned_energy_kwh": planned.energy_kwh,
         "seed": scenario.montecarlo.seed,
-        "notes": () if np.all(drawn["line_voltage_factor"] == 1) else voltage_notes(scenario.vehicle),
+        "notes": (
+            *(() if np.all(drawn["line_voltage_factor"] == 1) else voltage_notes(scenario.vehicle)),
+            *(() if scenario.vehicle.max_jerk_ms3 is None else (NO_JERK_LIMIT,)),
+        ),
     }
 
     def table(results: FloatArray) -> StudyTable:
