@@ -68,8 +68,8 @@ register(
         colour=("#6B5B00", "#D7C46A"),
         dash=(10, 2, 2, 2),
         help=(
-            "The fastest run with all its speeds lowered in one ratio, so that it takes the time of the timetable: the "
-            "reserve is distributed linearly. Against it, the optimum shows the worth of an economic distribution."
+            "The fastest run with all its speeds lowered in one ratio, so that it takes the time of the timetable. "
+            "It shows how much a better distribution of the reserve saves."
         ),
         applies_to="no passing points, at rest at both ends",
     )

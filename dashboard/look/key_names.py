@@ -38,6 +38,7 @@ UNITS = {
     "_rads": "rad/s",
     "_kmh": "km/h",
     "_ms2": "m/s\u00b2",
+    "_ms3": "m/s\u00b3",
     "_ohm": "ohm",
     "_kwh": "kWh",
     "_kg": "kg",
