@@ -170,7 +170,8 @@ def _leg_nodes(position_m: FloatArray, speed2: FloatArray, jerk: float) -> Float
     # borders of the line lie on nodes of the plan: those stay
     own = np.isin(nodes, position_m)
     gap = np.diff(nodes) > SHORTEST_CELL_M
-    return nodes[own | (np.append(gap, True) & np.insert(gap, 0, True))]
+    kept: FloatArray = nodes[own | (np.append(gap, True) & np.insert(gap, 0, True))]
+    return kept
 
 
 def _between_stops(mesh: MeshedLine, plan2: FloatArray, jerk: float) -> FloatArray:
@@ -250,6 +251,6 @@ def _hull(speed2: FloatArray, length: FloatArray, resisting: FloatArray, jerk: f
             hull.pop()
         hull.append(node)
     lowest = np.interp(place, np.array(place)[hull], np.array(value)[hull])
-    found2 = 2 * (lowest - added)
+    found2: FloatArray = 2 * (lowest - added)
     found2[hull] = speed2[hull]
     return found2

@@ -192,7 +192,7 @@ def punctuality(table: StudyTable) -> tuple[Punctuality, ...]:
 def has_dwell_scatter(scenario: Scenario) -> bool:
     """Return whether dwells differ from the planned ones."""
     options = scenario.montecarlo
-    return options.dwell_delay_s != type(options).model_fields["dwell_delay_s"].default
+    return bool(options.dwell_delay_s != type(options).model_fields["dwell_delay_s"].default)
 
 
 def draw_dwells(scenario: Scenario) -> FloatArray:
