@@ -1,8 +1,8 @@
 """The running time reserve distributed linearly: all speeds of the fastest run are lowered in one ratio.
 
-With v the speed of the fastest run, the train runs at k v wherever its efforts allow it, in each part of the line that
-has a reserve of its own with another k, so that each part takes its shortest time and its reserve. The train runs as fast as it can below k v on
-climbs that it takes with full effort.
+With v the speed of the fastest run, the train runs at k v wherever its efforts allow it. Each part of the line with a
+reserve of its own has its own k, so that it takes its shortest time and its reserve. The train runs as fast as it can
+below k v on climbs that it takes with full effort.
 
 Source: the linear margin of OSRD, https://osrd.fr/en/docs/explanation/running_time_calculation/allowances/
 """
