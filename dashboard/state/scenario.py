@@ -76,17 +76,19 @@ class ScenarioModel(TypedParameters):
 
     def _follow_reserve(self, *events: param.parameterized.Event) -> None:
         """Let the travel time follow the load where a reserve gives it and it was not set by hand."""
-        before = self._draft
-        if before is None or not before.edited.timetable.has_reserve:
+        edited, loads = self.edited, [event for event in events if event.name == "load_percent"]
+        if len(loads) < len(events) or not edited.timetable.has_reserve:
             return
-        if any(event.name == "travel_time_s" for event in events) or "timetable.travel_time_s" in before.changes:
-            return
-        load = {"vehicle.load_factor": self.load_percent / 100}
         try:
-            self.travel_time_s = round(self.edited.replace(**load).travel_time_s, 1)
+            before, now = (
+                round(edited.replace(**{"vehicle.load_factor": percent / 100}).travel_time_s, 1)
+                for percent in (loads[0].old, loads[0].new)
+            )
         except RailjouleError:
             # the runs of this load are refused with their reason
             return
+        if self.travel_time_s == before:
+            self.travel_time_s = now
 
     @property
     def draft(self) -> ScenarioDraft:
