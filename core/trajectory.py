@@ -135,6 +135,16 @@ class Trajectory:
         node = int(np.searchsorted(self.position_m, position_m - 1e-6))
         return float(self.time_s[min(node, len(self.time_s) - 1)] - self.time_s[0])
 
+    @property
+    def station_arrivals(self) -> tuple[tuple[str, float, float], ...]:
+        """Name, position [m] and arrival [s] of each station between the ends and of the end; empty without one."""
+        line = self.scenario.line.in_running_order()
+        inner, end = line.inner_stations, line.end_station
+        names = [station.name or f"station {number}" for number, station in enumerate(inner, 2)]
+        names.append((end is not None and end.name) or "the end")
+        places = zip(names, line.stops_m[1:], strict=True)
+        return tuple((name, place, self.arrival_s(place)) for name, place in places) if inner else ()
+
     def keeps(self, window: Window) -> bool:
         """Return whether the train arrives within a window."""
         position_m, earliest_s, latest_s = window

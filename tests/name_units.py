@@ -29,6 +29,7 @@ UNITS = {
     "_per_m": "1/m",
     "_per_metre": "1/m",
     "_per_newton": "A/N",
+    "_min_per_100km": "min/100 km",
     "_permille": "per mille",
     "_rads": "rad/s",
     "_s": "s",
@@ -42,6 +43,7 @@ UNITS = {
     "_w_per_rads3": "W/(rad/s)3",
     "_ws": "W s",
     "_ws2": "W s2",
+    "reserve_percent": "%",
     "speed2": "m2/s2",
     "torque_per_amp_nm": "N m/A",
 }

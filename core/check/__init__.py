@@ -7,8 +7,9 @@ and their sources stand in the modules: `train` (masses, line, running resistanc
 that none of it imports a drive, a solver or the energy balance that it checks.
 
 It cannot judge whether the vehicle's data are right, nor whether a run could be cheaper; the bound is only compared
-with the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree only
-within a share of the losses, `synchronous.TABLE_ACCURACY`.
+with the energy. The shortest running times of a timetable with a reserve are those of `fastest`. The losses of
+synchronous motors are exact here and tabulated in the product, so that they agree only within a share of the losses,
+`synchronous.TABLE_ACCURACY`.
 """
 
 from collections.abc import Iterator, Mapping

@@ -23,6 +23,8 @@ ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
 # distance goes with the square of speed: twice the share of a speed, and more where the deceleration steps
 ROUNDED_CURVE = 1e-5
+# the resistance changes with the speed within a step of the effort
+ROUNDED_JERK = 0.01
 LATE_S, LATE_SHARE = 1e-6, 2e-9
 # a window is kept to a hundredth of a millisecond, and times of a table are written with ten digits
 MISSED_S = 1e-4
@@ -39,7 +41,7 @@ TOP_SPEED = "the vehicle's top speed"
 def motion_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's motion."""
     yield from starmap(find_largest, _cell_rules(case))
-    for findings in (_forces, _stops, _windows, _arrival, _speed_limit, _braking_curve):
+    for findings in (_forces, _jerk, _stops, _windows, _arrival, _speed_limit, _braking_curve):
         yield from findings(case)
 
 
@@ -105,6 +107,26 @@ def _forces(case: Case) -> Iterator[Finding]:
     misses = np.maximum(np.abs(reported - required) - rounding, 0.0)
     scale = np.maximum(np.abs(reported), np.abs(required)) + FORCE_SCALE_SHARE * N_PER_KN * weight_kn
     yield find_largest("balance of forces", "the force", ROUNDED_FORCE, misses / scale, case.middle_m)
+
+
+def _jerk(case: Case) -> Iterator[Check]:
+    """Compare the rate at which the effort changes, over the inertia, with its limit.
+
+    The effort is constant in a cell, so that the rate is taken between the middles of two; at a stand the acceleration
+    is zero.
+    """
+    limit = case.scenario.vehicle.max_jerk_ms3
+    if limit is None or not case.moves.any():
+        return
+    effort = case.required_effort_n / case.train.inertia_kg
+    change, between = np.abs(np.diff(effort)), 0.5 * (case.duration_s[1:] + case.duration_s[:-1])
+    # a stand between two cells: each of them begins or ends there without acceleration
+    change[case.entering_speed2[1:] == 0] = 0.0
+    rate = (change - case.rounding_ms2[1:] - case.rounding_ms2[:-1]) / between
+    still = (case.entering_speed2 == 0) | (case.leaving_speed2 == 0)
+    ends = np.where(still, 2 * np.abs(case.acceleration_ms2) / case.duration_s, 0.0)
+    rates, places = np.append(rate, ends), np.append(case.end_m[:-1], case.middle_m)
+    yield find_largest("jerk", "the limit", ROUNDED_JERK, rates / limit - 1, places)
 
 
 def _stops(case: Case) -> Iterator[Check]:

@@ -13,7 +13,7 @@ from railjoule.core.scenario._base import PresetPart
 from railjoule.core.scenario._sentences import shorten, show, validated
 from railjoule.core.scenario.line import Line, Section
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
-from railjoule.core.scenario.scenario import Scenario
+from railjoule.core.scenario.scenario import RESERVE_KEYS, TIME_KEYS, Scenario
 from railjoule.core.scenario.text_file import (
     MAX_FILE_BYTES,
     MAX_KEY_PARTS,
@@ -33,8 +33,9 @@ AnyPart = TypeVar("AnyPart", bound=PresetPart)
 # leave both in force, which the model refuses.
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
-    {"travel_time_s", "average_speed_kmh"},
-    {"travel_time_s", "deduct_train_length"},
+    set(TIME_KEYS),
+    *({key, "deduct_train_length"} for key in TIME_KEYS if key != "average_speed_kmh"),
+    *({key, "reserve_parts"} for key in TIME_KEYS if key not in RESERVE_KEYS),
 )
 """Keys of which only one has an effect: one replaces the other."""
 

@@ -182,6 +182,9 @@ class MonteCarloOptions(Part):
         Normal(distribution="normal", standard_deviation=0.03), description="Supply voltage over its nominal value."
     )
     departure_delay_s: Distribution = Field(Fixed(distribution="fixed", value=0.0), description="Departure delay [s].")
+    dwell_delay_s: Distribution = Field(
+        Fixed(distribution="fixed", value=0.0), description="Dwell at each station less the planned one [s]."
+    )
     speed_error: Distribution = Field(
         Normal(distribution="normal", standard_deviation=0.005),
         description="Measured speed over the true one, minus 1.",

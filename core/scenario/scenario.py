@@ -5,15 +5,16 @@ it over the length of an inter-station run less that of the train, (X_sum - X_tr
 """
 
 from collections.abc import Mapping
+from importlib import import_module
 from itertools import pairwise
-from typing import Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field, field_validator, model_validator
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._base import Name, Number, Part, require_effect
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.scenario.line import Line
+from railjoule.core.scenario.line import Line, Stretch
 from railjoule.core.scenario.options import (
     EnocOptions,
     EocOptions,
@@ -28,9 +29,41 @@ from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.strategy import require_strategy
 from railjoule.core.units import MS_PER_KMH
 
+if TYPE_CHECKING:
+    from railjoule.core.reserve import ReservedTime
+
+RESERVE_KEYS = ("reserve_percent", "reserve_min_per_100km")
+"""Keys of a running time reserve, of which a timetable has one at most."""
+TIME_KEYS = ("travel_time_s", "average_speed_kmh", *RESERVE_KEYS)
+"""Keys of the time for the whole run, of which a timetable has exactly one."""
+Percent = Annotated[Number | None, Field(None, gt=0, le=1000, description="Reserve, share of the shortest time [%].")]
+PerDistance = Annotated[Number | None, Field(None, gt=0, le=1000, description="Reserve over distance [min/100 km].")]
+
+
+class ReservePart(Stretch):
+    """A part of the line with a running time reserve of its own."""
+
+    reserve_percent: Percent = None
+    reserve_min_per_100km: PerDistance = None
+
+    @model_validator(mode="after")
+    def _one_definition(self) -> Self:
+        _require_one(self, RESERVE_KEYS)
+        return self
+
+
+def _require_one(table: Part, keys: tuple[str, ...]) -> None:
+    """Raise ValueError unless a table has exactly one of some keys."""
+    if sum(getattr(table, key) is not None for key in keys) != 1:
+        raise ValueError(f"needs exactly one of {', '.join(keys[:-1])} and {keys[-1]}")
+
 
 class Timetable(Part):
-    """The time for the whole run, dwells included: given itself or as an average speed; and the speeds at its ends."""
+    """The time for the whole run, dwells included, and the speeds at its ends.
+
+    The time is given itself, as an average speed, or as a reserve beyond the shortest running times, which vary with
+    train, load and line.
+    """
 
     # a day at most: a run that takes longer is a timetable in minutes or milliseconds
     travel_time_s: Number | None = Field(None, gt=0, le=86400, description="Time for the whole run [s].")
@@ -38,28 +71,49 @@ class Timetable(Part):
     deduct_train_length: bool = Field(
         False, strict=True, description="The average speed counts over each inter-station run less the train's length."
     )
+    reserve_percent: Percent = None
+    reserve_min_per_100km: PerDistance = None
+    reserve_parts: tuple[ReservePart, ...] = Field(
+        (), max_length=1000, description="Parts of the line with another reserve."
+    )
     # a part of a longer journey begins and ends in motion; published benchmarks do so with 1 m/s
     entry_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the start of the line [km/h].")
     exit_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the end of the line [km/h].")
 
     @model_validator(mode="after")
     def _one_definition(self) -> Self:
-        # both would contradict each other as soon as the line changes, and none leaves the time open
-        if (self.travel_time_s is None) == (self.average_speed_kmh is None):
-            raise ValueError("needs exactly one of travel_time_s and average_speed_kmh")
+        # two would contradict each other as soon as the line changes, and none leaves the time open
+        _require_one(self, TIME_KEYS)
+        given = next(key for key in TIME_KEYS if getattr(self, key) is not None)
         if self.average_speed_kmh is None:
-            require_effect(self, ("deduct_train_length",), "with travel_time_s, only with average_speed_kmh")
+            require_effect(self, ("deduct_train_length",), f"with {given}, only with average_speed_kmh")
+        if self.reserve_parts and not self.has_reserve:
+            raise ValueError(f"reserve_parts has no effect with {given}, only with a reserve for the rest of the line")
+        for index, (before, after) in enumerate(pairwise(self.reserve_parts), 1):
+            if after.from_m < before.to_m:
+                raise ValueError(
+                    f"reserve_parts[{index}].from_m = {after.from_m:g} lies before the end of the part before it at "
+                    f"{before.to_m:g} m"
+                )
         return self
+
+    @property
+    def has_reserve(self) -> bool:
+        """Whether the time follows from the shortest running times and a reserve."""
+        return any(getattr(self, key) is not None for key in RESERVE_KEYS)
+
+    def with_travel_time(self, travel_time_s: float) -> "Timetable":
+        """Return a timetable with the same speeds at its ends and this time for the whole run [s]."""
+        others = dict.fromkeys(TIME_KEYS) | {"deduct_train_length": False, "reserve_parts": ()}
+        return self.model_copy(update=others | {"travel_time_s": travel_time_s})
 
     @property
     def end_speeds_ms(self) -> tuple[float, float]:
         """Speeds at the start and at the end of the line [m/s]."""
         return self.entry_speed_kmh * MS_PER_KMH, self.exit_speed_kmh * MS_PER_KMH
 
-    def travel_time_over(self, length_m: float) -> float:
-        """Return the time for a line of `length_m` [m], in s."""
-        if self.travel_time_s is not None:
-            return self.travel_time_s
+    def time_at_average_speed(self, length_m: float) -> float:
+        """Return the time for a line of `length_m` [m] at the average speed, in s."""
         assert self.average_speed_kmh is not None
         return length_m / (self.average_speed_kmh * MS_PER_KMH)
 
@@ -144,12 +198,23 @@ class Scenario(Part):
             raise ValueError("line.limits_hold_for = 'whole_train' needs vehicle.length_m")
         if self.timetable.deduct_train_length:
             self._require_runs_longer_than_the_train()
-        for name, part in (("line", self.line), ("disturbance", self.disturbance)):
-            if part.rail_condition is not None and vehicle.adhesion.driven_mass_share is None:
+        for index, part in enumerate(self.timetable.reserve_parts[-1:], len(self.timetable.reserve_parts) - 1):
+            # the length is a sum of sections
+            if part.to_m > length + 1e-9:
                 raise ValueError(
-                    f"{name}.rail_condition = '{part.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
+                    f"timetable.reserve_parts[{index}].to_m = {part.to_m:g} lies beyond the end of the line at "
+                    f"{length:g} m"
+                )
+        for name, table in (("line", self.line), ("disturbance", self.disturbance)):
+            if table.rail_condition is not None and vehicle.adhesion.driven_mass_share is None:
+                raise ValueError(
+                    f"{name}.rail_condition = '{table.rail_condition}' needs vehicle.adhesion.driven_mass_share, the "
                     "share of the mass on driven axles; it is 1 where all axles are driven"
                 )
+        if not self.line.inner_stations:
+            default = MonteCarloOptions.model_fields["dwell_delay_s"].default
+            if self.montecarlo.dwell_delay_s != default:
+                raise ValueError("montecarlo.dwell_delay_s has no effect on a line without a station between its ends")
         # against the crush load and not 1: what a train really carries may exceed its nominal capacity
         load, most = self.disturbance.actual_load_factor, vehicle.crush_load_factor
         if load is not None and load > most:
@@ -171,8 +236,36 @@ class Scenario(Part):
 
     @property
     def travel_time_s(self) -> float:
-        """Time for the whole run, dwells included [s]: no more than the latest arrival at the end of the line."""
-        return min(self.timetable.travel_time_over(self.timed_length_m), self._latest_arrival_s)
+        """Time for the whole run, dwells included [s]: no more than the latest arrival at the end of the line.
+
+        Raises
+        ------
+        InfeasibleLineError
+            If it follows from the shortest running times, and no run passes the line.
+        """
+        return min(self._timetabled_s, self._latest_arrival_s)
+
+    @property
+    def _timetabled_s(self) -> float:
+        timetable = self.timetable
+        if timetable.travel_time_s is not None:
+            return timetable.travel_time_s
+        if timetable.has_reserve:
+            return self.reserved_time.travel_time_s
+        return timetable.time_at_average_speed(self.timed_length_m)
+
+    @property
+    def reserved_time(self) -> "ReservedTime":
+        """The shortest running times and their reserve, for a timetable with a reserve."""
+        # by name: the shortest times need compiled kernels, which depend on scenarios
+        reserved: ReservedTime = import_module("railjoule.core.reserve").reserved_time(self)
+        return reserved
+
+    def with_fixed_time(self) -> "Scenario":
+        """Return a scenario whose time is that of now, also where it is a reserve and train or line change later."""
+        if not self.timetable.has_reserve:
+            return self
+        return self.model_copy(update={"timetable": self.timetable.with_travel_time(self._timetabled_s)})
 
     @property
     def deducted_m(self) -> float:
@@ -186,24 +279,27 @@ class Scenario(Part):
 
     @property
     def time_note(self) -> str:
-        """Sentence on the travel time with and without the train's length; empty where it is not deducted."""
+        """Sentence on how the travel time follows from a reserve or a deducted length; empty where it is given."""
+        if self.timetable.has_reserve:
+            return self.reserved_time.sentence
         if not self.timetable.deduct_train_length:
             return ""
-        whole_s = self.timetable.travel_time_over(self.line.length_m)
+        whole_s = self.timetable.time_at_average_speed(self.line.length_m)
         return (
             f"Travel time by Shtompel (15): {self.timed_length_m:.6g} m, the line less the train's length of "
             f"{self.deducted_m:g} m for each inter-station run, at {self.timetable.average_speed_kmh:g} km/h take "
-            f"{self.timetable.travel_time_over(self.timed_length_m):.1f} s; the whole line, {whole_s:.1f} s."
+            f"{self.timetable.time_at_average_speed(self.timed_length_m):.1f} s; the whole line, {whole_s:.1f} s."
         )
 
     @property
     def travel_time_key(self) -> str:
         """The key that limits the time for the whole run."""
-        if self._latest_arrival_s < self.timetable.travel_time_over(self.timed_length_m):
+        if self._latest_arrival_s < self._timetabled_s:
             # at the start of a line that is run in reverse
             index = 0 if self.line.reverse else len(self.line.stations) - 1
             return f"line.stations[{index}].latest_arrival_s"
-        return "timetable.travel_time_s"
+        # the time and not the reserve is what a refusal of a time compares
+        return "the travel time by timetable.reserve" if self.timetable.has_reserve else "timetable.travel_time_s"
 
     @property
     def _latest_arrival_s(self) -> float:

@@ -176,6 +176,11 @@ class Vehicle(PresetPart):
     line_voltage_v: Number | None = Field(
         None, gt=0, le=100_000, description="Nominal voltage of the supply, from which its current follows [V]."
     )
+    # EN 13452-1 and suppliers of metros have 0.5 to 1.5 m/s3 in service braking, comfort of standing passengers less;
+    # above some 10 a limit is none
+    max_jerk_ms3: Number | None = Field(
+        None, ge=0.05, le=10, description="Limit of the rate at which efforts change, over the inertia [m/s3]."
+    )
     length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; if empty, a point.")
     car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
     gradient_at: Literal["whole_train", "front", "middle"] = Field(

@@ -103,6 +103,8 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
     RailjouleError
         As `railjoule.core.solve` for the plan; InfeasibleLineError if the train comes to a stand on its way.
     """
+    # stations may be moved below to where the train stood for them
+    scenario = scenario.with_fixed_time()
     plan = planned or solve_plan(scenario)
     run, following, disturbed = plan, None, None
     causes = []

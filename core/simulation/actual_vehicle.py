@@ -10,6 +10,8 @@ from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResista
 SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
 RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
 
+NO_JERK_LIMIT = "Plan and actual run are those of a train without vehicle.max_jerk_ms3, which only single runs keep."
+
 
 def actual_vehicle(scenario: Scenario) -> Scenario:
     """Return a scenario with the vehicle and rails of its disturbance.
@@ -22,6 +24,8 @@ def actual_vehicle(scenario: Scenario) -> Scenario:
     scenario : Scenario
         With its disturbance.
     """
+    # the timetable is that of the planned train
+    scenario = scenario.with_fixed_time()
     disturbance, vehicle, line = scenario.disturbance, scenario.vehicle, scenario.line
     if disturbance.actual_load_factor is not None:
         vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)
@@ -96,4 +100,5 @@ def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
 
 def notes_on(scenario: Scenario) -> tuple[str, ...]:
     """Return sentences on the parts of a disturbance that have no effect on the vehicle."""
-    return voltage_notes(scenario.vehicle) if scenario.disturbance.line_voltage_factor != 1 else ()
+    voltage = voltage_notes(scenario.vehicle) if scenario.disturbance.line_voltage_factor != 1 else ()
+    return voltage if scenario.vehicle.max_jerk_ms3 is None else (*voltage, NO_JERK_LIMIT)

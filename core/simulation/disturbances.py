@@ -107,7 +107,8 @@ def simulate_disturbances(
 
 def unknowing_scenario(scenario: Scenario) -> Scenario:
     """Return a scenario in running order with the train as it is, nothing known of its events."""
-    return actual_vehicle(scenario.model_copy(update={"line": scenario.line.in_running_order()}))
+    timed = scenario.with_fixed_time()
+    return actual_vehicle(timed.model_copy(update={"line": timed.line.in_running_order()}))
 
 
 class _Simulation(Replanner):

@@ -12,12 +12,14 @@ distance is compared with the known one, which calibrates speed and distance fro
 """
 
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.best_known import ON_TIME_S
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
@@ -28,6 +30,8 @@ from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
 from railjoule.core.simulation.leg import DrivenPlan, make_leg
 from railjoule.core.strategies import Task, run_strategy
+from railjoule.core.strategies.line_parts import cut_part
+from railjoule.core.strategies.optimal import unwindowed_optimum
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import N_PER_KN
@@ -80,11 +84,14 @@ class Following(DrivenPlan):
         Estimated positions between one stop and the next.
     departure_delay_s : float
         How much later than planned it left [s].
+    arrival_delays_s : tuple of float
+        How much later than planned it arrived at each stop, the end included [s].
     """
 
     stop_errors_m: tuple[float, ...]
     stretches: tuple[list[Stretch], ...]
     departure_delay_s: float
+    arrival_delays_s: tuple[float, ...]
 
     @property
     def delay_s(self) -> float:
@@ -110,7 +117,8 @@ def plan_for(scenario: Scenario) -> Trajectory:
 
 def plan_knowing_load(scenario: Scenario, load_factor: float) -> Trajectory | None:
     """Return the plan with the actual load, or None if there is none."""
-    known = scenario.model_copy(update={"vehicle": changed(scenario.vehicle, load_factor=load_factor)})
+    vehicle = changed(scenario.vehicle, load_factor=load_factor)
+    known = scenario.with_fixed_time().model_copy(update={"vehicle": vehicle})
     try:
         return plan_for(known)
     except (InfeasibleLineError, TimetableError, SolverError):
@@ -142,7 +150,28 @@ def stop_positions_m(scenario: Scenario) -> list[float]:
     return [*(station.position_m for station in line.inner_stations), line.length_m]
 
 
-def follow(planned: Trajectory, scenario: Scenario) -> Following:
+Replan = Callable[[float, float], Trajectory]
+"""Returns the plan from the stop at a place [m] to the end, for the time that is left there [s]."""
+
+
+def replanned_rests(scenario: Scenario) -> Replan:
+    """Return the optimum of the rest of a scenario's line, or where the time is too short, its fastest run."""
+    task = plannable_task(scenario)
+
+    def replan(position_m: float, left_s: float) -> Trajectory:
+        node, last = int(np.argmin(np.abs(task.position_m - position_m))), task.mesh.cell_count
+        dwells_s = float(task.mesh.dwell_s[node + 1 : last].sum())
+        part = cut_part(task, node, last, left_s - dwells_s)
+        if part.has_slack:
+            return unwindowed_optimum(part)
+        return make_trajectory(scenario, part.mesh, "fastest", part.fastest_speed2)
+
+    return replan
+
+
+def follow(
+    planned: Trajectory, scenario: Scenario, dwell_delays_s: Sequence[float] = (), replan: Replan | None = None
+) -> Following:
     """Return the run of a train that follows a plan under the disturbance of a scenario.
 
     Parameters
@@ -151,6 +180,11 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         The plan over the scenario's line.
     scenario : Scenario
         With its disturbance: the load really carried, the position error, the sensors.
+    dwell_delays_s : sequence of float, optional
+        By how much the dwell at each station differs from the planned one [s]; then the train leaves no station before
+        its planned departure.
+    replan : callable, optional
+        Plans the rest at each late departure; by default the speeds stay those of the plan.
 
     Raises
     ------
@@ -164,26 +198,39 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     entry2 = planned.speed_ms[:1] ** 2
     nodes, speeds, stop_nodes, errors, estimates = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
-    for stop in stop_positions_m(scenario):
+    stops_m, plan, target = stop_positions_m(scenario), make_leg(planned), planned
+    # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
+    stands = [plan.dwell_s[np.argmin(np.abs(plan.position_m - place))] for place in (0.0, *stops_m[:-1])]
+    due_s = [planned.arrival_s(place) for place in stops_m]
+    late_s, delays = scenario.disturbance.departure_delay_s, []
+    time_s = late_s + stands[0]
+    for number, stop in enumerate(stops_m):
+        if replan is not None and late_s > ON_TIME_S:
+            target = replan(planned_start, due_s[-1] - time_s)
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
-        leg, speed2 = _drive_leg(planned, real, stretched, (start, planned_start, stop))
+        leg, speed2 = _drive_leg(target, real, stretched, (start, planned_start, stop))
         nodes.append(leg[1:])
         speeds.append(speed2[1:])
         errors.append(float(leg[-1] - stop))
         estimates.append(stretched)
         stop_nodes.append(sum(map(len, nodes)) - 1)
         start, planned_start = float(leg[-1]), stop
+        speed = np.sqrt(speed2)
+        time_s += float(np.sum(2 * np.diff(leg) / (speed[1:] + speed[:-1])))
+        delays.append(time_s - due_s[number])
+        if number < len(dwell_delays_s):
+            departure_s = due_s[number] + stands[number + 1]
+            stands[number + 1] = max(departure_s, time_s + stands[number + 1] + dwell_delays_s[number]) - time_s
+            late_s = time_s + stands[number + 1] - departure_s
+        if number + 1 < len(stands):
+            time_s += stands[number + 1]
     mesh = build_meshed_line(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(mesh.cell_count + 1)
-    # a plan may wait for a window of arrival, at the start as well: more than the dwells of the stations
-    plan = make_leg(planned)
-    stands = [
-        plan.dwell_s[np.argmin(np.abs(plan.position_m - stop))] for stop in (0.0, *stop_positions_m(scenario)[:-1])
-    ]
     dwell[[0, *stop_nodes[:-1]]] = stands
     mesh = replace(mesh, dwell_s=dwell)
     actual = make_trajectory(real, mesh, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
-    return Following(planned, actual, tuple(errors), tuple(estimates), scenario.disturbance.departure_delay_s)
+    delay_s = scenario.disturbance.departure_delay_s
+    return Following(planned, actual, tuple(errors), tuple(estimates), delay_s, tuple(delays))
 
 
 def _require_errors_within_a_section(scenario: Scenario) -> None:

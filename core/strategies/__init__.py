@@ -15,6 +15,7 @@ calls `register`; it decides which scenarios it refuses and makes the trajectory
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import iter_modules
@@ -32,6 +33,7 @@ from railjoule.core.errors import (
     ScenarioError,
     StrategyRefusedError,
 )
+from railjoule.core.jerk import limit_jerk
 from railjoule.core.measures import MEASURES, measure
 from railjoule.core.scenario import Scenario, as_scenario
 from railjoule.core.strategies.arrival_windows import missed_windows
@@ -139,17 +141,17 @@ def solve(
 
 def _solve_task(task: Task, strategy: "str | OwnStrategy | None", prove_seconds: float | None) -> Trajectory:
     """Return the run of a strategy over a task with its bound and the best known run; errors as `solve`."""
-    trajectory = run_strategy(task, strategy or task.scenario.strategy)
+    chosen = strategy or task.scenario.strategy
+    trajectory = run_strategy(task, chosen)
     # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is not None:
-        return _tightened(task, trajectory, prove_seconds)
-    if not task.has_slack:
-        return trajectory
-    best = known_optimum(task)
-    best = None if best is None else _tightened(task, best, prove_seconds)
-    trajectory = bounded(task, trajectory, best.bound if best is not None else None)
-    *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
-    return trajectory
+        trajectory = _tightened(task, trajectory, prove_seconds)
+    elif task.has_slack:
+        best = known_optimum(task)
+        best = None if best is None else _tightened(task, best, prove_seconds)
+        trajectory = bounded(task, trajectory, best.bound if best is not None else None)
+        *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
+    return limit_jerk(task, partial(run_strategy, strategy=chosen), trajectory)
 
 
 def run_strategy(task: Task, strategy: "str | OwnStrategy") -> Trajectory:
@@ -222,8 +224,13 @@ def compare(
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
-    runs = with_bounds(task, runs, prove_seconds)
-    return Comparison(tuple(runs), refused, (task.shortest_travel_time_s,) * len(runs))
+    kept: list[Trajectory] = []
+    for run in with_bounds(task, runs, prove_seconds):
+        try:
+            kept.append(limit_jerk(task, partial(run_strategy, strategy=run.strategy), run))
+        except RailjouleError as refusal:
+            refused[run.strategy] = str(refusal)
+    return Comparison(tuple(kept), refused, (task.shortest_travel_time_s,) * len(kept))
 
 
 def _compare_scenarios(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,14 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulation.actual_vehicle import voltage_notes
-from railjoule.core.simulation.following import follow, plan_for, plan_knowing_load, stop_positions_m
+from railjoule.core.simulation.actual_vehicle import NO_JERK_LIMIT, voltage_notes
+from railjoule.core.simulation.following import (
+    follow,
+    plan_for,
+    plan_knowing_load,
+    replanned_rests,
+    stop_positions_m,
+)
 from railjoule.core.studies.rows import RowByRow, rows_in_order
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
@@ -36,6 +42,8 @@ LONGEST_DELAY_S, MAX_SPEED_ERROR = 86400.0, 0.5
 # tram-950m), and nine plans are fewer than one a run.
 PLANNED_LOADS = np.linspace(0.0, 1.0, 9)
 """Shares of the largest load whose own plans are computed; between them their energy is interpolated."""
+ON_TIME_S = 0.05
+"""A delay that no timetable shows [s]."""
 RUNS_PER_STEP = 40
 """A page draws its histogram at each step: about ten times a second."""
 
@@ -44,7 +52,9 @@ def monte_carlo(scenario: Scenario, executor: Executor | None = None) -> StudyTa
     """Return random runs of a plan, with a row for each run; NaN where the real train cannot pass the line.
 
     Its columns are the `QUANTITIES` drawn, energy as driven, overconsumption against the plan, and against the plan of
-    the actual load, delay at the end, last stopping error, and energy of the plan for the actual load.
+    the actual load, delay at the end, last stopping error, and energy of the plan for the actual load. With dwells that
+    scatter, also the dwell less the planned one and the delay of the arrival at each station, and energy and delay of a
+    run whose rest is planned again at each late departure, which makes up for the delay as far as it can.
 
     Parameters
     ----------
@@ -70,34 +80,44 @@ def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> I
     planned = plan_for(scenario)
     drawn = draw(scenario)
     replanned = _replanned_energies(scenario, drawn["load_factor"])
+    dwells = draw_dwells(scenario)
     attributes = {
         "title": scenario.title,
         "strategy": scenario.strategy,
         "planned_energy_kwh": planned.energy_kwh,
         "seed": scenario.montecarlo.seed,
-        "notes": () if np.all(drawn["line_voltage_factor"] == 1) else voltage_notes(scenario.vehicle),
+        "notes": (
+            *(() if np.all(drawn["line_voltage_factor"] == 1) else voltage_notes(scenario.vehicle)),
+            *(() if scenario.vehicle.max_jerk_ms3 is None else (NO_JERK_LIMIT,)),
+        ),
     }
 
     def table(results: FloatArray) -> StudyTable:
-        done, (energy, delay, stop_error) = len(results), results.T
+        done, (energy, delay, stop_error, *more) = len(results), results.T
+        stations = range(1, dwells.shape[1] + 1)
+        names = [*(f"arrival_delay_{number}_s" for number in stations), "made_up_kwh", "made_up_delay_s"]
         columns = {
             **{name: values[:done] for name, values in drawn.items()},
+            **{f"dwell_delay_{number}_s": dwells[:done, number - 1] for number in stations},
             "energy_kwh": energy,
             "overconsumption": share_above(energy, planned.energy_kwh),
             "over_replanned": share_above(energy, replanned[:done]),
             "delay_s": delay,
             "stop_error_m": stop_error,
             "replanned_kwh": replanned[:done],
+            **dict(zip(names if more else (), more, strict=True)),
         }
         return StudyTable(scenario, {"run": range(done)}, columns, attributes, done)
 
-    work, samples = drawn_runs(planned, scenario), np.column_stack([drawn[name] for name in QUANTITIES])
+    work, samples = drawn_runs(planned, scenario), np.column_stack([*(drawn[name] for name in QUANTITIES), dwells])
     for rows in rows_in_order(work, samples, executor, RUNS_PER_STEP):
         yield table(rows.values)
 
 
 def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
     """Return the work that follows a plan with rows of `QUANTITIES`: energy [kWh], delay [s], stopping error [m].
+
+    Rows with dwells behind have more results, as the columns of `monte_carlo`.
 
     Parameters
     ----------
@@ -106,13 +126,86 @@ def drawn_runs(planned: Trajectory, scenario: Scenario) -> RowByRow:
     scenario : Scenario
         The actual train and line; rows of random values replace its disturbance.
     """
+    stations = len(scenario.line.inner_stations) if has_dwell_scatter(scenario) else 0
+    replan = replanned_rests(scenario) if stations else None
 
-    def run(drawn: Sequence[float]) -> tuple[float, float, float]:
-        driven = follow(planned, drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=True))))
-        return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+    def run(drawn: Sequence[float]) -> tuple[float, ...]:
+        actual = drawn_scenario(scenario, dict(zip(QUANTITIES, drawn, strict=False)))
+        dwells = drawn[len(QUANTITIES) :]
+        driven = follow(planned, actual, dwells)
+        results = driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+        if not dwells:
+            return results
+        made_up = follow(planned, actual, dwells, replan)
+        return *results, *driven.arrival_delays_s[:-1], made_up.actual.energy_kwh, made_up.delay_s
 
     # a train may be too heavy for a ramp: such a run stays NaN
-    return RowByRow(run, RESULTS, InfeasibleLineError)
+    return RowByRow(run, RESULTS + (stations + 2 if stations else 0), InfeasibleLineError)
+
+
+class Punctuality(NamedTuple):
+    """Arrivals at one place in all runs with scattered dwells that reach the end.
+
+    Parameters
+    ----------
+    place : str
+        Station, or the end with the way of driving.
+    mean_delay_s, late_delay_s : float
+        Mean delay, and the delay that 95 % of the runs do not exceed [s].
+    share_on_time : float
+        Share of the runs that are late by no more than `disturbance.accepted_delay_s`.
+    energy_kwh : float or None
+        Mean energy of the whole run, at the end [kWh].
+    """
+
+    place: str
+    mean_delay_s: float
+    late_delay_s: float
+    share_on_time: float
+    energy_kwh: float | None
+
+
+def punctuality(table: StudyTable) -> tuple[Punctuality, ...]:
+    """Return the punctuality at each station and at the end, of runs that keep to the plan and that make up for delays.
+
+    Empty where no dwells scatter, or no run has reached the end yet.
+    """
+    reached = np.isfinite(table.energy_kwh)
+    if not has_dwell_scatter(table.scenario) or not reached.any():
+        return ()
+    stations = table.scenario.line.in_running_order().inner_stations
+    places = [
+        (station.name or f"station {number + 1}", f"arrival_delay_{number}_s", "")
+        for number, station in enumerate(stations, 1)
+    ]
+    places += [("end, keeps to plan", "delay_s", "energy_kwh"), ("end, makes up", "made_up_delay_s", "made_up_kwh")]
+    accepted_s = table.scenario.disturbance.accepted_delay_s + ON_TIME_S
+    found = []
+    for place, name, energy in places:
+        delays = table[name][reached]
+        mean_kwh = float(table[energy][reached].mean()) if energy else None
+        late_s, share = float(np.quantile(delays, 0.95)), float((delays <= accepted_s).mean())
+        found.append(Punctuality(place, float(delays.mean()), late_s, share, mean_kwh))
+    return tuple(found)
+
+
+def has_dwell_scatter(scenario: Scenario) -> bool:
+    """Return whether dwells differ from the planned ones."""
+    options = scenario.montecarlo
+    return bool(options.dwell_delay_s != type(options).model_fields["dwell_delay_s"].default)
+
+
+def draw_dwells(scenario: Scenario) -> FloatArray:
+    """Return dwells less the planned ones [s], of shape (runs, stations); without columns where they do not scatter."""
+    if not has_dwell_scatter(scenario):
+        return np.zeros((scenario.montecarlo.runs, 0))
+    options, stations = scenario.montecarlo, scenario.line.in_running_order().inner_stations
+    probabilities = np.random.default_rng((options.seed, 2)).random((options.runs, len(stations)))
+    columns = [
+        _truncated("dwell_delay_s", options.dwell_delay_s, 0.0, (-station.dwell_s, LONGEST_DELAY_S), column)
+        for station, column in zip(stations, probabilities.T, strict=True)
+    ]
+    return frozen_array(np.column_stack(columns))
 
 
 def drawn_scenario(scenario: Scenario, drawn: Mapping[str, float]) -> Scenario:

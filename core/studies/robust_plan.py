@@ -24,7 +24,7 @@ from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulation.actual_vehicle import actual_vehicle
 from railjoule.core.simulation.disturbances import LATE_S
 from railjoule.core.simulation.following import plan_for, plannable_task
-from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs
+from railjoule.core.studies.montecarlo import QUANTITIES, draw, drawn_runs, has_dwell_scatter
 from railjoule.core.studies.rows import all_rows
 from railjoule.core.studies.table import StudyTable
 from railjoule.core.trajectory import Trajectory
@@ -237,6 +237,8 @@ def robust_plan_steps(
         raise ScenarioError(f"probability = {probability:g} must lie between 0 and 1.")
     if not 1 <= candidates <= MAX_CANDIDATES:
         raise ScenarioError(f"candidates = {candidates:g} must lie between 1 and {MAX_CANDIDATES:,}.")
+    if has_dwell_scatter(scenario):
+        raise ScenarioError("montecarlo.dwell_delay_s has no effect in a robust plan: remove it.")
     require_compiled()
     options = scenario.montecarlo
     search = _draw(scenario, max(1, options.runs // CHECK_RATIO), options.seed)
@@ -298,8 +300,7 @@ def _candidate_plan(
     """Return the plan of a candidate, or None if there is none."""
     assumed = Disturbance(actual_load_factor=load_factor, resistance_factor=resistance_factor)
     train = actual_vehicle(scenario.model_copy(update={"disturbance": assumed})).vehicle
-    time = {"travel_time_s": scenario.travel_time_s - reserve_s, "average_speed_kmh": None}
-    timetable = scenario.timetable.model_copy(update=time)
+    timetable = scenario.timetable.with_travel_time(scenario.travel_time_s - reserve_s)
     try:
         return plan_for(scenario.model_copy(update={"vehicle": train, "timetable": timetable}))
     except (InfeasibleLineError, TimetableError, SolverError):

@@ -21,6 +21,7 @@ from railjoule.core.studies import (
     study_braking_sensors,
 )
 from railjoule.core.studies import sensitivity as sensitivity_of
+from railjoule.core.studies.montecarlo import punctuality
 from railjoule.core.studies.robust_plan import Candidate, DrawnRuns, RobustPlan, find_robust_plan
 from railjoule.core.studies.rows import worker_count
 from railjoule.dashboard.command import files
@@ -46,14 +47,16 @@ def _workers(scenario: Scenario) -> Iterator[Executor]:
         yield executor
 
 
-def _study(options: argparse.Namespace, compute: Callable[[Scenario, Executor], StudyTable]) -> None:
-    """Write the table of a study, and print its shape."""
+def _study(options: argparse.Namespace, compute: Callable[[Scenario, Executor], StudyTable]) -> StudyTable:
+    """Write the table of a study, print its shape, and return it."""
     scenario = files.scenario(options)
     with _workers(scenario) as executor:
-        table = compute(scenario, executor).to_xarray()
+        found = compute(scenario, executor)
+    table = found.to_xarray()
     files.write_labelled_table(table, options.output)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
     print(f"{shortened(options.output)}: {shape}")
+    return found
 
 
 def tradeoff(options: argparse.Namespace) -> None:
@@ -73,7 +76,19 @@ def sensitivity(options: argparse.Namespace) -> None:
 
 def montecarlo(options: argparse.Namespace) -> None:
     """Drive a plan under what chance brings."""
-    _study(options, monte_carlo)
+    rows = [
+        (
+            row.place,
+            delay(row.mean_delay_s),
+            delay(row.late_delay_s),
+            share(row.share_on_time),
+            "" if row.energy_kwh is None else energy(row.energy_kwh),
+        )
+        for row in punctuality(_study(options, monte_carlo))
+    ]
+    if rows:
+        header = ("arrival", "mean delay, s", "95 % at most, s", "on time, %", "mean energy, kWh")
+        print("\n".join(table_lines(header, rows)))
 
 
 def assumptions(options: argparse.Namespace) -> None:

@@ -88,6 +88,10 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
         "advice": [asdict(told) for told in trajectory.advice],
+        "arrivals": [
+            dict(zip(("station", "position_m", "arrival_s"), arrival, strict=True))
+            for arrival in trajectory.station_arrivals
+        ],
         "notes": list(trajectory.all_notes),
     }
 

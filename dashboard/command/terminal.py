@@ -78,6 +78,13 @@ def comparison_text(comparison: Summary) -> str:
     """Return several runs over one scenario as a table, and who refused it."""
     results = comparison["results"]
     lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
+    if results and results[0]["arrivals"]:
+        head = ("arrival, s", *(arrival["station"] for arrival in results[0]["arrivals"]))
+        rows = [
+            (STRATEGY_WORDS[result["strategy"]], *(time(arrival["arrival_s"]) for arrival in result["arrivals"]))
+            for result in results
+        ]
+        lines += ["", *table_lines(head, rows), ""]
     for refusal in comparison["refused"]:
         lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
     for result in results:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from railjoule.core import Scenario
+from railjoule.core.scenario.scenario import TIME_KEYS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.key_names import split_unit, words_of
 
@@ -19,8 +20,9 @@ QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),
 }
 """Keys of the file that have words of their own."""
-# what others tell: the average speed as travel time, the presets by the names of their tables
-NOT_TOLD = ("title", "strategy", "timetable.average_speed_kmh", "vehicle.preset", "line.preset")
+# what others tell: average speed and reserve as travel time, the presets by the names of their tables
+TIMES = tuple(f"timetable.{key}" for key in (*TIME_KEYS[1:], "reserve_parts"))
+NOT_TOLD = ("title", "strategy", *TIMES, "vehicle.preset", "line.preset")
 
 
 def difference_words(scenario: Scenario, reference: Scenario) -> tuple[str, ...]:

@@ -13,6 +13,7 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario, ScenarioError, load_scenario
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import format_scenario, parse_scenario
+from railjoule.core.scenario.scenario import TIME_KEYS
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.limits import LONGEST_TEXT
 
@@ -23,6 +24,8 @@ FIELD_KEYS = {
     "enoc.acceleration_time_s": "acceleration_time_s",
 }
 """Keys of the file that have a field of their own beside every page."""
+OTHER_TIMES = {f"timetable.{key}" for key in (*TIME_KEYS, "deduct_train_length", "reserve_parts")}
+"""Edited keys that a time by the slider replaces."""
 
 
 @cache
@@ -86,8 +89,6 @@ class ScenarioDraft:
         """The keys of the file that differ from the base, in the order in which they count."""
         edited, now = self.edited, self.sliders
         values = {
-            # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
-            "timetable.travel_time_s": (now["travel_time_s"], round(edited.travel_time_s, 1)),
             "vehicle.load_factor": (_fraction(now["load_percent"]), edited.vehicle.load_factor),
             "drive.recuperation_factor": (
                 _fraction(now["recuperation_percent"]),
@@ -96,8 +97,15 @@ class ScenarioDraft:
             "enoc.acceleration_time_s": (now["acceleration_time_s"], edited.enoc.acceleration_time_s),
         }
         slid = {key: value for key, (value, before) in values.items() if value != before}
+        # a reserve makes the time depend on the load
+        timed = self.base.replace(**{**self.plan.edits, **slid}) if slid and edited.timetable.has_reserve else edited
+        # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
+        edits = self.plan.edits
+        if now["travel_time_s"] != round(timed.travel_time_s, 1):
+            slid = {"timetable.travel_time_s": now["travel_time_s"], **slid}
+            edits = {key: value for key, value in edits.items() if key not in OTHER_TIMES}
         # handed out at each call: who changed it in place would change the scenario of all others
-        return MappingProxyType({**self.plan.edits, **slid})
+        return MappingProxyType({**edits, **slid})
 
     @cached_property
     def scenario(self) -> Scenario:

@@ -5,7 +5,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, ScenarioError
+from railjoule.core import RailjouleError, Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.drive import DriveParameters
@@ -71,7 +71,24 @@ class ScenarioModel(TypedParameters):
     def __init__(self, **params: Any) -> None:
         self._draft: ScenarioDraft | None = None
         super().__init__(**params)
+        self.param.watch(self._follow_reserve, ["load_percent", "travel_time_s"])
         self.restore()
+
+    def _follow_reserve(self, *events: param.parameterized.Event) -> None:
+        """Let the travel time follow the load where a reserve gives it and it was not set by hand."""
+        edited, loads = self.edited, [event for event in events if event.name == "load_percent"]
+        if len(loads) < len(events) or not edited.timetable.has_reserve:
+            return
+        try:
+            before, now = (
+                round(edited.replace(**{"vehicle.load_factor": percent / 100}).travel_time_s, 1)
+                for percent in (loads[0].old, loads[0].new)
+            )
+        except RailjouleError:
+            # the runs of this load are refused with their reason
+            return
+        if self.travel_time_s == before:
+            self.travel_time_s = now
 
     @property
     def draft(self) -> ScenarioDraft:

@@ -4,6 +4,7 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.best_known import with_best_known
@@ -20,6 +21,7 @@ from railjoule.core.budget import PAGE
 from railjoule.core.compilation import needs_compiler
 from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
 from railjoule.core.compiled import MODE
+from railjoule.core.jerk import limit_jerk
 from railjoule.core.lower_bound import Bound
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
@@ -199,7 +201,8 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
             else:
                 run = run_strategy(task, name)
             # the optimum comes first, and its bound covers the runs over the same mesh that are in time
-            runs[name] = bounded(task, run, runs["optimal"].bound if "optimal" in runs else None)
+            run = bounded(task, run, runs["optimal"].bound if "optimal" in runs else None)
+            runs[name] = limit_jerk(task, partial(run_strategy, strategy=name), run)
         except RailjouleError as refusal:
             refused[name] = without_keys(str(refusal))
         if runs:

@@ -173,7 +173,8 @@ class Engine:
             if self._windows is None:
                 # no field of a sweep changes the windows of arrival
                 self._windows = bool(arrival_windows(task))
-            if not task.mesh.drive.has_idle_losses and not self._windows:
+            has_jerk_limit = scenario.vehicle.max_jerk_ms3 is not None
+            if not task.mesh.drive.has_idle_losses and not self._windows and not has_jerk_limit:
                 run = mesh_optimum(task)
                 if run is not None:
                     return run

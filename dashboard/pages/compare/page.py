@@ -231,4 +231,6 @@ class Compare(PairTab):
             known = self.compared if self.compare_all and self.compared is not None else desk.runs
             refused = {} if known is None else known.refused
             self.host.figures.object = table.answer(among, reference, so_far=self.comparing)
-            self.table.object = table.comparison_table(among, reference) + table.refusals(refused)
+            self.table.object = (
+                table.comparison_table(among, reference) + table.arrival_table(among) + table.refusals(refused)
+            )

@@ -89,6 +89,24 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> parts.
     return parts.markup(template, title, parts.table(title, buttons, rows), HINT, notes)
 
 
+def arrival_table(among: Sequence[Contender]) -> parts.Markup:
+    """Return the arrivals of all runs of the scenario at its stations as HTML; nothing on a line without any."""
+    runs = [contender for contender in among if not contender.is_pinned]
+    if not runs or not runs[0].run.station_arrivals:
+        return parts.Markup()
+    header = ["Run", *(name for name, *_ in runs[0].run.station_arrivals)]
+    rows = [
+        (
+            [parts.swatch(one.key) + one.name, *(words.time(time_s) for *_, time_s in one.run.station_arrivals)],
+            False,
+        )
+        for one in runs
+    ]
+    title = "Arrivals, s"
+    template = '<div class="wide-table wraps" tabindex="0" role="region" aria-label="{}">{}</div>'
+    return parts.markup(template, title, parts.table(title, header, rows))
+
+
 def _has_any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:
     """Return whether any run has a loss that its table would show."""
     return any(abs(each.get(kind, 0.0)) >= words.LEAST_ENERGY_KWH * J_PER_KWH for each in losses)

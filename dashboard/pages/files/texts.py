@@ -14,8 +14,8 @@ from railjoule.dashboard.parts import html as parts
 INVITATION = {
     "line": (
         "Choose files or drop them anywhere on the page. Sheets, columns and units are recognised, and can be "
-        "corrected; the scenario changes only when you press \u201cUse\u201d. The example is an invented line in the columns of "
-        "SNCF.",
+        "corrected; the scenario changes only when you press \u201cUse\u201d. The example is an invented line in "
+        "the columns of SNCF.",
         ("File", "Contents", "Format"),
         (
             ("Gradients", "begin, end, gradient; also with signs up and down", "CSV, XLSX"),

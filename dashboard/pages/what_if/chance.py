@@ -10,6 +10,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.studies.montecarlo import punctuality
 from railjoule.core.studies.robust_plan import CANDIDATES, MAX_CANDIDATES, PROBABILITY, Candidate, DrawnRuns, RobustPlan
 from railjoule.core.studies.table import StudyTable
 from railjoule.dashboard.charts.axis import nice_range, xy
@@ -263,7 +264,8 @@ class ChanceTab(Page):
         self.quantiles.object = parts.figures(
             chance_figures(chance, float(self.accepted_lateness_s)), self.failure is not None
         )
-        self.quantile_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
+        notes = parts.note_paragraphs(chance.notes)
+        self.quantile_table.object = f"{chance_table(chance)}{punctuality_table(chance)}{notes}"
 
     @shows("robust", tab=DRAWS)
     def _show_robust(self) -> None:
@@ -290,6 +292,25 @@ def chance_figures(chance: StudyTable, accepted_s: float) -> list[str]:
         parts.figure("Median", _at_most(half), "%", _unless_missed(half)),
         parts.figure("95th percentile", _at_most(most), "%", _unless_missed(most)),
     ]
+
+
+def punctuality_table(chance: StudyTable) -> parts.Markup:
+    """Return delays at the stations, and energy with delays kept or made up for, as HTML; nothing without them."""
+    rows = [
+        (
+            [
+                row.place,
+                words.time(row.mean_delay_s),
+                words.time(row.late_delay_s),
+                words.share(row.share_on_time),
+                "" if row.energy_kwh is None else words.energy(row.energy_kwh),
+            ],
+            False,
+        )
+        for row in punctuality(chance)
+    ]
+    header = ("Arrival", "Mean delay, s", "95 % at most, s", "On time, %", "Mean energy, kWh")
+    return parts.table("Arrivals with scattered dwells", header, rows) if rows else parts.Markup()
 
 
 # so many runs need less by arriving late or missing the stop, which is no saving

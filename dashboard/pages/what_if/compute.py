@@ -77,9 +77,7 @@ def compute_reality(conditions: Conditions) -> Reality:
 
 def _energy_at_equal_arrival(following: Following) -> float | None:
     scenario, time_s = following.actual.scenario, following.actual.travel_time_s
-    arrival = {"travel_time_s": time_s, "average_speed_kmh": None, "deduct_train_length": False}
-    timetable = scenario.timetable.model_copy(update=arrival)
-    scenario = scenario.model_copy(update={"timetable": timetable})
+    scenario = scenario.model_copy(update={"timetable": scenario.timetable.with_travel_time(time_s)})
     # a window of arrival at the last station may be over by then
     if scenario.travel_time_s < time_s:
         return None

@@ -295,6 +295,33 @@ CASES: dict[str, Case] = {
         },
         idle=("line.stations.0.name",),
     ),
+    "reserve": Case(
+        plan,
+        change_document(
+            PLAIN,
+            {
+                "timetable": {
+                    "reserve_percent": 12.0,
+                    "reserve_parts": [{"from_m": 500.0, "to_m": 1500.0, "reserve_percent": 20.0}],
+                }
+            },
+        ),
+        ("timetable.reserve",),
+    ),
+    "reserve over distance": Case(
+        plan,
+        change_document(
+            PLAIN,
+            {
+                "timetable": {
+                    "reserve_min_per_100km": 15.0,
+                    "reserve_parts": [{"from_m": 500.0, "to_m": 1500.0, "reserve_min_per_100km": 25.0}],
+                }
+            },
+        ),
+        ("timetable.reserve",),
+    ),
+    "jerk": Case(plan, change_document(PLAIN, {"vehicle.max_jerk_ms3": 0.6}), ("vehicle.max_jerk_ms3",)),
     "average speed without the train's length": Case(
         plan,
         change_document(PLAIN, {"timetable": {"average_speed_kmh": 33.0}, "vehicle.length_m": 80.0}),
@@ -439,6 +466,16 @@ CASES: dict[str, Case] = {
             **{f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED} for name in CONDITIONS},
             **{f"montecarlo.{name}.distribution": {f"montecarlo.{name}": FIXED_ERROR} for name in ERRORS},
         },
+        idle=("montecarlo.dwell_delay_s",),
+    ),
+    "dwells by chance": Case(
+        by_chance,
+        change_document(
+            kind_of_chance(dwell_delay_s={"distribution": "normal", "mean": 4.0, "standard_deviation": 2.0}),
+            {"line.stations": [{"position_m": 450.0, "dwell_s": 20.0}], "timetable": {"reserve_percent": 60.0}},
+        ),
+        ("montecarlo.dwell_delay_s",),
+        {"montecarlo.dwell_delay_s.distribution": {"montecarlo.dwell_delay_s": FIXED}},
     ),
     "no chance": Case(
         by_chance,

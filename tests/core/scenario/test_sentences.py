@@ -172,7 +172,7 @@ def test_missing_table(table):
 
 @pytest.mark.parametrize("times", [{}, {"travel_time_s": 100.0, "average_speed_kmh": 40.0}])
 def test_needs_one_time(times):
-    with pytest.raises(ScenarioError, match="timetable needs exactly one of travel_time_s and average_speed_kmh"):
+    with pytest.raises(ScenarioError, match="timetable needs exactly one of travel_time_s, average_speed_kmh,"):
         scenario_from_document({**PLAIN, "timetable": times})
 
 

@@ -176,7 +176,7 @@ def test_compare_prints_json(capsys):
     values = json.loads(answer(capsys, "compare", "ftorek-300s", "--set", "vehicle.load_factor=0.5", "--json"))
     assert list(values) == ["results", "refused"]
     strategies = [result["strategy"] for result in values["results"]]
-    assert strategies == ["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
+    assert strategies == ["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "linear_reserve", "fastest"]
     assert values["refused"] == []
     best = values["results"][0]
     assert best["proven"]
