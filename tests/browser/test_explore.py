@@ -13,7 +13,7 @@ from browser.layout import layout_faults
 from browser.server import Server
 from browser.user import User, open_page
 
-RUN_MS, MANY, RUNS = 240_000, 2000, 100
+RUN_MS, MANY, RUNS = 240_000, 2000, 200
 DONE = re.compile(r"^([\d\u202f]+) of ([\d\u202f]+) runs")
 DROP = """
 ([content, name]) => {
@@ -82,6 +82,7 @@ def test_it_runs_is_stopped_and_goes_on(user: User) -> None:
     run.click()
     expect(button(user, "Stop")).to_be_visible()
     expect(chart(user, "runs")).to_be_visible(timeout=RUN_MS)
+    expect(status(user)).to_contain_text(re.compile(r"[1-9]\d* of"))
     stopped = [0]
     # where it goes on, too, it can be stopped
     for _ in range(2):
