@@ -1,9 +1,9 @@
 """Workarounds for defects of Panel, panel-material-ui and Bokeh, and the only use of their private API.
 
 Tried with panel 1.9.4, panel-material-ui 0.16.6 and bokeh 3.9.2; pyproject.toml keeps out the next minor releases. Each
-docstring names the issue, or contains the text of one that is not filed yet. Each but `keep_colours`, `note_pulled` and
-`collect_garbage_rarely` has a test in tests/dashboard/test_library_workarounds.py, which fails once a release no longer
-needs it. The browser's half is assets/scripts/repairs.js.
+docstring names the issue, or contains the text of one that is not filed yet. Each has a test in
+tests/dashboard/test_library_workarounds.py, `keep_colours` in tests/browser/test_accessibility.py, which fails once a
+release no longer needs it. The browser's half is assets/scripts/repairs.js.
 """
 
 import asyncio

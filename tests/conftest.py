@@ -13,6 +13,8 @@ from railjoule.core.compilation import require_compiled
 
 TESTS = Path(__file__).parent
 BROWSER = TESTS / "browser"
+SELF_CONTAINED = {"test_away", "test_documentation", "test_report", "test_scripts"}
+"""Files of browser tests that need neither the common server nor its window: any process may take them."""
 DURATIONS, SLOWEST = TESTS.parent / "build" / "durations.txt", 80
 NICENESS = 10
 
@@ -33,11 +35,16 @@ def _compiled() -> None:
 
 
 class Scheduling(LoadFileScheduling):
-    """Distribute by file, and all browser tests to one process, which has the only server and the only Chromium."""
+    """Distribute by file, and all browser tests with a common server to one process."""
 
     def _split_scope(self, nodeid: str) -> str:
         file = super()._split_scope(nodeid)
-        return str(BROWSER) if (TESTS.parent / file).is_relative_to(BROWSER) else file
+        return str(BROWSER) if place(TESTS.parent / file) == 0 else file
+
+
+def place(path: Path) -> int:
+    """Return when a file's turn comes: first the longest part of a run, then its long files, then all others."""
+    return 2 if not path.is_relative_to(BROWSER) else int(path.stem in SELF_CONTAINED)
 
 
 @pytest.hookimpl(optionalhook=True)
@@ -48,8 +55,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> Schedulin
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the browser tests: they are the longest part of a run."""
-    items.sort(key=lambda item: not item.path.is_relative_to(BROWSER))
+    """Begin with the browser tests: the process that is free first takes the short files at the end."""
+    items.sort(key=lambda item: place(item.path))
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -45,9 +45,9 @@ def pages() -> Iterator[Measurement]:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
         try:
             for name in (page for page in PAGES if page not in WITHOUT):
-                with User.at(browser, server.drive_url) as user:
-                    user.page.context.add_init_script(WATCH)
-                    user.open()
+                with browser.new_context() as context, User.on(context, server.drive_url, size=(1280, 900)) as user:
+                    user.page.add_init_script(WATCH)
+                    user.load()
                     if name != "Drive":
                         user.turn_to(name)
                     if name in OPENED:

@@ -27,10 +27,18 @@ QUIET = re.compile(
 
 
 @pytest.fixture(scope="package")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of scenario files of the server, empty but while the tests of `test_my_files` run."""
+    made = tmp_path_factory.mktemp("user") / "Our trams"
+    made.mkdir()
+    return made
+
+
+@pytest.fixture(scope="package")
+def server(tmp_path_factory: pytest.TempPathFactory, folder: Path) -> Iterator[Server]:
     """The server of all tests that neither configure nor end it; its log is quiet to the end."""
     log = tmp_path_factory.mktemp("server") / "log"
-    with serving("-m", "railjoule.dashboard", "serve", log=log) as running:
+    with serving("-m", "railjoule.dashboard", "serve", "--folder", str(folder), log=log) as running:
         yield running
         assert [line for line in log.read_text().splitlines() if not QUIET.fullmatch(line)] == []
 
@@ -56,8 +64,18 @@ def window(chromium: Browser, server: Server) -> Iterator[BrowserContext]:
     context.close()
 
 
-@pytest.fixture
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """A user at a new page of the desktop window."""
-    with User.on(window, server.drive_url) as someone:
+@pytest.fixture(scope="package")
+def phone(chromium: Browser) -> Iterator[BrowserContext]:
+    """A narrow window that is touched."""
+    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    # as above
+    context.new_page()
+    yield context
+    context.close()
+
+
+@pytest.fixture(scope="module")
+def user(request: pytest.FixtureRequest, server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user for all tests of a file, who begins with the file's `LINK`, or on Drive."""
+    with User.on(window, server.url + getattr(request.module, "LINK", "?v=1&page=Drive")) as someone:
         yield someone

@@ -4,6 +4,7 @@ from playwright.sync_api import Page
 
 from railjoule.dashboard.work.worker import LATE_MS
 
+LOOK_MS = 50
 QUIET_MS = LATE_MS + 100
 """A result that takes longer is marked as late, and the bar `.working` is shown."""
 WATCH = """
@@ -47,4 +48,5 @@ def watch(page: Page) -> None:
 
 def wait_until_idle(page: Page, timeout_ms: float) -> None:
     """Wait until the server has answered all messages, nothing is computed, and the charts in sight are drawn."""
-    page.wait_for_function("(quiet_ms) => window.is_idle(quiet_ms)", arg=QUIET_MS, timeout=timeout_ms)
+    asked = "(quiet_ms) => window.is_idle(quiet_ms)"
+    page.wait_for_function(asked, arg=QUIET_MS, timeout=timeout_ms, polling=LOOK_MS)

@@ -15,7 +15,7 @@ from browser.user import User
 FOLDER = Path(__file__).parents[2] / "assets" / "pictures"
 PAGES = ("Drive", "Motor")
 SETTLE_MS = 6000
-WIDTH, HEIGHT = 1280, 860
+SIZE = (1280, 860)
 
 
 def main() -> None:
@@ -25,7 +25,8 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
         for colours in ("light", "dark"):
             for name in PAGES:
-                with User.at(browser, server.drive_url, WIDTH, HEIGHT, dark=colours == "dark") as user:
+                dark = colours == "dark"
+                with browser.new_context() as context, User.on(context, server.drive_url, SIZE, dark) as user:
                     if name == "Motor":
                         user.choose("Suburban, flat 5 km")
                     if name != "Drive":

@@ -2,7 +2,7 @@
 
 import re
 
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import BrowserContext, expect
 
 from browser.findings import assert_nothing_grave
 from browser.server import Server
@@ -38,35 +38,32 @@ def changed(user: User, before: tuple[str, str]) -> tuple[str, str]:
     return extra(user), user.page.evaluate(DASHED)
 
 
-def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium: Browser) -> None:
-    page = chromium.new_page(viewport={"width": 1280, "height": 1000}, color_scheme="light")
-    user = User(page, server.url)
-    page.goto(server.url)
-    page.get_by_role("button", name=SCENARIO, exact=True).click()
-    expect(user.scenario(SCENARIO)).to_be_visible()
-    expect(user.figure_value("Energy from the supply")).to_be_visible()
-    page.get_by_role("switch", name="Actual run").click()
-    expect(user.figure_value("Actual run costs")).to_be_visible()
-    user.settled()
-    now = extra(user), page.evaluate(DASHED)
-    for name, steps in (("Travel time, s", 30), ("Actual load, %", -15), ("Position error, m", -6)):
-        user.push(name, steps)
+def test_every_widget_of_the_day_moves_number_and_curve(server: Server, window: BrowserContext) -> None:
+    with User.on(window, server.url, size=(1280, 1000)) as user:
+        page = user.page
+        page.get_by_role("button", name=SCENARIO, exact=True).click()
+        expect(user.scenario(SCENARIO)).to_be_visible()
+        expect(user.figure_value("Energy from the supply")).to_be_visible()
+        page.get_by_role("switch", name="Actual run").click()
+        expect(user.figure_value("Actual run costs")).to_be_visible()
+        user.settled()
+        now = extra(user), page.evaluate(DASHED)
+        for name, steps in (("Travel time, s", 30), ("Actual load, %", -15), ("Position error, m", -6)):
+            user.push(name, steps)
+            now = changed(user, now)
+        page.get_by_role("button", name="+ stop").click()
+        expect(page.get_by_label("Stop 1: at, m, as a number")).to_be_visible()
         now = changed(user, now)
-    page.get_by_role("button", name="+ stop").click()
-    expect(page.get_by_label("Stop 1: at, m, as a number")).to_be_visible()
-    now = changed(user, now)
-    # a train that drives as fast as it may already arrives later, and needs no more
-    time = user.number("Travel time")
-    user.type("Stop 1: for, s", "40")
-    expect(user.figure_value("Travel time")).not_to_have_text(time)
+        # a train that drives as fast as it may already arrives later, and needs no more
+        time = user.number("Travel time")
+        user.type("Stop 1: for, s", "40")
+        expect(user.figure_value("Travel time")).not_to_have_text(time)
 
-    user.type("Stop 1: at, m", "2310")
-    alert = user.alert()
-    assert "A stop at 2310 m lies beyond the line, 2300 m." in alert
-    assert "Kept: " in alert
-    user.type("Stop 1: at, m", "1800")
-    user.see_no_alert()
-    changed(user, now)
-    assert_nothing_grave(user)
-    assert user.errors == [], user.errors
-    page.close()
+        user.type("Stop 1: at, m", "2310")
+        alert = user.alert()
+        assert "A stop at 2310 m lies beyond the line, 2300 m." in alert
+        assert "Kept: " in alert
+        user.type("Stop 1: at, m", "1800")
+        user.see_no_alert()
+        changed(user, now)
+        assert_nothing_grave(user)

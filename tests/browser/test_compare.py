@@ -1,28 +1,24 @@
 """Compare, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
 from browser.findings import assert_nothing_grave
-from browser.server import Server
 from browser.user import User
 
 CANARY = '<img src=x onerror="window.canary=1">'
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who has pinned two runs and stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.page.get_by_role("button", name="Pin run", exact=True).click()
-        someone.type("Load, % of capacity", "70")
-        expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
-        someone.page.get_by_role("button", name="Pin run", exact=True).click()
-        someone.type("Travel time, s", "180")
-        someone.turn_to("Compare")
-        yield someone
+    user.page.get_by_role("button", name="Pin run", exact=True).click()
+    user.type("Load, % of capacity", "70")
+    expect(user.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
+    user.page.get_by_role("button", name="Pin run", exact=True).click()
+    user.type("Travel time, s", "180")
+    user.turn_to("Compare")
+    return user
 
 
 def row(user: User, name: str) -> list[str]:

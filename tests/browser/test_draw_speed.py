@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User
@@ -28,8 +28,8 @@ def find_canvas(draw: Locator) -> Locator:
     return canvas
 
 
-def test_by_mouse_to_drive(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+def test_by_mouse_to_drive(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
         draw, mouse = lesson(user.page), user.page.mouse
         # the fastest run, and nothing of the best
         expect(draw.get_by_text("34.2 s to spare")).to_be_visible()
@@ -59,8 +59,8 @@ def test_by_mouse_to_drive(chromium: Browser, server: Server) -> None:
 
 
 @pytest.mark.nightly
-def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+def test_by_keyboard_alone(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
         keys, draw = user.page.keyboard, lesson(user.page)
         user.reach(draw.get_by_role("button", name="Set this speed"))
         keys.press("Enter")
@@ -74,20 +74,16 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
 
 
 @pytest.mark.nightly
-def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
-    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    try:
-        drawn = ",".join(["45"] * POINTS)
-        with User.on(context, f"{server.url}?v=1&page=Learn&learn.drawn={drawn}", on_drive=False) as user:
-            draw = user.page.locator(".rj-lesson-drawn:visible")
-            energy = draw.locator(".figures").get_by_text("30.54")
-            expect(energy).to_be_visible(timeout=READY_MS)
-            # a link for a class opens at its lesson
-            expect(draw.get_by_role("heading").first).to_be_in_viewport()
-            find_canvas(draw).tap(position={"x": 200, "y": 60})
-            expect(energy).to_have_count(0)
-            draw.get_by_role("button", name=BUTTON).tap()
-            expect(draw.locator(".outcome")).to_be_visible(timeout=READY_MS)
-            assert user.page.evaluate("document.documentElement.scrollWidth") <= 390
-    finally:
-        context.close()
+def test_by_touch_from_a_link(phone: BrowserContext, server: Server) -> None:
+    drawn = ",".join(["45"] * POINTS)
+    with User.on(phone, f"{server.url}?v=1&page=Learn&learn.drawn={drawn}") as user:
+        draw = user.page.locator(".rj-lesson-drawn:visible")
+        energy = draw.locator(".figures").get_by_text("30.54")
+        expect(energy).to_be_visible(timeout=READY_MS)
+        # a link for a class opens at its lesson
+        expect(draw.get_by_role("heading").first).to_be_in_viewport()
+        find_canvas(draw).tap(position={"x": 200, "y": 60})
+        expect(energy).to_have_count(0)
+        draw.get_by_role("button", name=BUTTON).tap()
+        expect(draw.locator(".outcome")).to_be_visible(timeout=READY_MS)
+        assert user.page.evaluate("document.documentElement.scrollWidth") <= 390

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User, open_page
@@ -32,8 +32,8 @@ def kwh(text: str) -> list[float]:
     return [float(one) for one in re.findall(r"\d+\.\d+", text)]
 
 
-def test_by_mouse_from_the_front_page_to_drive(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, server.url, on_drive=False) as user:
+def test_by_mouse_from_the_front_page_to_drive(window: BrowserContext, server: Server) -> None:
+    with User.on(window, server.url) as user:
         open_page(user, "Learn")
         drive = lesson(user.page)
         # nothing of the optimum before the first try has arrived
@@ -60,8 +60,8 @@ def test_by_mouse_from_the_front_page_to_drive(chromium: Browser, server: Server
 
 
 @pytest.mark.nightly
-def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, server.url, on_drive=False) as user:
+def test_by_keyboard_alone(window: BrowserContext, server: Server) -> None:
+    with User.on(window, server.url) as user:
         keys = user.page.keyboard
         learn = user.page.locator("[data-page='Learn']").locator("visible=true").first
         learn.focus()
@@ -85,44 +85,38 @@ def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
 
 
 @pytest.mark.nightly
-def test_by_touch_in_a_narrow_window_three_times(chromium: Browser, server: Server) -> None:
-    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    try:
-        with User.on(context, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
-            drive = lesson(user.page)
-            user.page.evaluate(HURRY)
-            drive.get_by_role("button", name="10\u00d7").tap()
-            for number in (1, 2, 3):
-                drive.get_by_role("button", name="Power").tap()
-                if number == 2:
-                    # from some 50 km/h on it coasts: late, with little energy
-                    user.page.wait_for_timeout(DRIVE_MS)
-                    drive.get_by_role("button", name="Coast").tap()
-                expect(drive.get_by_text(f"Arrived: try {number} of 3.")).to_be_visible(timeout=ARRIVES_MS)
-                # figure and head of the verdict are in sight, wherever the button was that began it
+def test_by_touch_in_a_narrow_window_three_times(phone: BrowserContext, server: Server) -> None:
+    with User.on(phone, f"{server.url}?v=1&page=Learn") as user:
+        drive = lesson(user.page)
+        user.page.evaluate(HURRY)
+        drive.get_by_role("button", name="10\u00d7").tap()
+        for number in (1, 2, 3):
+            drive.get_by_role("button", name="Power").tap()
+            if number == 2:
+                # from some 50 km/h on it coasts: late, with little energy
+                user.page.wait_for_timeout(DRIVE_MS)
+                drive.get_by_role("button", name="Coast").tap()
+            expect(drive.get_by_text(f"Arrived: try {number} of 3.")).to_be_visible(timeout=ARRIVES_MS)
+            # figure and head of the verdict are in sight, wherever the button was that began it
+            expect(drive.locator("canvas")).to_be_in_viewport()
+            expect(drive.get_by_role("button", name="Watch your run")).to_be_in_viewport()
+            again = drive.get_by_role("button", name=re.compile(r"Drive again \("))
+            expect(again).to_have_count(1 if number < 3 else 0)
+            if number < 3:
+                again.tap()
                 expect(drive.locator("canvas")).to_be_in_viewport()
-                expect(drive.get_by_role("button", name="Watch your run")).to_be_in_viewport()
-                again = drive.get_by_role("button", name=re.compile(r"Drive again \("))
-                expect(again).to_have_count(1 if number < 3 else 0)
-                if number < 3:
-                    again.tap()
-                    expect(drive.locator("canvas")).to_be_in_viewport()
-                    expect(drive.get_by_role("button", name="Power")).to_be_in_viewport()
-            expect(drive.locator("tr.best")).to_have_count(1)
-            # the bound is that of a run on time: it stands beside no late try
-            _, early, late, _ = (
-                row.split("\t") for row in drive.locator("table").first.locator("tr").all_inner_texts()
-            )
-            assert early[2].startswith("+")
-            assert (late[2], "late" in late[3]) == ("\u2013", True)
-            drive.get_by_role("button", name="Begin again with three tries").tap()
-            expect(drive.get_by_text("Try 1 of 3: press Power to depart.")).to_be_visible()
-    finally:
-        context.close()
+                expect(drive.get_by_role("button", name="Power")).to_be_in_viewport()
+        expect(drive.locator("tr.best")).to_have_count(1)
+        # the bound is that of a run on time: it stands beside no late try
+        _, early, late, _ = (row.split("\t") for row in drive.locator("table").first.locator("tr").all_inner_texts())
+        assert early[2].startswith("+")
+        assert (late[2], "late" in late[3]) == ("\u2013", True)
+        drive.get_by_role("button", name="Begin again with three tries").tap()
+        expect(drive.get_by_text("Try 1 of 3: press Power to depart.")).to_be_visible()
 
 
-def test_a_run_of_a_link_is_raced(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn&learn.driven=p0c300p600", on_drive=False) as user:
+def test_a_run_of_a_link_is_raced(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn&learn.driven=p0c300p600") as user:
         drive = lesson(user.page)
         expect(drive.get_by_text("The blue train is the run to race.")).to_be_visible()
         # the optimum stays hidden

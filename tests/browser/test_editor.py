@@ -1,10 +1,9 @@
 """The scenario's editor, as a user works with it."""
 
 import re
-from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.findings import assert_nothing_grave
 from browser.server import Server
@@ -18,13 +17,6 @@ LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 PRESS_MS = 400
 SLOW = 6
 """Times slower than this machine: what comes in one frame here then comes in several."""
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 def drawer(user: User) -> Locator:
@@ -148,8 +140,8 @@ def test_a_block_is_pasted_into_a_cell_and_a_bad_cell_keeps_its_text(user: User)
     expect(field(user, "Gradient, \u2030, row 2")).to_have_attribute("aria-invalid", "false")
 
 
-def test_nothing_grave_on_a_narrow_screen(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.drive_url, width=390) as reader:
+def test_nothing_grave_on_a_narrow_screen(server: Server, window: BrowserContext) -> None:
+    with User.on(window, server.drive_url, size=(390, 900)) as reader:
         reader.page.locator("header button").first.click()
         reader.page.get_by_role("button", name="Edit scenario").click()
         expect(drawer(reader).get_by_role("heading", level=2)).to_be_focused()

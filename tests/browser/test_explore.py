@@ -1,13 +1,12 @@
-"""Explore, as a user works with it: 800 runs, reached from the front page, to one on Drive and a file on the disk."""
+"""Explore, as a user works with it: runs, reached from the front page, to one on Drive and a file on the disk."""
 
 import base64
 import csv
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.findings import assert_nothing_grave
 from browser.layout import layout_faults
@@ -27,12 +26,14 @@ DROP = """
 CHOSEN = re.compile(r"^Selected: ([\d\s]+) runs")
 
 
+LINK = ""
+
+
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who begins at Start and stays for all tests of this file."""
-    with User.on(window, server.url, on_drive=False) as someone:
-        open_page(someone, "Explore")
-        yield someone
+    open_page(user, "Explore")
+    return user
 
 
 def number(text: str) -> int:
@@ -129,14 +130,15 @@ def test_other_axes_are_drawn_and_a_point_has_its_run(user: User) -> None:
     expect(axis).to_be_visible()
     user.settled()
     x, y = user.page.evaluate(
-        """() => {
+        """(run) => {
           const [view] = Bokeh.index.query(({model}) => model.type === "Figure"
             && model.html_attributes["aria-label"] === "Runs over two axes");
           const {left, top} = view.el.getBoundingClientRect();
           const points = view.model.renderers.map((one) => one.data_source).find(({data}) => data.row?.length);
           const {x, y} = points.data;
-          return [left + view.frame.x_scale.compute(x[500]), top + view.frame.y_scale.compute(y[500])];
-        }"""
+          return [left + view.frame.x_scale.compute(x[run]), top + view.frame.y_scale.compute(y[run])];
+        }""",
+        RUNS // 2,
     )
     user.page.mouse.move(x - 3, y)
     user.page.mouse.move(x, y)
@@ -154,13 +156,13 @@ def test_the_table_is_downloaded(user: User) -> None:
     assert {"timetable.travel_time_s", "vehicle.load_factor", "energy_kwh"} <= set(rows[0])
 
 
-def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server, chromium: Browser) -> None:
+def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server, window: BrowserContext) -> None:
     with user.page.expect_download() as download:
         button(user, "Save study").click()
     assert download.value.suggested_filename == "study.nc"
     expect(status(user)).to_contain_text("Saved to your downloads: study.nc")
     saved = Path(download.value.path())
-    with User.at(chromium, server.url, on_drive=False) as other:
+    with User.on(window, server.url) as other:
         open_page(other, "Explore")
         expect(other.page.get_by_text("Open a study").first).to_be_visible()
         file = {"name": "study.nc", "mimeType": "application/x-netcdf", "buffer": saved.read_bytes()}
@@ -168,7 +170,7 @@ def test_a_saved_study_opens_again_by_dialog_and_drop(user: User, server: Server
         expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
         assert done(other) == RUNS
         expect(chart(other, "runs")).to_be_visible()
-    with User.at(chromium, server.url, on_drive=False) as other:
+    with User.on(window, server.url) as other:
         other.page.evaluate(DROP, [base64.b64encode(saved.read_bytes()).decode(), "study.nc"])
         expect(other.question("Explore")).to_be_visible()
         expect(status(other).get_by_text("done", exact=True)).to_be_visible(timeout=RUN_MS)
@@ -188,15 +190,4 @@ def test_a_run_opens_on_drive_and_one_step_takes_it_back(user: User) -> None:
     user.page.get_by_role("button", name="Undo", exact=True).click()
     expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
     open_page(user, "Explore")
-    expect(status(user).get_by_text("done", exact=True)).to_be_visible()
-
-
-def test_the_draws_of_what_if_are_explored(user: User) -> None:
-    open_page(user, "What if")
-    user.page.get_by_role("tab", name="Chance").click()
-    button(user, "Explore the draws").click(timeout=RUN_MS)
-    expect(user.question("Explore")).to_be_visible()
-    expect(user.page.get_by_text("random draws of What if")).to_be_visible()
-    expect(user.page.locator(".legend:visible").get_by_text("Energy, kWh, over load")).to_be_visible()
-    button(user, "Close the draws").click()
     expect(status(user).get_by_text("done", exact=True)).to_be_visible()

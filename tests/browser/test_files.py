@@ -1,12 +1,9 @@
 """Scenario files that a user opens, good ones and bad ones."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
 
 CANARY = "</style></script><script>window.pwned=true</script><img src=x onerror='window.pwned=true'>"
@@ -20,13 +17,6 @@ stations = [{ name = "Half way", position_m = 400, dwell_s = 20 }]
 [timetable]
 travel_time_s = 150
 """
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 def bad(old: str, new: str) -> str:
@@ -75,7 +65,7 @@ def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:
     user.open_file(path)
     expect(user.scenario(CANARY)).to_be_visible()
     user.page.get_by_role("button", name="Pin run").click()
-    for page in ("Trade-off", "Compare", "Line", "Start"):
+    for page in ("Compare", "Line"):
         user.turn_to(page)
         expect(user.page.get_by_text("onerror").first).to_be_attached()
     assert user.page.evaluate("window.pwned") is None

@@ -6,13 +6,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import BrowserContext, expect
 
 from browser.findings import grave_findings
+from browser.idle import LOOK_MS
 from browser.layout import layout_faults
 from browser.server import Server, serving
 from browser.sight import Sight
-from browser.user import LOOK_MS, User, open_page
+from browser.user import User, open_page
 from railjoule.core.scenario import preset_names
 from railjoule.dashboard.page_list import PAGES
 
@@ -87,9 +88,9 @@ def faults_down_to_the_end(user: User, name: str) -> dict[str, Any]:
 
 
 @pytest.mark.nightly
-def test_from_every_page_to_every_other(server: Server, chromium: Browser) -> None:
+def test_from_every_page_to_every_other(server: Server, window: BrowserContext) -> None:
     faults: dict[str, Any] = {}
-    with User.at(chromium, f"{server.url}?v=1&preset={SUBURBAN}", on_drive=False) as user:
+    with User.on(window, f"{server.url}?v=1&preset={SUBURBAN}") as user:
         known = set()
         for name in whole_walk()[1:]:
             arrive(user, name, SUBURBAN)
@@ -100,9 +101,9 @@ def test_from_every_page_to_every_other(server: Server, chromium: Browser) -> No
 
 
 @pytest.mark.nightly
-def test_dark_from_start_to_every_page(server: Server, chromium: Browser) -> None:
+def test_dark_from_start_to_every_page(server: Server, window: BrowserContext) -> None:
     faults: dict[str, Any] = {}
-    with User.at(chromium, f"{server.url}?v=1&preset={STATIONS}", dark=True, on_drive=False) as user:
+    with User.on(window, f"{server.url}?v=1&preset={STATIONS}", dark=True) as user:
         for name in NAMES[1:]:
             arrive(user, name, STATIONS)
             faults |= faults_down_to_the_end(user, name)
@@ -112,11 +113,11 @@ def test_dark_from_start_to_every_page(server: Server, chromium: Browser) -> Non
 
 
 @pytest.mark.cold
-def test_a_fresh_machine_shows_runs_while_the_solver_compiles(chromium: Browser, tmp_path: Path) -> None:
+def test_a_fresh_machine_shows_runs_while_the_solver_compiles(window: BrowserContext, tmp_path: Path) -> None:
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONWARNINGS": "ignore"}
     with (
         serving(*COMMAND, environment=environment, warm=False) as server,
-        User.at(chromium, server.url, on_drive=False) as user,
+        User.on(window, server.url) as user,
     ):
         note, cards = user.page.get_by_text("The solver is being compiled"), user.page.locator(".card")
         expect(note).to_be_visible()

@@ -1,22 +1,11 @@
 """The explanations of terms and the page Help, as a user reads them."""
 
-from collections.abc import Iterator
-
-import pytest
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Locator, expect
 
 from browser.findings import assert_nothing_grave
-from browser.server import Server
 from browser.user import User, open_page
 from railjoule.dashboard.look.glossary import TERMS, term_of
 from railjoule.dashboard.page_list import PAGES
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who begins with Drive."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 def sign(user: User, label: str) -> Locator:

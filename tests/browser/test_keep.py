@@ -1,11 +1,9 @@
 """What a user keeps and shares: steps back, the address, and files."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from browser.findings import grave_findings
 from browser.server import Server
@@ -14,13 +12,6 @@ from browser.user import PATIENCE_MS, User
 from railjoule.dashboard.keep.dropped import embedded
 
 FIGURES = ("Energy from the supply", "Travel time", "Highest speed", "Recuperated")
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 def numbers(user: User) -> list[str]:
@@ -41,7 +32,7 @@ def press(user: User, name: str) -> None:
     user.page.get_by_role("button", name=name, exact=True).click()
 
 
-def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium: Browser) -> None:
+def test_change_undo_redo_reload_and_share(user: User, server: Server, window: BrowserContext) -> None:
     page, load = user.page, user.page.get_by_label("Load, % of capacity, as a number", exact=True)
     first = numbers(user)
     user.type("Load, % of capacity", "30")
@@ -64,7 +55,7 @@ def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium:
     page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
     expect(user.figure_value(FIGURES[0])).to_have_text(changed[0])
     expect(page.get_by_label("Draw EOC")).to_be_checked()
-    with User.at(chromium, page.url) as other:
+    with User.on(window, page.url) as other:
         assert numbers(other) == changed
         other.see_no_alert()
 

@@ -2,7 +2,7 @@
 
 import re
 
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import BrowserContext, Page, expect
 
 from browser.server import Server
 from browser.user import PATIENCE_MS
@@ -25,7 +25,7 @@ FOCUS = """() => {
   const html = element.outerHTML.slice(0, 160);
   return {name, html, role: element.getAttribute("role") || element.tagName, seen: box.width > 0 && box.height > 0};
 }"""
-# how often a figure could have had the focus at a frame: each of them is looked at from its first frame on
+# how often a figure could have had the focus: each of them is looked at five times a second from its first frame on
 STOPS = """window.stops_in_figures = 0;
 const look = (root) => {
   for (const element of root.querySelectorAll("*")) {
@@ -33,8 +33,7 @@ const look = (root) => {
     if (element.shadowRoot) look(element.shadowRoot);
   }
 };
-const frame = () => { look(document); requestAnimationFrame(frame); };
-requestAnimationFrame(frame);"""
+setInterval(() => look(document), 200);"""
 
 
 def reach(page: Page, name: str, exact: bool = False) -> None:
@@ -55,9 +54,8 @@ def reach(page: Page, name: str, exact: bool = False) -> None:
     raise AssertionError(f"{name} was not reached: {passed}")
 
 
-def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser) -> None:
-    context = chromium.new_context(viewport={"width": 1280, "height": 900})
-    page = context.new_page()
+def test_from_a_card_to_a_pinned_run_compared(server: Server, window: BrowserContext) -> None:
+    page = window.new_page()
     page.add_init_script(STOPS)
     page.set_default_timeout(PATIENCE_MS)
     try:
@@ -85,4 +83,4 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser)
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
         assert page.evaluate("window.stops_in_figures") == 0
     finally:
-        context.close()
+        page.close()

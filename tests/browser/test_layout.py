@@ -6,7 +6,7 @@ Colours hardly change sizes; the width between is looked at in both on the walks
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import BrowserContext
 
 from browser.layout import layout_faults
 from browser.server import Server
@@ -16,9 +16,9 @@ from railjoule.dashboard.page_list import PAGES
 
 @pytest.mark.nightly
 @pytest.mark.parametrize("width", [390, 1920])
-def test_nothing_is_cut_off(chromium: Browser, server: Server, width: int) -> None:
+def test_nothing_is_cut_off(window: BrowserContext, server: Server, width: int) -> None:
     faults: dict[str, Any] = {}
-    with User.at(chromium, server.drive_url + "&preset=ftorek-300s", width=width, height=1000) as user:
+    with User.on(window, server.drive_url + "&preset=ftorek-300s", size=(width, 1000)) as user:
         for page in PAGES:
             user.turn_to(page)
             faults |= layout_faults(user, page)

@@ -4,9 +4,10 @@ import re
 import time
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from browser.server import Server
+from browser.test_drive_it import HURRY
 from browser.user import User
 from railjoule.dashboard.pages.learn.lessons import LESSONS
 
@@ -26,8 +27,10 @@ def lesson(page: Page, name: str) -> Locator:
     return page.locator(f".rj-lesson-{name}:visible")
 
 
-def test_a_link_leads_to_its_lesson_whose_control_can_be_pressed_at_once(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn&learn.lesson=gradient", on_drive=False) as user:
+def test_a_link_leads_to_its_lesson_whose_control_can_be_pressed_at_once(
+    window: BrowserContext, server: Server
+) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn&learn.lesson=gradient") as user:
         begun = time.monotonic()
         asked = lesson(user.page, "gradient")
         expect(asked.get_by_text("What share of that energy", exact=False)).to_be_in_viewport()
@@ -39,8 +42,8 @@ def test_a_link_leads_to_its_lesson_whose_control_can_be_pressed_at_once(chromiu
         expect(asked.get_by_text("36.6 %", exact=True)).to_be_visible()
 
 
-def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn&learn.lesson=coasting", on_drive=False) as user:
+def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn&learn.lesson=coasting") as user:
         page, asked = user.page, lesson(user.page, "coasting")
         expect(page.locator(".rj-chart-lesson_coasting canvas").first).to_be_visible()
         expect(asked.get_by_text("The best run is hidden until you have guessed.")).to_be_visible()
@@ -57,8 +60,8 @@ def test_nothing_of_the_optimum_is_on_the_page_before_a_guess(chromium: Browser,
         expect(asked.get_by_text("Full power to 57.5 km/h", exact=False)).to_have_count(0)
 
 
-def test_all_five_by_keyboard_alone(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+def test_all_five_by_keyboard_alone(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
         keys = user.page.keyboard
         for one in LESSONS:
             asked = lesson(user.page, one.name)
@@ -76,44 +79,39 @@ def test_all_five_by_keyboard_alone(chromium: Browser, server: Server) -> None:
 
 
 @pytest.mark.nightly
-def test_by_touch_in_a_narrow_window_up_to_drive(chromium: Browser, server: Server) -> None:
-    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    try:
-        with User.on(context, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
-            for one in LESSONS:
-                asked = lesson(user.page, one.name)
-                asked.get_by_role("button", name=GUESS).tap()
-                expect(asked.get_by_text("The answer")).to_be_in_viewport()
-            assert user.page.evaluate("document.documentElement.scrollWidth") == 390
-            lesson(user.page, "coasting").get_by_role("button", name="Open on Drive").tap()
-            expect(user.scenario("Why coasting saves")).to_be_visible()
-            # what the lesson has shown
-            expect(user.figure_value("Energy from the supply")).to_have_text(re.compile(r"^10\.09"))
-    finally:
-        context.close()
+def test_by_touch_in_a_narrow_window_up_to_drive(phone: BrowserContext, server: Server) -> None:
+    with User.on(phone, f"{server.url}?v=1&page=Learn") as user:
+        for one in LESSONS:
+            asked = lesson(user.page, one.name)
+            asked.get_by_role("button", name=GUESS).tap()
+            expect(asked.get_by_text("The answer")).to_be_in_viewport()
+        assert user.page.evaluate("document.documentElement.scrollWidth") == 390
+        lesson(user.page, "coasting").get_by_role("button", name="Open on Drive").tap()
+        expect(user.scenario("Why coasting saves")).to_be_visible()
+        # what the lesson has shown
+        expect(user.figure_value("Energy from the supply")).to_have_text(re.compile(r"^10\.09"))
 
 
-def test_a_run_on_a_phone_comes_to_the_page_of_the_lecturer(chromium: Browser, server: Server) -> None:
-    phone = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
-    try:
-        with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as lecturer:
-            lecturer.page.get_by_role("button", name="Open a class").click()
-            link = lecturer.page.locator(".invitation a:visible")
-            expect(link).to_have_attribute("href", re.compile(r"^http.*learn\.class_token="))
-            expect(lecturer.page.locator(".invitation svg:visible")).to_be_visible()
-            with User.on(phone, link.inner_text(), on_drive=False) as student:
-                student.page.get_by_label("Your name (optional)").fill("Ada")
-                student.page.keyboard.press("Enter")
-                expect(lecturer.page.get_by_text("1 of 200 students")).to_be_visible()
-                drive = student.page.locator("section.drive-it:visible")
-                drive.get_by_role("button", name="10\u00d7").tap()
-                drive.get_by_role("button", name="Power").tap()
-                # power all the way, as the test of the lesson has it
-                row = lecturer.page.get_by_role("row", name=re.compile("^Ada 1 27.49 "))
-                expect(row).to_be_visible(timeout=ARRIVES_MS)
-                lecturer.page.get_by_role("button", name="Close the class").click()
-                expect(link).to_have_count(0)
-                student.page.reload()
-                expect(student.page.get_by_text("There is no such class on this server", exact=False)).to_be_visible()
-    finally:
-        phone.close()
+def test_a_run_on_a_phone_comes_to_the_page_of_the_lecturer(
+    phone: BrowserContext, window: BrowserContext, server: Server
+) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as lecturer:
+        lecturer.page.get_by_role("button", name="Open a class").click()
+        link = lecturer.page.locator(".invitation a:visible")
+        expect(link).to_have_attribute("href", re.compile(r"^http.*learn\.class_token="))
+        expect(lecturer.page.locator(".invitation svg:visible")).to_be_visible()
+        with User.on(phone, link.inner_text()) as student:
+            student.page.get_by_label("Your name (optional)").fill("Ada")
+            student.page.keyboard.press("Enter")
+            expect(lecturer.page.get_by_text("1 of 200 students")).to_be_visible()
+            student.page.evaluate(HURRY)
+            drive = student.page.locator("section.drive-it:visible")
+            drive.get_by_role("button", name="10\u00d7").tap()
+            drive.get_by_role("button", name="Power").tap()
+            # power all the way, as the test of the lesson has it
+            row = lecturer.page.get_by_role("row", name=re.compile("^Ada 1 27.49 "))
+            expect(row).to_be_visible(timeout=ARRIVES_MS)
+            lecturer.page.get_by_role("button", name="Close the class").click()
+            expect(link).to_have_count(0)
+            student.page.reload()
+            expect(student.page.get_by_text("There is no such class on this server", exact=False)).to_be_visible()

@@ -1,11 +1,8 @@
 """Line, as a user works with it: windows of arrival, a given timetable, stations that are dragged."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 
@@ -16,14 +13,13 @@ LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who comes from Start and stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Start")
-        someone.turn_to("Line")
-        someone.page.get_by_role("button", name="Open Metro, ten stations").click()
-        expect(someone.figure_value("Energy of the whole line")).to_have_text("45.02kWh")
-        yield someone
+    user.turn_to("Start")
+    user.turn_to("Line")
+    user.page.get_by_role("button", name="Open Metro, ten stations").click()
+    expect(user.figure_value("Energy of the whole line")).to_have_text("45.02kWh")
+    return user
 
 
 def field(user: User, name: str) -> Locator:

@@ -1,14 +1,12 @@
 """Recorded runs on Files, as a user works with them: by mouse, with the example and with files of her own."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from measured_example import DRIVERS, FOLDER
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User, open_page
 
 EXAMPLE = FOLDER / DRIVERS[0].file
@@ -16,13 +14,15 @@ CHARTS = ("measured_speed", "line", "measured_energy")
 CANARY = "<img src=x onerror=window.pwned=1>"
 
 
+LINK = ""
+
+
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who begins on Start and stays on the page for all tests of this file."""
-    with User.on(window, server.url, on_drive=False) as someone:
-        open_page(someone, "Files")
-        someone.page.get_by_role("tab", name="Recorded runs").click()
-        yield someone
+    open_page(user, "Files")
+    user.page.get_by_role("tab", name="Recorded runs").click()
+    return user
 
 
 def press(user: User, name: str) -> None:

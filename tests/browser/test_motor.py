@@ -1,24 +1,22 @@
 """Motor, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
+
+LINK = "?v=1&page=Motor"
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, f"{server.url}?v=1&page=Motor", on_drive=False) as someone:
-        expect(someone.page.get_by_text("The page shows an example")).to_be_visible()
-        someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
-        expect(someone.figure_value("Tracking error")).not_to_be_empty()
-        # charts that are still to be drawn push the others down
-        someone.settled()
-        yield someone
+    expect(user.page.get_by_text("The page shows an example")).to_be_visible()
+    user.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
+    expect(user.figure_value("Tracking error")).not_to_be_empty()
+    # charts that are still to be drawn push the others down
+    user.settled()
+    return user
 
 
 def test_blocks_and_figures_light_each_other(user: User) -> None:

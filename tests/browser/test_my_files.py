@@ -4,36 +4,24 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.findings import assert_nothing_grave
-from browser.server import Server, serving
+from browser.server import Server
 from browser.user import User
 from railjoule.core import load_scenario, save_scenario
 
-COMMAND = ("-m", "railjoule.dashboard", "serve")
+LINK = ""
 CANARY = "<img src=x onerror='window.pwned=true'>"
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    made = tmp_path_factory.mktemp("user") / "Our trams"
-    made.mkdir()
-    return made
-
-
-@pytest.fixture(scope="module")
-def own_server(folder: Path) -> Iterator[Server]:
-    with serving(*COMMAND, "--folder", str(folder)) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def user(own_server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User, folder: Path) -> Iterator[User]:
     """One user for all tests of this file, who begins on Start."""
-    with User.on(window, own_server.url, on_drive=False) as someone:
-        expect(someone.page.get_by_text("Nothing saved yet.")).to_be_visible()
-        yield someone
+    expect(user.page.get_by_text("Nothing saved yet.")).to_be_visible()
+    yield user
+    for file in folder.iterdir():
+        file.unlink()
 
 
 def button(user: User, name: str) -> Locator:
@@ -107,21 +95,10 @@ def test_files_put_into_the_folder_appear_and_a_broken_one_says_why(user: User, 
     assert user.page.evaluate("window.pwned") is None
 
 
-def test_the_list_fits_a_narrow_window(user: User, own_server: Server, chromium: Browser) -> None:
-    with User.at(chromium, own_server.url, width=390, height=844, dark=True, on_drive=False) as other:
+def test_the_list_fits_a_narrow_window(user: User, server: Server, window: BrowserContext) -> None:
+    with User.on(window, server.url, size=(390, 844), dark=True) as other:
         expect(row(other, "broken")).to_be_visible()
         assert other.page.evaluate("document.documentElement.scrollWidth") <= 390
         box = row(other, "broken").bounding_box()
         assert box is not None
         assert box["x"] + box["width"] <= 390
-
-
-def test_without_a_folder_nothing_is_listed_and_saving_is_a_download(chromium: Browser) -> None:
-    with serving(*COMMAND, "--address", "0.0.0.0") as bare, User.at(chromium, bare.url, on_drive=False) as user:
-        expect(user.page.get_by_role("heading", name="First steps")).to_be_visible()
-        expect(user.page.get_by_text("My files").locator("visible=true")).to_have_count(0)
-        user.turn_to("Drive")
-        with user.page.expect_download() as download:
-            button(user, "Save scenario").click()
-        assert download.value.suggested_filename == "metro-profile-ii-i.toml"
-        assert load_scenario(Path(download.value.path())).travel_time_s == 170

@@ -1,20 +1,10 @@
 """The bar of pages, its groups and keys, and what stands in the sidebar, as a user works with them."""
 
-from collections.abc import Iterator
-
-import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User, open_page
 from railjoule.dashboard.page_list import KEYED
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who begins with Drive."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 def bar(user: User) -> Locator:
@@ -54,8 +44,8 @@ def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
 
 def test_keys_open_pages_pin_and_help_but_not_while_typing(user: User) -> None:
     open_page(user, "Drive")
-    for number, name in enumerate(KEYED, 1):
-        user.page.keyboard.press(str(number))
+    for name in ("Compare", "Motor"):
+        user.page.keyboard.press(str(KEYED.index(name) + 1))
         question(user, name)
     user.page.keyboard.press("?")
     question(user, "Help")
@@ -89,15 +79,15 @@ def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
     expect(user.page.get_by_label("Draw Optimal")).to_be_enabled()
     user.page.get_by_role("radio", name="Optimal").check()
     expect(box).not_to_be_checked()
-    open_page(user, "What if")
+    open_page(user, "Motor")
     expect(radio).to_be_visible()
     expect(box).to_be_hidden()
-    open_page(user, "Line")
+    open_page(user, "Help")
     expect(radio).to_be_hidden()
 
 
-def test_one_menu_on_narrow_screens(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.drive_url, width=390) as user:
+def test_one_menu_on_narrow_screens(server: Server, window: BrowserContext) -> None:
+    with User.on(window, server.drive_url, size=(390, 900)) as user:
         menu = bar(user).get_by_role("button", name="Pages, ")
         expect(bar(user).get_by_role("button", name="Pages, Drive")).to_be_visible()
         for width in (390, 768):
@@ -105,7 +95,7 @@ def test_one_menu_on_narrow_screens(server: Server, chromium: Browser) -> None:
             # the menu of pages shows that the server has heard of the width
             expect(menu).to_be_visible(visible=width < 700)
             expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)
-            for name in ("Learn", "Drive"):
+            for name in ("Help", "Drive"):
                 open_page(user, name)
                 assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
             if width < 700:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from documents import blocks, text_of
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import BrowserContext, expect
 
 from browser.findings import assert_nothing_grave
 from browser.server import serving
@@ -30,14 +30,14 @@ def number_in(text: str) -> float:
 
 
 @pytest.mark.nightly
-def test_the_page_of_the_guide_opens_and_follows_its_field(chromium: Browser, tmp_path: Path) -> None:
+def test_the_page_of_the_guide_opens_and_follows_its_field(window: BrowserContext, tmp_path: Path) -> None:
     (tmp_path / ROOM).mkdir()
     for block in blocks(text_of("howto/add_page"), "python"):
         name = block.splitlines()[0].removeprefix(f"# dashboard/pages/{ROOM}/")
         (tmp_path / ROOM / name).write_text(block, encoding="utf-8")
     with (
         serving("-c", SERVE.format(folder=str(tmp_path), name=NAME)) as server,
-        User.at(chromium, server.url, on_drive=False) as user,
+        User.on(window, server.url) as user,
     ):
         bar = user.page.get_by_role("navigation", name="Pages")
         bar.get_by_role("button", name="Drive", exact=True).click()

@@ -1,10 +1,9 @@
 """The field of a number by mouse, by keys and by touch, and what becomes of it in the meantime."""
 
 import re
-from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Locator, expect
+from playwright.sync_api import BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User
@@ -12,18 +11,11 @@ from browser.user import User
 TIME, LOAD = "Travel time, s", "Load, % of capacity"
 
 
-@pytest.fixture(scope="module")
-def opened(server: Server, window: BrowserContext) -> Iterator[User]:
-    """A page that the tests of this file share."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
-
-
 @pytest.fixture
-def user(opened: User) -> User:
-    """A user before what a new page shows."""
-    opened.begin_anew()
-    return opened
+def user(user: User) -> User:
+    """The user before what a new page shows."""
+    user.begin_anew()
+    return user
 
 
 def text_of(user: User, name: str) -> Locator:
@@ -109,18 +101,14 @@ def test_what_is_being_typed_is_not_written_over(user: User) -> None:
     expect(text).to_be_focused()
 
 
-def test_a_finger_moves_a_slider_in_a_narrow_window(server: Server, chromium: Browser) -> None:
-    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    try:
-        with User.on(context, server.drive_url) as user:
-            user.page.locator("header button").first.click()
-            slider = user.slider(LOAD)
-            expect(slider).to_be_visible()
-            box = slider.bounding_box()
-            assert box is not None
-            assert box["height"] >= 40
-            user.page.touchscreen.tap(*place(slider, 90 / 120))
-            expect(text_of(user, LOAD)).to_have_value("90")
-            expect(user.page).to_have_url(re.compile("load_percent=90"))
-    finally:
-        context.close()
+def test_a_finger_moves_a_slider_in_a_narrow_window(phone: BrowserContext, server: Server) -> None:
+    with User.on(phone, server.drive_url) as user:
+        user.page.locator("header button").first.click()
+        slider = user.slider(LOAD)
+        expect(slider).to_be_visible()
+        box = slider.bounding_box()
+        assert box is not None
+        assert box["height"] >= 40
+        user.page.touchscreen.tap(*place(slider, 90 / 120))
+        expect(text_of(user, LOAD)).to_have_value("90")
+        expect(user.page).to_have_url(re.compile("load_percent=90"))

@@ -2,13 +2,11 @@
 
 import re
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, Locator, expect
+from playwright.sync_api import Locator, expect
 
-from browser.server import Server
 from browser.user import User, open_page
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.dropped import scenario_in_report
@@ -20,11 +18,7 @@ LONGEST_WALK_S = 300.0
 ASSETS = Path(__file__).parents[2] / "assets"
 
 
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user for all tests of this file, who begins on Start."""
-    with User.on(window, server.url, on_drive=False) as someone:
-        yield someone
+LINK = ""
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import BrowserContext, expect
 
 from browser.findings import assert_nothing_grave
 from browser.server import Server
@@ -22,10 +22,10 @@ def share_above(user: User) -> float:
 
 
 @pytest.mark.nightly
-def test_the_bound_tightens_further_when_asked_and_stops(server: Server, chromium: Browser, tmp_path: Path) -> None:
+def test_the_bound_tightens_when_asked_and_stops(server: Server, window: BrowserContext, tmp_path: Path) -> None:
     file = tmp_path / "slow.toml"
     file.write_text(format_scenario(load_scenario("kharkiv-like-20kmh", CHANGES)))
-    page = chromium.new_page(viewport={"width": 1280, "height": 900}, color_scheme="light")
+    page = window.new_page()
     user = User(page, server.url)
     proof, bar = (
         page.locator(".proof-row:visible"),

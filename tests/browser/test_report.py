@@ -1,4 +1,4 @@
-"""A report opened from disk without a network, and the button that makes one."""
+"""A report opened from disk without a network."""
 
 import re
 from collections.abc import Iterator
@@ -9,7 +9,6 @@ from playwright.sync_api import Browser, expect
 
 from browser.findings import grave_findings
 from browser.reader import Reader, written
-from browser.user import User
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.report.contents import Contents
@@ -208,34 +207,3 @@ def test_a_surface_is_printed_in_its_own_proportions(turned: Reader) -> None:
     assert drawn == pytest.approx(shown, rel=1e-3)
     page.evaluate("window.dispatchEvent(new Event('afterprint'))")
     page.emulate_media(media="screen")
-
-
-def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
-    page = user.page
-    page.get_by_role("button", name="Report", exact=True).focus()
-    page.keyboard.press("Enter")
-    form = page.get_by_role("dialog", name="Report")
-    expect(form.get_by_role("button", name="Make the report")).to_be_visible()
-    assert grave_findings(page) == {}
-    page.keyboard.press("Escape")
-    expect(form).not_to_be_visible()
-    expect(page.get_by_role("button", name="Report", exact=True)).to_be_focused()
-    page.keyboard.press("Enter")
-    expect(form).to_be_visible()
-    for box in form.get_by_role("checkbox", checked=True).all()[::-1]:
-        box.press("Space")
-    form.get_by_role("button", name="Make the report").press("Enter")
-    expect(form.get_by_role("alert")).to_contain_text("a report has at least one of result, energy")
-    form.get_by_role("checkbox", name="What is proven").press("Space")
-    form.get_by_role("textbox", name="Author").fill("A. Author")
-    form.get_by_role("textbox", name="Note").fill("x" * 2001)
-    form.get_by_role("button", name="Make the report").press("Enter")
-    expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are permitted.")
-    form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
-    with page.expect_download() as saved:
-        form.get_by_role("button", name="Make the report").press("Enter")
-    expect(form).not_to_be_visible()
-    saved.value.save_as(tmp_path / "report.html")
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
-    assert "<p>One</p><p>Two</p>" in text

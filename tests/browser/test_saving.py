@@ -1,13 +1,13 @@
-"""The toolbar of a figure, the numbers of a page, and the advice, as a user takes them away."""
+"""The toolbar of a figure, the numbers of a page, the advice and the report, as a user takes them away."""
 
 import csv
-from collections.abc import Iterator
+import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import ViewportSize, expect
 
-from browser.server import Server
+from browser.findings import grave_findings
 from browser.user import GROUNDS, User
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -27,14 +27,8 @@ FULL = """() => {
   const {width, height} = element.getBoundingClientRect(), title = getComputedStyle(element, "::before").content;
   return {size: [width, height], title, ground: getComputedStyle(element).backgroundColor};
 }"""
+WINDOW, SCREEN = ViewportSize(width=1280, height=900), ViewportSize(width=1280, height=1000)
 SURFACES = {"light": (255, 255, 255, 255), "dark": (20, 24, 30, 255)}
-
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who stays on Drive for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
 
 
 @pytest.mark.parametrize("colours", ["light", pytest.param("dark", marks=pytest.mark.nightly)])
@@ -44,18 +38,20 @@ def test_a_figure_fills_the_screen_and_comes_back(user: User, colours: str) -> N
     canvas = page.locator(".rj-chart-speed:visible canvas").first
     box = canvas.bounding_box()
     user.press("speed", "Fullscreen")
-    # the button moves until Bokeh has laid out the figure
-    user.wait_until(lambda: canvas.bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 900})
-    full = page.evaluate(FULL)
+    # the bars of a browser make room, and so the page is laid out again
+    page.set_viewport_size(SCREEN)
+    filled = {"x": 0, "y": 0, **SCREEN}
+    user.wait_until(lambda: canvas.bounding_box() == filled)
     surface = ", ".join(map(str, SURFACES[colours][:3]))
-    assert full == {"size": [1280, 900], "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
+    size = list(SCREEN.values())
+    assert page.evaluate(FULL) == {"size": size, "title": '"Speed, km/h"', "ground": f"rgb({surface})"}
     # Chromium ignores a request to leave the full screen while it is still entering it
     user.rest(1000)
     page.locator(".rj-chart-speed:visible").get_by_title("Fullscreen", exact=True).click()
     user.wait_until(lambda: page.evaluate("!document.fullscreenElement"))
+    page.set_viewport_size(WINDOW)
     page.mouse.move(5, 5)
     user.wait_until(lambda: canvas.bounding_box() == box)
-    assert canvas.bounding_box() == box
 
 
 @pytest.mark.parametrize("colours", GROUNDS)
@@ -115,3 +111,34 @@ def test_the_advice_is_copied_and_printed(user: User) -> None:
     user.page.get_by_role("button", name="Print the advice").click()
     sheet = user.page.frame_locator("#rj-print")
     expect(sheet.locator("p")).to_have_count(len(lines) - 1)
+
+
+def test_the_form_of_a_report_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
+    page = user.page
+    page.get_by_role("button", name="Report", exact=True).focus()
+    page.keyboard.press("Enter")
+    form = page.get_by_role("dialog", name="Report")
+    expect(form.get_by_role("button", name="Make the report")).to_be_visible()
+    assert grave_findings(page) == {}
+    page.keyboard.press("Escape")
+    expect(form).not_to_be_visible()
+    expect(page.get_by_role("button", name="Report", exact=True)).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(form).to_be_visible()
+    for box in form.get_by_role("checkbox", checked=True).all()[::-1]:
+        box.press("Space")
+    form.get_by_role("button", name="Make the report").press("Enter")
+    expect(form.get_by_role("alert")).to_contain_text("a report has at least one of result, energy")
+    form.get_by_role("checkbox", name="What is proven").press("Space")
+    form.get_by_role("textbox", name="Author").fill("A. Author")
+    form.get_by_role("textbox", name="Note").fill("x" * 2001)
+    form.get_by_role("button", name="Make the report").press("Enter")
+    expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are allowed.")
+    form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
+    with page.expect_download() as saved:
+        form.get_by_role("button", name="Make the report").press("Enter")
+    expect(form).not_to_be_visible()
+    saved.value.save_as(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
+    assert "<p>One</p><p>Two</p>" in text

@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, BrowserContext, expect
 
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User, open_page
@@ -21,45 +21,70 @@ from railjoule.dashboard.keep.link import write_link
 PREFIX = "tools/rail/"
 PLACES = 2
 CANARY, SETTLED_S = "CANARY-4711", 1.5
-COMMAND = ("-m", "railjoule.dashboard", "serve", "--prefix", f"/{PREFIX}", "--sessions", str(PLACES))
+COMMAND = (
+    "-m",
+    "railjoule.dashboard",
+    "serve",
+    "--prefix",
+    f"/{PREFIX}",
+    "--sessions",
+    str(PLACES),
+    "--address",
+    "0.0.0.0",
+)
 
 
 @pytest.fixture(scope="module")
 def below() -> Iterator[Server]:
-    """A server whose page lies below a path, and has two places."""
+    """A server for all machines, without a folder, whose page lies below a path, and has two places."""
     with serving(*COMMAND, path=PREFIX) as running:
         yield running
 
 
-def test_pages_work_below_a_path(below: Server, chromium: Browser) -> None:
-    with User.at(chromium, below.url, on_drive=False) as user:
-        asked: list[str] = []
-        user.page.on("request", lambda request: asked.append(request.url))
-        for name in ("Drive", "Explore", "Help"):
-            open_page(user, name)
-            expect(user.question(name)).to_be_visible()
-        # with the components that load what they draw with only where a page needs it
-        open_page(user, "Trade-off")
-        user.settled()
-        beside = [url for url in asked if not url.startswith((below.url, "blob:", "data:")) and "/ws" not in url]
-        assert beside == []
+@pytest.fixture(scope="module")
+def user(below: Server, window: BrowserContext) -> Iterator[User]:
+    """One user of that server for all tests of this file."""
+    with User.on(window, below.url) as someone:
+        yield someone
+
+
+def test_without_a_folder_nothing_is_listed_and_saving_is_a_download(user: User) -> None:
+    expect(user.page.get_by_role("heading", name="First steps")).to_be_visible()
+    expect(user.page.get_by_text("My files").locator("visible=true")).to_have_count(0)
+    open_page(user, "Drive")
+    with user.page.expect_download() as download:
+        user.page.get_by_role("button", name="Save scenario").click()
+    assert download.value.suggested_filename == "metro-profile-ii-i.toml"
+    assert load_scenario(Path(download.value.path())).travel_time_s == 170
+
+
+def test_pages_work_below_a_path(below: Server, user: User) -> None:
+    asked: list[str] = []
+    user.page.on("request", lambda request: asked.append(request.url))
+    for name in ("Drive", "Explore", "Help"):
+        open_page(user, name)
+        expect(user.question(name)).to_be_visible()
+    # with the components that load what they draw with only where a page needs it
+    open_page(user, "Trade-off")
+    user.settled()
+    beside = [url for url in asked if not url.startswith((below.url, "blob:", "data:")) and "/ws" not in url]
+    assert beside == []
 
 
 @pytest.mark.nightly
-def test_a_page_too_many_is_told_so_and_the_others_go_on(below: Server, chromium: Browser) -> None:
-    with User.at(chromium, below.url, on_drive=False) as user:
-        with User.at(chromium, below.url, on_drive=False):
-            with pytest.raises(urllib.error.HTTPError) as refused:
-                urllib.request.urlopen(below.url)
-            assert refused.value.code == 503
-            waiting = chromium.new_page()
-            waiting.goto(below.url)
-            expect(waiting.get_by_text("keeps 2 pages open at a time")).to_be_visible()
-            open_page(user, "Drive")
-            user.see_drive()
-        # the place that was left is taken without a press
-        expect(waiting.get_by_role("button", name="Drive", exact=True)).to_be_visible(timeout=60_000)
-        waiting.close()
+def test_a_page_too_many_is_told_so_and_the_others_go_on(below: Server, user: User, window: BrowserContext) -> None:
+    with User.on(window, below.url):
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(below.url)
+        assert refused.value.code == 503
+        waiting = window.new_page()
+        waiting.goto(below.url)
+        expect(waiting.get_by_text("keeps 2 pages open at a time")).to_be_visible()
+        open_page(user, "Drive")
+        user.see_drive()
+    # the place that was left is taken without a press
+    expect(waiting.get_by_role("button", name="Drive", exact=True)).to_be_visible(timeout=60_000)
+    waiting.close()
 
 
 def test_the_pages_of_all_these_tests_are_under_the_policy(server: Server) -> None:
@@ -103,8 +128,10 @@ def test_a_page_is_sent_nothing_of_another(server: Server) -> None:
         await other.open()
         assert CANARY in own.text
         assert CANARY not in other.text
-        await asyncio.sleep(SETTLED_S)
-        other.text = ""
+        # until its own figures have come
+        while other.text:
+            other.text = ""
+            await asyncio.sleep(SETTLED_S)
         slider = own.slider("Travel time, s")
         for value in (151.0, 152.0, 151.0):
             await own.move(slider, value, "figures")

@@ -4,7 +4,7 @@ import time
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import BrowserContext
 
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User
@@ -32,11 +32,11 @@ def cost_of_a_move(server: Server, user: User) -> float:
 
 
 @pytest.mark.nightly
-def test_many_open_pages(chromium: Browser) -> None:
+def test_many_open_pages(window: BrowserContext) -> None:
     with serving(str(Path(__file__).with_name("watched.py"))) as server:
-        with User.at(chromium, server.drive_url) as mover:
+        with User.on(window, server.drive_url) as mover:
             alone = cost_of_a_move(server, mover)
-            others = [mover.page.context.new_page() for _ in range(PAGES - 1)]
+            others = [window.new_page() for _ in range(PAGES - 1)]
             for page in others:
                 page.goto(server.drive_url, wait_until="commit")
             for page in others:
@@ -44,6 +44,8 @@ def test_many_open_pages(chromium: Browser) -> None:
             mover.settled()
             assert pages_alive(server) == PAGES
             assert cost_of_a_move(server, mover) < LARGEST_COST * alone
+            for page in others:
+                page.close()
         deadline = time.monotonic() + FORGOTTEN_WITHIN_S
         while pages_alive(server) > 0 and time.monotonic() < deadline:
             time.sleep(0.5)

@@ -1,11 +1,8 @@
 """Set speeds, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.charts.dress import RIGHT_BORDER_PX
 
@@ -16,13 +13,15 @@ LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 LIMIT = "Section 1: set speed, km/h"
 
 
+LINK = "?v=1&page=Drive&preset=kharkiv-like-40kmh"
+
+
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(user: User) -> User:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, f"{server.drive_url}&preset=kharkiv-like-40kmh") as someone:
-        someone.page.get_by_role("button", name="Adjust set speeds").click()
-        expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
-        yield someone
+    user.page.get_by_role("button", name="Adjust set speeds").click()
+    expect(user.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("50.8")
+    return user
 
 
 def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> None:

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, expect
 
 from browser.server import Server
 from browser.user import User
@@ -19,8 +19,8 @@ def lesson(page: Page) -> Locator:
     return found
 
 
-def test_by_mouse_to_the_best_distribution_and_line(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+def test_by_mouse_to_the_best_distribution_and_line(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
         share = lesson(user.page)
         share.scroll_into_view_if_needed()
         # equal seconds, as `railjoule.core` drives it; nothing of the best distribution before one has asked
@@ -49,8 +49,8 @@ def test_by_mouse_to_the_best_distribution_and_line(chromium: Browser, server: S
 
 
 @pytest.mark.nightly
-def test_by_keyboard_alone_until_it_does_not_pay(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+def test_by_keyboard_alone_until_it_does_not_pay(window: BrowserContext, server: Server) -> None:
+    with User.on(window, f"{server.url}?v=1&page=Learn") as user:
         keys, share = user.page.keyboard, lesson(user.page)
 
         user.reach(share.get_by_role("slider").first)

@@ -39,6 +39,7 @@ def see_scenario(user: User, scenario: Scenario, listed: str, address: str) -> N
     user.see_no_alert()
 
 
+@pytest.mark.nightly
 def test_each_way_to_another_scenario(advised: User, tmp_path: Path) -> None:
     user, path = advised, tmp_path / "own.toml"
     path.write_text(GOOD)

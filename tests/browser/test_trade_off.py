@@ -1,19 +1,10 @@
 """Trade-off, as a user works with it."""
 
-from collections.abc import Iterator
+from playwright.sync_api import expect
 
-import pytest
-from playwright.sync_api import BrowserContext, expect
-
-from browser.server import Server
 from browser.user import User
 
-
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who stays on the page for all tests of this file."""
-    with User.on(window, f"{server.url}?v=1&page=Trade-off&preset=ftorek-300s", on_drive=False) as someone:
-        yield someone
+LINK = "?v=1&page=Trade-off&preset=ftorek-300s"
 
 
 def test_frontier_surface_and_contours(user: User) -> None:

@@ -1,23 +1,17 @@
 """The page What if, as a user works with it."""
 
 import re
-from collections.abc import Iterator
 
-import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
 from browser.findings import assert_nothing_grave
 from browser.server import Server
-from browser.user import User
+from browser.user import User, open_page
 
 WORKED_MS = 60_000
 
 
-@pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
-    """One user, who stays on the page for all tests of this file."""
-    with User.on(window, f"{server.url}?v=1&page=What if&preset=liashenko-ii", on_drive=False) as someone:
-        yield someone
+LINK = "?v=1&page=What if&preset=liashenko-ii"
 
 
 def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
@@ -70,15 +64,20 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
     turn_to_tab(user, "Load and position")
     before = user.number("Load 100 %")
     slider = user.slider("Actual load, % of capacity")
-    for _ in range(30):
+    for _ in range(10):
         slider.press("ArrowLeft")
-    expect(user.figure_value("Load 70 %")).not_to_have_text(before)
+    expect(user.figure_value("Load 90 %")).not_to_have_text(before)
     turn_to_tab(user, "Chance")
     stop.click()
     expect(stop).to_be_hidden()
     stopped = note.inner_text()
     user.settled()
     assert note.inner_text() == stopped
+    user.page.get_by_role("button", name="Explore the draws", exact=True).click()
+    expect(user.question("Explore")).to_be_visible()
+    expect(user.page.get_by_text("random draws of What if")).to_be_visible()
+    expect(user.page.locator(".legend:visible").get_by_text("Energy, kWh, over load")).to_be_visible()
+    open_page(user, "What if")
 
 
 def test_events_are_dropped_changed_and_removed(user: User) -> None:

@@ -1,6 +1,8 @@
 """Each workaround still cures a defect of the installed release; a test that fails means that it may go."""
 
 import asyncio
+import datetime as dt
+import gc
 import html
 import inspect
 import re
@@ -14,6 +16,7 @@ import panel as pn
 import panel_material_ui as pmui
 import pytest
 from bokeh.document import Document
+from bokeh.document.events import ModelChangedEvent
 from bokeh.document.locking import UnlockedDocumentProxy
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
@@ -31,12 +34,14 @@ from railjoule.dashboard.library_workarounds import (
     HtmlPane,
     SmallFile,
     busy_watchers,
+    collect_garbage_rarely,
     document_json,
     first_html,
     frozen,
     hide_tracebacks,
     leave_busy,
     make_turns,
+    note_pulled,
     session_document,
     thaw,
     write_all_messages,
@@ -229,3 +234,46 @@ def test_a_closed_page_takes_no_turn() -> None:
     context.destroyed, document._session_context = True, None
     turn(lambda: None)
     assert len(document.session_callbacks) == 1
+
+
+def test_panel_still_sends_nothing_of_what_changes_between_the_pull_of_a_page_and_its_start() -> None:
+    def sent(*, is_noted: bool) -> list[object]:
+        document, pulled = Document(), Protocol().create("PULL-DOC-REQ")
+        document.add_root(div := Div(text="as it is pulled"))
+        events: list[object] = []
+        document.on_change(events.append)
+        if is_noted:
+            session = SimpleNamespace(document=document)
+            note_pulled(SimpleNamespace(connection=SimpleNamespace(session=session)), pulled)
+        with messages.hold(document):
+            div.text = "changed before the page has started"
+        # the turn in which Panel lets go of what it holds
+        for turn in document.session_callbacks:
+            turn.callback()
+        return [event.new for event in events if isinstance(event, ModelChangedEvent)]
+
+    assert sent(is_noted=False) == []
+    assert sent(is_noted=True) == ["changed before the page has started"]
+
+
+def test_panel_still_searches_for_garbage_soon_after_each_page_that_closes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The thresholds that are set beside it are those of Python, not of a library: they have no test."""
+    searches: list[dt.datetime] = []
+    monkeypatch.setattr(type(pn.state), "schedule_task", lambda _, name, call, at: searches.append(at))
+    monkeypatch.setattr(messages, "GC_DEBOUNCE", messages.GC_DEBOUNCE)
+
+    def seconds_to_the_search() -> float:
+        document = Document()
+        document.destroy = None
+        messages._destroy_document(document, None)
+        return (searches[-1] - dt.datetime.now()).total_seconds()
+
+    thresholds = gc.get_threshold()
+    try:
+        assert seconds_to_the_search() == pytest.approx(5.0, abs=1.0)
+        collect_garbage_rarely()
+        assert seconds_to_the_search() == pytest.approx(30.0, abs=1.0)
+    finally:
+        gc.set_threshold(*thresholds)
+    # and no setting changes that
+    assert [name for name in pn.config.param if "gc" in name or "garbage" in name] == []

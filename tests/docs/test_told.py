@@ -10,6 +10,7 @@ import tomllib
 import pytest
 from commands import answer, complaint
 from documents import ROOT, blocks, blocks_in, text_of
+from validated import validate_once
 
 from railjoule.core import solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
@@ -42,6 +43,7 @@ def test_notebook_example_draws_what_is_told():
 def folder(tmp_path, monkeypatch):
     """The folder in which commands run, with the scenario file that is shown and the assets that they name."""
     monkeypatch.chdir(tmp_path)
+    validate_once(monkeypatch)
     (tmp_path / "assets").symlink_to(ROOT / "assets")
     (tmp_path / "metro.toml").write_text(SCENARIO, encoding="utf-8")
     return tmp_path
@@ -61,7 +63,12 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
     assert run.speed_ms[run.position_m >= 800].max() * 3.6 <= 60 + 1e-9
 
 
-FEWER = {"--sample 4096": "--sample 64", "--candidates 8": "--candidates 3"}
+FEWER = {
+    "--sample 4096": "--sample 64",
+    "--candidates 8": "--candidates 3",
+    "montecarlo.runs=500": "montecarlo.runs=50",
+    "-o stops.csv": "-o stops.csv --set montecarlo.runs=50",
+}
 """Numbers of runs in the gate, a tenth of the time for the same command; the night runs it as it is printed."""
 
 

@@ -1,4 +1,4 @@
-"""Golden energies, and the solver's fate on 300 random scenarios."""
+"""Golden energies, and the solver's fate on random scenarios."""
 
 from pathlib import Path
 
@@ -75,13 +75,14 @@ def outcome(seed):
     return solution.iterations, (priced_j - certify(task, solution.optimum).energy_j) / size
 
 
-def test_300_random_scenarios_converge_and_no_run_lies_below_its_bound():
+@pytest.mark.parametrize(("count", "half"), [(60, 4e-3), pytest.param(300, 3e-3, marks=pytest.mark.nightly)])
+def test_random_scenarios_converge_and_no_run_lies_below_its_bound(count, half):
     """By its own account, with the mean speed of each cell, a run over a coarse mesh may, by up to 1.6e-3."""
-    iterations, gap = np.array([outcome(seed) for seed in range(300)]).T
+    iterations, gap = np.array([outcome(seed) for seed in range(count)]).T
     assert iterations.max() <= MOST_ITERATIONS
     assert np.nanmin(gap) > 0
-    # measured: 2e-3, with 9 % beyond 5 %, where limits bind at many places or nothing is needed downhill
-    assert np.nanmedian(gap) < 3e-3
+    # measured: 2e-3, of the first 60 3e-3, with 9 % beyond 5 %, where limits bind at many places or nothing is needed
+    assert np.nanmedian(gap) < half
     assert np.isnan(gap).mean() < 0.5
 
 

@@ -3,12 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from railjoule.core import load_scenario, solve
+from railjoule.core import TimetableError, load_scenario, solve
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_coefficients, enoc_energy
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, enoc_frontier, frontier_times
-from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened
+from railjoule.core.studies.tradeoff import MAX_CELLS, TOLERANCE, coarsened, one_speed_run
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 ALL_CELLS = 1_000_000
@@ -160,3 +160,17 @@ def test_the_result_is_frozen_and_becomes_a_table(metro):
     assert table.index.name == "travel_time_s"
     assert list(table) == ["energy_kwh", "price_of_time_wh_per_s", "lower_bound_kwh"]
     assert table["energy_kwh"].tolist() == frontier.energy_kwh.tolist()
+
+
+def test_plain_driving_holds_one_speed_takes_the_time_and_costs_more():
+    scenario = load_scenario("liashenko-0").replace(line={"sections": [{"length_m": 1500.0}]})
+    run, optimum = one_speed_run(scenario), solve(scenario)
+    assert run.travel_time_s == pytest.approx(scenario.travel_time_s, abs=1e-6)
+    held = np.isclose(run.speed_ms, run.speed_ms.max(), rtol=1e-6)
+    assert np.diff(run.position_m)[held[1:] & held[:-1]].sum() > 1000
+    assert run.energy_kwh > 1.05 * optimum.energy_kwh
+
+
+def test_too_short_a_time_for_one_speed_is_refused():
+    with pytest.raises(TimetableError):
+        one_speed_run(load_scenario("liashenko-0").replace(timetable={"travel_time_s": 30.0}))

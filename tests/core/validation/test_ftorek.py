@@ -6,10 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from validated import validated
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
-from railjoule.core.validation import COMPARISONS, PAPERS, Row, Table, Validation, ftorek_runs
+from railjoule.core.validation import COMPARISONS, Row, Table, Validation, ftorek_runs
 
 UNEXPLAINED_PERCENT = 0.2
 """A difference larger than this needs a sentence."""
@@ -49,7 +50,7 @@ def numbers(rows: Iterable[Row]) -> dict[tuple[str, str], float]:
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    return PAPERS["ftorek"]()
+    return validated("ftorek")
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ BOUND_EXCESS = 1e-9
 Or too coarse a mesh: the bound holds for every driving, and one power in each cell may need less, see the last test.
 """
 SMALL_ENERGY_SHARE = 0.1
-GATE, SAMPLE = 16, range(40)
+GATE, SAMPLE = 10, range(40)
 """Random scenarios: the gate takes the first ones, the night all."""
 
 FRICTION = {
@@ -114,7 +114,7 @@ def test_without_casadi_the_error_says_what_to_install(monkeypatch):
 
 
 @needs_casadi
-@pytest.mark.parametrize("mesh_m", [20.0, 10.0])
+@pytest.mark.parametrize("mesh_m", [20.0, pytest.param(10.0, marks=pytest.mark.nightly)])
 def test_the_bound_of_a_coarse_mesh_lies_below_the_optimum_of_a_fine_one(mesh_m):
     """One power in each cell of 10 m or more needs less here than any driving: its optimum is below its own bound."""
     coarse, fine = (

@@ -6,10 +6,11 @@ from operator import attrgetter
 
 import numpy as np
 import pytest
+from validated import validated
 
 from railjoule.core import load_scenario
 from railjoule.core.simulation.following import plan_knowing_load, simulate_following
-from railjoule.core.validation import COMPARISONS, PAPERS, first_comparisons, liashenko_runs
+from railjoule.core.validation import COMPARISONS, first_comparisons, liashenko_runs
 
 number = attrgetter("value")
 """The computed number of a row or claim."""
@@ -19,7 +20,7 @@ PLACES = ("Table 4", "Table 5", "Table 6", "Table 7")
 
 @pytest.fixture(scope="module")
 def validation():
-    return PAPERS["liashenko"]()
+    return validated("liashenko")
 
 
 @pytest.fixture(params=range(4), ids=PLACES)

@@ -4,11 +4,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from validated import validated
 from validation_rows import beyond
 
 from railjoule.core import load_scenario
 from railjoule.core.citation import printed_numbers
-from railjoule.core.validation import COMPARISONS, PAPERS, Table, Validation, rawicki_runs
+from railjoule.core.validation import COMPARISONS, Table, Validation, rawicki_runs
 
 
 class Tables(NamedTuple):
@@ -26,7 +27,7 @@ class Tables(NamedTuple):
 
 @pytest.fixture(scope="module")
 def validation() -> Validation:
-    return PAPERS["rawicki"]()
+    return validated("rawicki")
 
 
 @pytest.fixture(scope="module")

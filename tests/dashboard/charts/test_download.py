@@ -7,7 +7,6 @@ import pytest
 
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.charts.download import archive
-from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.parts import html as parts
 
 # Panel warns once of how panel-material-ui calls it
@@ -33,13 +32,6 @@ def test_each_figure_table_and_drawing_has_a_file_of_its_own() -> None:
 def open_view(session, page):
     session.state.page = page
     return session.views[page]
-
-
-def test_pages_without_a_figure_in_sight_have_no_button() -> None:
-    session = Session()
-    session.state.scenario.choose("liashenko-ii")
-    shown = {page for page in PAGES if open_view(session, page).numbers.button.visible}
-    assert shown == PAGES.keys() - {"Start", "Files", "Help"}
 
 
 def test_hidden_numbers_of_a_former_scenario_are_not_saved() -> None:

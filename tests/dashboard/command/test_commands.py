@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray
 from commands import answer, complaint
+from validated import validate_once
 
 from railjoule.core import Check, CheckResult, load_scenario, save_scenario, solve
 from railjoule.core.validation import PAPERS
@@ -196,7 +197,8 @@ def test_compare_tells_who_refuses(capsys):
     assert "proven optimal" in text
 
 
-def test_validate_prints_json(capsys):
+def test_validate_prints_json(capsys, monkeypatch):
+    validate_once(monkeypatch)
     papers = json.loads(answer(capsys, "validate", "ftorek", "--json"))["papers"]
     assert list(papers) == ["ftorek"]
     rows = papers["ftorek"]["rows"]

@@ -164,7 +164,9 @@ HOSTILE = {
 }
 
 
-@pytest.mark.parametrize("name", HOSTILE)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.nightly][: name == "many sections"]) for name in HOSTILE]
+)
 def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
     state = Workbench()
     keeping = Keeping(state, Browser())

@@ -101,7 +101,7 @@ CASES = {
     "Trade-off": [("metro-with-limit", None), ("ftorek-300s", None), ("ftorek-300s", with_contours)],
     "What if": [
         ("metro-with-limit", None),
-        *((name, with_a_stop) for name in SCENARIOS),
+        ("metro-with-limit", with_a_stop),
         ("metro-with-limit", with_live_run),
         ("metro-with-limit", partial(with_tab, "chance")),
     ],
@@ -117,6 +117,8 @@ CASES = {
 """Of each page the scenarios, and what is done there, until each of its figures is drawn."""
 NO_FIGURE = {"sankey", "surface", "robust_speed", "candidates"}
 """What is no figure of Bokeh, and studies that are begun by hand: tests/dashboard/pages/what_if."""
+WITHOUT_FIGURE = {"Start", "Files", "Help"}
+"""Pages that have none in sight when they open, and so no button that saves numbers."""
 
 
 # Panel warns once of how panel-material-ui calls it
@@ -132,6 +134,8 @@ def test_all_figures_of_a_page_are_drawn(page, caplog):
             prepare(session.state)
         session.state.page = page
         view = session.views[page]
+        if prepare is None:
+            assert view.numbers.button.visible == (page not in WITHOUT_FIGURE)
         # the many rows of Papers are computed for each theme
         for dark in (False,) if page == "Papers" else (False, True):
             session.state.dark = dark

@@ -62,3 +62,11 @@ def test_the_card_has_every_instruction_with_its_time_and_loads_nothing(name: st
         places = [float(point.split(",")[0]) for point in str(line.get("points")).split()]
         assert (places[0], places[-1]) == (0.0, 1000.0)
     assert "A note." in card
+
+
+def test_a_year_of_savings() -> None:
+    # 2 kWh, 100 trains a day: 200 kWh a day, 73 MWh a year
+    saving = yearly_saving(2.0, 100, 0.2, 0.4)
+    assert saving == pytest.approx((73.0, 14_600.0, 29.2))
+    assert yearly_saving(-2.0, 100, 0.2, 0.4) == pytest.approx((-73.0, -14_600.0, -29.2))
+    assert yearly_saving(2.0, 0, 0.2, 0.4) == (0.0, 0.0, 0.0)
