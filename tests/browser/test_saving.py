@@ -133,7 +133,7 @@ def test_the_form_of_a_report_is_used_by_keyboard(user: User, tmp_path: Path) ->
     form.get_by_role("textbox", name="Author").fill("A. Author")
     form.get_by_role("textbox", name="Note").fill("x" * 2001)
     form.get_by_role("button", name="Make the report").press("Enter")
-    expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are allowed.")
+    expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are permitted.")
     form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
     with page.expect_download() as saved:
         form.get_by_role("button", name="Make the report").press("Enter")
