@@ -15,7 +15,7 @@ from railjoule.core.measured.recording import Recording, distance_m, load_record
 from railjoule.core.measured.speed import MIN_STEP_MS, smoothed_speed
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, tractive_limit_n, train_data
+from railjoule.core.physics.mesh_data import cell_at, electric_limit_n, friction_limits_n, tractive_limit_n, train_data
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
@@ -281,7 +281,7 @@ def _beyond(mesh: MeshedLine, speed2: FloatArray) -> list[str]:
     force, speed = mesh.net_force_n(speed2), np.sqrt(speed2)
     mean = 0.5 * (speed[1:] + speed[:-1])
     over = force - tractive_limit_n(mesh.data, mean)
-    under = -force - electric_limit_n(mesh.data, mean) - mesh.data.friction_effort_n
+    under = -force - electric_limit_n(mesh.data, mean) - friction_limits_n(mesh.data)
     sentences = []
     for excess, what in ((over, "tractive effort"), (under, "braking effort")):
         worst = int(np.argmax(excess))

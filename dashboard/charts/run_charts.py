@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import height_profile, section_borders
-from railjoule.core.physics.adhesion import driven_adhesion_n
+from railjoule.core.motion.meshed_line import driven_adhesion_n
 from railjoule.core.units import N_PER_KN
 from railjoule.dashboard.charts.axis import columns, nice_range, xy
 from railjoule.dashboard.charts.chart import Layer, axis_line, no_grid, zero_line
@@ -283,13 +283,15 @@ class EffortChart(RunChart):
         self._draw_adhesion(scene)
 
     def _draw_adhesion(self, scene: RunScene) -> None:
-        run, condition = scene.run, scene.run.scenario.line.rail_condition
-        if condition is None:
+        run = scene.run
+        adhesion_n = driven_adhesion_n(run.scenario, run.position_m, run.speed_ms)
+        if adhesion_n is None:
             self.rename(EFFORT.words)
             self.clear("adhesion")
             return
-        self.rename(f"{EFFORT.words}; dashed: adhesion on {condition} rails")
-        places, most = scene.x(run), driven_adhesion_n(run.scenario, run.speed_ms) / N_PER_KN
+        conditions = sorted(run.scenario.line.all_rail_conditions - {None})
+        self.rename(f"{EFFORT.words}; dashed: adhesion on {' and '.join(conditions)} rails")
+        places, most = scene.x(run), adhesion_n / N_PER_KN
         # one line with a gap between its two sides
         self.put("adhesion", x=[*places, np.nan, *places], y=[*most, np.nan, *-most])
 
