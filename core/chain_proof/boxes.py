@@ -417,7 +417,7 @@ def fill_boxes(
     kept, rows = np.zeros(low.shape[0], dtype=np.int64), np.empty((count, COLUMNS))
     passed = np.empty((3, count), np.int64)
     shared = shared_by_cells(mesh)
-    train, _, _, drive = shared
+    train, _, _, drive = shared.own
     table = DriveTable(
         borrowed(table.low), borrowed(table.last), table.slowest_ms, table.fastest_ms, borrowed(table.top_n)
     )
@@ -426,7 +426,7 @@ def fill_boxes(
     for i in range(low.shape[0] - 1):
         kept[i] = m
         cell = cell_motion(mesh, i)
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         friction = train.friction_effort_n, off, replaced and braking.constant_n > 0.0
         for pair in range(pairs.first[i], pairs.first[i + 1]):
             k, q, mode = pairs.start[pair], pairs.end[pair], pairs.mode[pair]

@@ -43,7 +43,7 @@ def min_speeds(mesh: MeshData, fastest_speed2: FloatArray) -> FloatArray:
     shared = shared_by_cells(mesh)
     least = np.where(mesh.fixed_speed2 >= 0.0, mesh.fixed_speed2, fastest_speed2 * SLOWEST_SHARE**2)
     for i in range(last - 1, -1, -1):
-        cell, limits = cell_at(mesh, i), limits_at(mesh, shared, i)
+        cell, limits = cell_at(mesh, i), limits_at(shared, i)
         if mesh.fixed_speed2[i] >= 0.0 or exit_under(limits, cell, least[i], FULL_TRACTION) >= least[i + 1]:
             continue
         low, high = least[i], fastest_speed2[i]
@@ -106,7 +106,7 @@ def _align_with_coasting(mesh: MeshData, fastest_speed2: FloatArray, grid: Float
     """Move the points of a grid in neutral sections to where the points before them coast, in place."""
     # Between two points the cost to go is infinite if it is at one of them, as at the edge of a band, beyond which no
     # state is known. A train that only coasts cannot steer clear of it, and each cell would take another point
-    limits, last = shared_by_cells(mesh), grid.shape[1] - 1
+    limits, last = shared_by_cells(mesh).own, grid.shape[1] - 1
     for i in range(grid.shape[0] - 1):
         if mesh.supply_share[i] >= 1.0 or mesh.fixed_speed2[i] >= 0.0 or mesh.fixed_speed2[i + 1] >= 0.0:
             continue

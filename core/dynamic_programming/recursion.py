@@ -216,7 +216,7 @@ def roll_out(
     for i in range(nodes - 1):
         moves = labels.moves[i, label]
         leaving_speed2, action = _best_exit(
-            limits_at(mesh, shared, i),
+            limits_at(shared, i),
             cell_at(mesh, i),
             speed2[i],
             grid[i + 1],

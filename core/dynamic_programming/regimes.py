@@ -51,7 +51,7 @@ def drive_regimes(
     speed2 = np.full(nodes, -1.0)
     speed2[0] = planned2[0]
     for i in range(nodes - 1):
-        cell, entering, limits = cell_at(mesh, i), speed2[i], limits_at(mesh, shared, i)
+        cell, entering, limits = cell_at(mesh, i), speed2[i], limits_at(shared, i)
         leaving = _exit_of_regime(limits, cell, entering, regimes[i], planned2[i + 1])
         if i == cell_number and i + 1 < nodes - 1:
             other = _exit_of_regime(limits, cell, entering, regimes[i + 1], planned2[i + 1])

@@ -106,7 +106,7 @@ def tabulate_steps(mesh: MeshData, grid: FloatArray, table: PowerTable, by_regim
     span = np.empty((nodes - 1, points, 2))
     total = 0
     for i in range(nodes - 1):
-        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(mesh, shared, i)
+        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(shared, i)
         for k in range(points):
             first[i, k] = total
             # equal points, as all of a node with a fixed speed are, have the steps of the first of them
@@ -121,7 +121,7 @@ def tabulate_steps(mesh: MeshData, grid: FloatArray, table: PowerTable, by_regim
     lower, weight = np.empty(total, dtype=np.int64), np.empty(total)
     action, is_exact = np.zeros(total, dtype=np.int64), table.loss_w.shape[1] == 0
     for i in range(nodes - 1):
-        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(mesh, shared, i)
+        cell, row, limits = cell_at(mesh, i), grid[i + 1], limits_at(shared, i)
         for k in range(points):
             (low, top), coasted = span[i, k], math.inf
             if by_regime and first[i, k] < first[i, k + 1]:

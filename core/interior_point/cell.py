@@ -69,7 +69,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
         u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
         cell = scaled_cell_at(mesh, i, scale)
-        train, pulling, electric, _ = limits_at(mesh, shared, i)
+        train, pulling, electric, _ = limits_at(shared, i)
         share = train.recuperation_factor
         force = needed_force(cell, w[i], w[i + 1], v)
         d0, d1 = force_slopes(cell, u0, u1)

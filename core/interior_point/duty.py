@@ -50,7 +50,7 @@ def duty(mesh: MeshData, optimum: Optimum) -> Duty:
     another = has_standstill_brake(kind, parameters)
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        train, traction, electric, _ = limits_at(mesh, shared, i)
+        train, traction, electric, _ = limits_at(shared, i)
         _, touch = hull_power(kind, parameters, False, traction, 0.0, v, 0.0)
         driving[i] = min(optimum.traction_n[i] / touch, 1.0)
         power, touch = hull_power(kind, parameters, True, electric, 0.0, v, 0.0)
@@ -101,7 +101,7 @@ def coasting_exactly(mesh: MeshData, optimum: Optimum) -> FloatArray:
     The method leaves tiny efforts everywhere, and with any effort the drive would count as on.
     """
     speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * mesh.traction.constant_n
-    train, traction, braking, _ = shared_by_cells(mesh)
+    train, traction, braking, _ = shared_by_cells(mesh).own
     for i in range(mesh.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if small and math.isnan(mesh.fixed_speed2[i + 1]) and speed2[i] > 0.0:

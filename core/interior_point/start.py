@@ -79,7 +79,7 @@ def _use_limits(mesh: MeshData, fastest: FloatArray, work: Work) -> None:
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
         for row in (ix.TRACTION_POSITIVE, ix.TRACTION_CONSTANT, ix.BRAKING_POSITIVE, ix.BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        powered, (train, traction, braking, _) = mesh.supply_share[i] >= 1.0, limits_at(mesh, shared, i)
+        powered, (train, traction, braking, _) = mesh.supply_share[i] >= 1.0, limits_at(shared, i)
         if powered and _binds(traction, top_speed):
             weight[ix.TRACTION_OVER_SPEED, i] = h[i]
         if powered and _binds(braking, top_speed):
@@ -157,7 +157,7 @@ def _start_cells(mesh: MeshData, scale: float, work: Work) -> None:
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         cell = scaled_cell_at(mesh, i, scale)
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         top_traction = cell.supply_share * (traction.constant_n / scale)
         top_braking, top_friction = cell.supply_share * (braking.constant_n / scale), train.friction_effort_n / scale
         rise = cell.inertia * (w[i + 1] - w[i])

@@ -176,7 +176,7 @@ def trip(
     nodes, section, time, energy = 1, 0, 0.0, 0.0
     for i in range(regulation.top_speed2.shape[0]):
         whole = cell_at(mesh, i)
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
@@ -255,7 +255,7 @@ def trip_over_cells(
     position, speed2 = regulation.position_m, np.full(regulation.position_m.shape[0], w)
     for i in range(regulation.top_speed2.shape[0]):
         cell = cell_at(mesh, i)
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         # a border that all but falls on a node was merged with it
         middle = regulation.position_m[i] + 0.5 * cell.length_m
         while section < borders_m.shape[0] and borders_m[section] <= middle:

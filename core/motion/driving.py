@@ -122,7 +122,7 @@ def _drive(
     speed2[0] = entering_speed2
     for i in range(n):
         cell, before, wanted2 = cell_at(mesh, i), speed2[i], wanted_speed2[i + 1]
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         if response_m > 0.0 and i < n - 1:
             answered2 = wanted2 + (before - wanted_speed2[i]) * math.exp(-cell.length_m / response_m)
             # a deviation can exceed the last metres per second of a plan

@@ -116,6 +116,12 @@ def limits_by_place(line: Line, position_m: FloatArray) -> LimitsByPlace:
     return LimitsByPlace(of_gap[gap], least, others)
 
 
+def largest_current_a(line: Line, position_m: FloatArray) -> FloatArray:
+    """Return the largest current of the supply while driving at places of a line in running order [A]; shape (k,)."""
+    number, least, others = limits_by_place(line, position_m)
+    return np.array([limits.max_current_a for limits in (*others, least)])[number]
+
+
 def _limits_at(line: Line, place_m: float) -> PlaceLimits:
     """Return the limits at a place of a line in running order [m]."""
     limits = [one for one in line.traction_limits if one.from_m < place_m < one.to_m]

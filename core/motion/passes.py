@@ -114,7 +114,7 @@ def _take_off_unsteady(mesh: MeshData, speed2: FloatArray) -> None:
     shared = shared_by_cells(mesh)
     for i in range(mesh.cell_length_m.shape[0]):
         cell = cell_at(mesh, i)
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         if mesh.max_deceleration_ms2 < np.inf:
             change, limit = (
                 2.0 * mesh.max_deceleration_ms2 * cell.length_m,
@@ -142,7 +142,7 @@ def _pass_cells(mesh: MeshData, speed2: FloatArray, is_braking: bool) -> int:
         i = n - 1 - number if is_braking else number
         known, other = (i + 1, i) if is_braking else (i, i + 1)
         cell = cell_at(mesh, i)
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         limit, friction = (braking, train.friction_effort_n) if is_braking else (traction, 0.0)
         # v^2 changes by 2 a h over a cell
         bound = min(speed2[other], speed2[known] + max_change * cell.length_m)
@@ -161,7 +161,7 @@ def entering_speed2_under_brakes(mesh: MeshData, number: int, leaving_speed2: fl
 
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
-    cell, (train, _, braking, _) = cell_at(mesh, number), limits_at(mesh, shared_by_cells(mesh), number)
+    cell, (train, _, braking, _) = cell_at(mesh, number), limits_at(shared_by_cells(mesh), number)
     supplied = supplied_limit(braking, cell.supply_share)
     return _max_reachable(supplied, train.friction_effort_n, cell, leaving_speed2, limit_speed2, -1.0)
 

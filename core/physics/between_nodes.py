@@ -240,7 +240,7 @@ def _follow_run(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     shared = shared_by_cells(mesh)
     for i in range(n):
         cell, start, end = cell_at(mesh, i), speed2[i], speed2[i + 1]
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
         time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
         rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
@@ -268,7 +268,7 @@ def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
         node, cell = i if is_braking else i + 1, cell_at(mesh, i)
-        train, traction, braking, _ = limits_at(mesh, shared, i)
+        train, traction, braking, _ = limits_at(shared, i)
         for _ in range(MAX_STEPS):
             start, end = lowered[i], lowered[i + 1]
             effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)

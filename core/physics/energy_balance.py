@@ -104,7 +104,7 @@ def run_energy(mesh: MeshData, speed2: FloatArray) -> float:
     shared = shared_by_cells(mesh)
     total = 0.0
     for i in range(mesh.cell_length_m.shape[0]):
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         total += account.supply_power_w * account.duration_s
     return total
@@ -116,7 +116,7 @@ def run_balance(mesh: MeshData, speed2: FloatArray) -> CellBalance:
     n = mesh.cell_length_m.shape[0]
     rows, shared = np.empty((8, n)), shared_by_cells(mesh)
     for i in range(n):
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         for row in range(8):
             rows[row, i] = account[row]

@@ -8,7 +8,14 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
-from railjoule.core.physics.place_limits import BRAKING, NO_PLACE, TRACTION, PlaceTables, limit_at_place
+from railjoule.core.physics.place_limits import (
+    BRAKING,
+    NO_PLACE,
+    TRACTION,
+    PlaceTables,
+    borrowed_tables,
+    limit_at_place,
+)
 
 # an empty array, not None: compiled code needs one type of each field
 SWITCHED_AT_WILL = np.zeros(0, dtype=np.int64)
@@ -117,6 +124,22 @@ class TrainLimits(NamedTuple):
     drive: FloatArray
 
 
+class SharedLimits(NamedTuple):
+    """A train with its own limits, and those of each cell, for the loops of a compiled function.
+
+    Parameters
+    ----------
+    own : TrainLimits
+        Where the line does not lower them.
+    place, places
+        As in `MeshData`.
+    """
+
+    own: TrainLimits
+    place: IntArray
+    places: PlaceTables
+
+
 @njit(cache=True)
 def train_data(mesh: MeshData) -> Train:
     """Return the plain numbers of a meshed line's train."""
@@ -130,26 +153,27 @@ def train_data(mesh: MeshData) -> Train:
 
 
 @njit(cache=True)
-def shared_by_cells(mesh: MeshData) -> TrainLimits:
+def shared_by_cells(mesh: MeshData) -> SharedLimits:
     """Return the train as the physics of all cells needs it.
 
     For the loops of a compiled function that has the mesh as an argument: the arrays are `borrowed` from it. Python
     must not call it: there the arrays would outlive the loan.
     """
     traction, braking = borrowed_limit(mesh.traction), borrowed_limit(mesh.braking)
-    return TrainLimits(train_data(mesh), traction, braking, borrowed(mesh.drive_parameters))
+    own = TrainLimits(train_data(mesh), traction, braking, borrowed(mesh.drive_parameters))
+    return SharedLimits(own, borrowed(mesh.place), borrowed_tables(mesh.places))
 
 
 @njit(cache=True)
-def limits_at(mesh: MeshData, limits: TrainLimits, number: int) -> TrainLimits:
-    """Return the train as the physics of one cell needs it; `limits` are those that `shared_by_cells` returns."""
-    place = mesh.place[number]
-    return limits if place == NO_PLACE else _limits_at_place(mesh, limits, place)
+def limits_at(shared: SharedLimits, number: int) -> TrainLimits:
+    """Return the train as the physics of one cell needs it."""
+    place = shared.place[number]
+    return shared.own if place == NO_PLACE else _limits_at_place(shared, place)
 
 
 @njit(cache=True)
-def _limits_at_place(mesh: MeshData, limits: TrainLimits, place: int) -> TrainLimits:
-    train, places = limits.train, mesh.places
+def _limits_at_place(shared: SharedLimits, place: int) -> TrainLimits:
+    train, places = shared.own.train, shared.places
     return TrainLimits(
         Train(
             train.drive_kind,
@@ -160,7 +184,7 @@ def _limits_at_place(mesh: MeshData, limits: TrainLimits, place: int) -> TrainLi
         ),
         limit_at_place(places, TRACTION, place),
         limit_at_place(places, BRAKING, place),
-        limits.drive,
+        shared.own.drive,
     )
 
 

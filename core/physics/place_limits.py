@@ -137,15 +137,27 @@ def _stacked(limits: Sequence[EffortLimit]) -> tuple[FloatArray, IntArray]:
 
 
 @njit(cache=True)
-def limit_at_place(tables: PlaceTables, side: int, place: int) -> EffortLimit:
-    """Return `PlaceTables.limit` with arrays that are `borrowed`, for the loops of a compiled function.
+def borrowed_tables(tables: PlaceTables) -> PlaceTables:
+    """Return tables whose arrays are `borrowed`, for the loops of a compiled function."""
+    return PlaceTables(
+        borrowed(tables.constant_n),
+        borrowed(tables.power_w),
+        borrowed(tables.traction_table),
+        borrowed(tables.traction_first),
+        borrowed(tables.braking_table),
+        borrowed(tables.braking_first),
+        borrowed(tables.friction_n),
+        borrowed(tables.recuperation_factor),
+    )
 
-    Python must not call it: there the arrays would outlive the loan.
-    """
-    table, first = borrowed(tables.traction_table), borrowed(tables.traction_first)
+
+@njit(cache=True)
+def limit_at_place(tables: PlaceTables, side: int, place: int) -> EffortLimit:
+    """Return `PlaceTables.limit` in compiled code."""
+    table, first = tables.traction_table[place], tables.traction_first[place]
     if side == BRAKING:
-        table, first = borrowed(tables.braking_table), borrowed(tables.braking_first)
-    return EffortLimit(tables.constant_n[side, place], tables.power_w[side, place], table[place], first[place])
+        table, first = tables.braking_table[place], tables.braking_first[place]
+    return EffortLimit(tables.constant_n[side, place], tables.power_w[side, place], table, first)
 
 
 NO_TABLES = place_tables(())

@@ -71,7 +71,7 @@ def actions_of_run(mesh: MeshData, speed2: FloatArray) -> RunActions:
     shared = shared_by_cells(mesh)
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     for i in range(n):
-        train, traction, braking, drive = limits_at(mesh, shared, i)
+        train, traction, braking, drive = limits_at(shared, i)
         account = cell_balance(cell_at(mesh, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         done.action[i], done.mode[i] = action_of_cell(account, traction, another)
         done.duration_s[i] = account.duration_s

@@ -237,7 +237,7 @@ def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
 @njit(cache=True, error_model="numpy", nogil=True)
 def _reach(mesh: MeshData, number: int, cell: Cell, speed2: float) -> tuple[float, float, float]:
     """Return the squares of speed to which full braking, coasting and full power lead in a part of a numbered cell."""
-    train, traction, braking, _ = limits_at(mesh, shared_by_cells(mesh), number)
+    train, traction, braking, _ = limits_at(shared_by_cells(mesh), number)
     return (
         exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
         exit_speed2(cell, train, traction, braking, speed2, COAST),

@@ -279,6 +279,12 @@ def line_rows(state: Workbench) -> Markup:
         )
         for limit in line.speed_limits
     ]
+    restricted = [("Traction limit", one) for one in line.traction_limits]
+    restricted += [(f"{one.condition.capitalize()} rails", one) for one in line.rail_conditions]
+    rows += [
+        markup('<div class="row"><span>{}</span><span>{:g}\u2013{:g} m</span></div>', name, one.from_m, one.to_m)
+        for name, one in restricted
+    ]
     rows += [
         markup(
             '<div class="row"><span>Neutral section</span><span>{}\u2013{} m</span></div>',
