@@ -38,7 +38,7 @@ def wet(start: float, end: float) -> dict[str, Any]:
     return {
         "line.rail_condition": "dry",
         "line.rail_conditions": [{"from_m": start, "to_m": end, "condition": "wet"}],
-        "vehicle.adhesion": {"driven_mass_share": 0.4},
+        "vehicle.adhesion": {"driven_mass_share": 0.3},
     }
 
 
@@ -56,8 +56,8 @@ def resistance_n(speed: float) -> float:
 
 
 def adhesion_n(speed: float, wet_share: float = 1.0) -> float:
-    """Return what 0.4 of the weight transmits [N], after Curtius and Kniffler."""
-    return 0.4 * wet_share * (7.5 / (3.6 * speed + 44) + 0.161) * MASS_KG * G_MS2
+    """Return what 0.3 of the weight transmits [N], after Curtius and Kniffler."""
+    return 0.3 * wet_share * (7.5 / (3.6 * speed + 44) + 0.161) * MASS_KG * G_MS2
 
 
 def shortest_time_s(pull: Effort = pulling, brake: Effort = braking, limits: Any = ()) -> float:
