@@ -166,9 +166,9 @@ class Route:
     @property
     def limit_borders_m(self) -> FloatArray:
         """Places at which the limit may change [m], rising."""
-        ends = np.array([(start, end) for start, end, _ in self.limits]).reshape(-1, 2)
-        starts, ends = np.append(self.borders_m, ends[:, 0]), np.append(self.borders_m, ends[:, 1])
-        places = np.concatenate([self.borders_m, starts - self.limits_early_m, ends + self.limits_last_m])
+        starts = np.array([*self.borders_m, *(start for start, _, _ in self.limits)]) - self.limits_early_m
+        ends = np.array([*self.borders_m, *(end for _, end, _ in self.limits)]) + self.limits_last_m
+        places = np.concatenate([self.borders_m, starts, ends])
         return np.unique(places[places >= 0])
 
 

@@ -220,8 +220,9 @@ def build_limits(scenario: Scenario, line: LineGeometry, drive: Drive) -> tuple[
     if not others:
         return own, NO_TABLES
     found = [_efforts(scenario, drive, place) for place in others]
+    limits = [one.traction for one in found], [one.braking for one in found]
     # compiled code takes tables of one shape: where one limit has one, all get theirs
-    traction, braking = (any(len(one[side].table) for one in found) for side in range(2))
+    traction, braking = (any(len(limit.table) for limit in side) for side in limits)
     if traction or braking:
         found = [_efforts(scenario, drive, place, traction, braking) for place in others]
     return own, place_tables(found)

@@ -164,7 +164,8 @@ def shared_by_cells(mesh: MeshData) -> SharedLimits:
     return SharedLimits(own, borrowed(mesh.place), borrowed_tables(mesh.places))
 
 
-@njit(cache=True)
+# inlined: to hand over so many arrays takes longer than the physics of a cell
+@njit(cache=True, forceinline=True)
 def limits_at(shared: SharedLimits, number: int) -> TrainLimits:
     """Return the train as the physics of one cell needs it."""
     place = shared.place[number]

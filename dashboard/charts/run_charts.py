@@ -289,8 +289,8 @@ class EffortChart(RunChart):
             self.rename(EFFORT.words)
             self.clear("adhesion")
             return
-        conditions = sorted(run.scenario.line.all_rail_conditions - {None})
-        self.rename(f"{EFFORT.words}; dashed: adhesion on {' and '.join(conditions)} rails")
+        conditions = " and ".join(sorted(filter(None, run.scenario.line.all_rail_conditions)))
+        self.rename(f"{EFFORT.words}; dashed: adhesion on {conditions} rails")
         places, most = scene.x(run), adhesion_n / N_PER_KN
         # one line with a gap between its two sides
         self.put("adhesion", x=[*places, np.nan, *places], y=[*most, np.nan, *-most])
