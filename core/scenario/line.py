@@ -71,8 +71,8 @@ class NeutralSection(Stretch):
 class TractionLimit(Stretch):
     """A piece of line on which the train may pull, or feed back, less than elsewhere.
 
-    It holds as long as the front of the train is in it, where the pantograph is taken to be. Where several overlap, the
-    lowest of each kind holds.
+    It holds as long as the front of the train is in it, where the pantograph is taken to be. The lowest limit of each
+    kind holds where several overlap.
     """
 
     max_effort_kn: Number | None = Field(None, gt=0, le=10_000, description="Largest tractive effort [kN].")

@@ -107,7 +107,7 @@ CASES: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
         place(100, 900, max_power_kw=400),
         {"pull": lambda x, v: min(pulling(x, v), 400e3 / v if inside(100, 900, x) else np.inf)},
     ),
-    "two at once": (
+    "two together": (
         {
             "line.traction_limits": [
                 {"from_m": 0, "to_m": 500, "max_effort_kn": 60},
@@ -313,8 +313,8 @@ def test_legs_and_sweeps_have_the_limits_of_their_places():
         assert np.max(run.tractive_effort_n - run.max_effort_n) < 1e-3
     swept = sweep(plain_scenario(MANY | {"timetable.travel_time_s": 180.0}), {"vehicle.load_factor": [0.0, 1.0]})
     for load, energy in zip((0.0, 1.0), np.ravel(swept["energy_kwh"]), strict=True):
-        alone = plain_scenario(MANY | {"timetable.travel_time_s": 180.0, "vehicle.load_factor": load})
-        assert energy == pytest.approx(solve(alone).energy_kwh, rel=1e-3)
+        single = plain_scenario(MANY | {"timetable.travel_time_s": 180.0, "vehicle.load_factor": load})
+        assert energy == pytest.approx(solve(single).energy_kwh, rel=1e-3)
 
 
 def test_a_train_that_starts_where_it_may_not_pull_enough_is_refused_with_the_effort_of_that_place():
