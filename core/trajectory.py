@@ -364,10 +364,14 @@ def supplied_effort_n(data: MeshData, cells: CellBalance) -> FloatArray:
     return np.where(data.supply_share < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
 
 
-def _drive_by_place(mesh: MeshedLine) -> Drive:
-    """Return a meshed line's drive with the recuperation factor of each cell."""
+def drive_by_place(mesh: MeshedLine, with_dwells: bool = False) -> Drive:
+    """Return a meshed line's drive with the recuperation factor of each cell, and of dwells, which generate nothing."""
     factors: Any = recuperation_factors(mesh.data)
-    return replace(mesh.drive, recuperation_factor=factors) if np.ptp(factors) else mesh.drive
+    if not len(mesh.data.places.recuperation_factor):
+        return mesh.drive
+    if with_dwells:
+        factors = np.insert(factors, np.flatnonzero(mesh.dwell_s > 0), 0.0)
+    return replace(mesh.drive, recuperation_factor=factors)
 
 
 def supply_energies_j(mesh: MeshedLine, cells: CellBalance) -> tuple[float, float, float]:
@@ -394,7 +398,7 @@ def energy_balance(mesh: MeshedLine, speed2: FloatArray, cells: CellBalance) -> 
     data, length, duration = mesh.data, mesh.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
-        for kind, power in _drive_by_place(mesh).losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
+        for kind, power in drive_by_place(mesh).losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)

@@ -231,7 +231,7 @@ def build_limits(scenario: Scenario, line: LineGeometry, drive: Drive) -> tuple[
 def _efforts(
     scenario: Scenario, drive: Drive, place: PlaceLimits, traction: bool = False, braking: bool = False
 ) -> Efforts:
-    """Return the efforts of a train at a kind of place; `traction` and `braking` are whether these limits get a table."""
+    """Return the efforts of a train at a kind of place; flags tell which limits get a table."""
     vehicle, condition = scenario.vehicle, place.rail_condition
     driven_n = adhesive_weight(scenario, condition).driven_n
     pulling = effort_limit(vehicle, drive, False, driven_n, place, traction)

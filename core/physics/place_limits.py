@@ -44,7 +44,7 @@ UNLIMITED = PlaceLimits()
 
 
 class Efforts(NamedTuple):
-    """What a train may do at one kind of place.
+    """Largest efforts of a train at one kind of place, and what the supply takes back.
 
     Parameters
     ----------
