@@ -117,7 +117,10 @@ def _combined(
         own = factor * np.minimum(drive.weakening_limit_n(speed, braking), _varying_n(limits, speed))
         by_wheels = np.minimum(most_w / np.maximum(speed, SLOWEST_MS), driven_n * adhesion_coefficient(speed))
         effort = np.minimum(own, by_wheels)
-        return effort if np.isinf(supply_w) else _within_supply_n(drive, np.minimum(effort, constant), speed, supply_w)
+        if np.isinf(supply_w):
+            return effort
+        # a drive may have no values above the top speed
+        return _within_supply_n(drive, np.minimum(effort, constant), np.minimum(speed, top_speed_ms), supply_w)
 
     # a cubic across a corner of the curve would cut it off: pieces end there
     corners = np.append(limit_corners_ms(limits), drive.limit_corners_ms(braking))

@@ -19,7 +19,6 @@ from railjoule.core.simulation.field_oriented import simulate_field_oriented
 from railjoule.core.simulation.following import simulate_following
 from railjoule.core.simulation.manual import require_drivable
 from railjoule.core.strategies import prepare_task
-from railjoule.core.studies.sweep import sweep
 from railjoule.core.studies.whole_line import whole_line
 from tests.any_scenarios import any_placed_task
 from tests.builders import HILLS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
@@ -207,7 +206,7 @@ MANY: dict[str, Any] = {
 @pytest.mark.parametrize("factor", [0.5, 1.0])
 @pytest.mark.parametrize(
     "changes",
-    [place(0, 700, max_power_kw=250), MANY, MANY | HILLY, wet(300, 2000) | HILLY],
+    [place(100, 700, max_power_kw=250), MANY, MANY | HILLY, wet(300, 1700) | HILLY],
     ids=["power", "many", "hills", "wet"],
 )
 def test_the_optimum_is_proven_and_agrees_with_backward_induction(changes, factor):
@@ -239,7 +238,8 @@ def test_no_random_run_undercuts_its_bound_or_exceeds_its_limits(seed):
         return
     result = check_run(task.scenario, run)
     assert not result.broken, result.broken
-    assert run.bound is None or run.energy.net_j >= run.bound.energy_j * (1 - 1e-6) - 1.0
+    # what a bound may miss by rounding of a coarse mesh is as elsewhere
+    assert not run.is_below_bound
 
 
 @pytest.mark.parametrize(
@@ -306,15 +306,11 @@ def test_simulations_keep_them_or_refuse():
         require_drivable(build_meshed_line(scenario))
 
 
-def test_legs_and_sweeps_have_the_limits_of_their_places():
+def test_legs_have_the_limits_of_their_places():
     stations = {"line.stations": [{"name": "A", "position_m": 1000.0, "dwell_s": 20.0, "arrival_s": 110.0}]}
     scenario = plain_scenario({**MANY, **stations, "timetable.travel_time_s": 260.0})
     for run in (whole_line(scenario, "given").run, solve(scenario, check=True)):
         assert np.max(run.tractive_effort_n - run.max_effort_n) < 1e-3
-    swept = sweep(plain_scenario(MANY | {"timetable.travel_time_s": 180.0}), {"vehicle.load_factor": [0.0, 1.0]})
-    for load, energy in zip((0.0, 1.0), np.ravel(swept["energy_kwh"]), strict=True):
-        single = plain_scenario(MANY | {"timetable.travel_time_s": 180.0, "vehicle.load_factor": load})
-        assert energy == pytest.approx(solve(single).energy_kwh, rel=1e-3)
 
 
 def test_a_train_that_starts_where_it_may_not_pull_enough_is_refused_with_the_effort_of_that_place():
