@@ -130,7 +130,7 @@ class SharedLimits(NamedTuple):
     Parameters
     ----------
     own : TrainLimits
-        Where the line does not lower them.
+        The train with its own limits, which no place lowers.
     place, places
         As in `MeshData`.
     """
