@@ -12,6 +12,7 @@ from railjoule.core.motion import MeshedLine, build_meshed_line, max_speeds, run
 from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.meshed_line import train_extent
 from railjoule.core.motion.passes import MOVED
+from railjoule.core.physics.mesh_data import at_place
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
@@ -179,7 +180,7 @@ def _require_speeds_within_limits(mesh: MeshedLine) -> None:
 
 def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
     """Return why no run passes a cell."""
-    data, curve = mesh.data, mesh.curve_force_n[cell] / N_PER_KN
+    data, curve = at_place(mesh.data, mesh.data.place[cell]), mesh.curve_force_n[cell] / N_PER_KN
     where = f"At {mesh.position_m[cell]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille"
     too_fast = "cannot slow the train down for what lies ahead."
     friction_kn = data.friction_effort_n / N_PER_KN

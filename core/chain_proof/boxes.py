@@ -25,7 +25,7 @@ from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.effort_limit import WIDENING, EffortLimit, effort_range, upper_line
-from railjoule.core.physics.mesh_data import MeshData, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, cell_at, limits_at, shared_by_cells
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -416,16 +416,18 @@ def fill_boxes(
     count = pairs.start.shape[0]
     kept, rows = np.zeros(low.shape[0], dtype=np.int64), np.empty((count, COLUMNS))
     passed = np.empty((3, count), np.int64)
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
+    train, _, _, drive = shared.own
     table = DriveTable(
         borrowed(table.low), borrowed(table.last), table.slowest_ms, table.fastest_ms, borrowed(table.top_n)
     )
     off, replaced = negligible_effort(train.drive_kind, drive), has_standstill_brake(train.drive_kind, drive)
-    friction = train.friction_effort_n, off, replaced and braking.constant_n > 0.0
     m = 0
     for i in range(low.shape[0] - 1):
         kept[i] = m
         cell = cell_motion(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
+        friction = train.friction_effort_n, off, replaced and braking.constant_n > 0.0
         for pair in range(pairs.first[i], pairs.first[i + 1]):
             k, q, mode = pairs.start[pair], pairs.end[pair], pairs.mode[pair]
             box = Box(low[i, k], high[i, k], low[i + 1, q], high[i + 1, q])

@@ -12,9 +12,10 @@ With a wind w against the train the air meets it at v + w, which adds C w^2 to A
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
 of its cars, or at its front or its middle where the vehicle asks for that. Before the start the first value continues.
-A limit holds for the front of the train, or until its rear has left it. A neutral section is where its front is.
+A limit holds for the front of the train, or until its rear has left it, and `line.limit_margin_m` before it begins. A
+neutral section, a limit of traction and a rail condition of a part of the line are where the front is.
 
-With `line.rail_condition`, the driven axles transmit at most mu(v) times their weight, in driving and in electric
+With a rail condition, the driven axles transmit at most mu(v) times their weight, in driving and in electric
 braking, and all brakes together at most mu(v) times the weight of the braked axles. On dry rails (Curtius, Kniffler,
 1944), with v in km/h, mu(v) = 7.5 / (v + 44) + 0.161; on wet rails it is `wet_share` of that.
 """
@@ -27,6 +28,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, Section, Vehicle
+from railjoule.core.scenario.line import TractionLimit
 from railjoule.core.scenario.vehicle import Braking, Traction
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2, W_PER_KW
 
@@ -74,12 +76,16 @@ class Route:
         Places [m] that are passed at a given speed [m/s].
     neutral : tuple of (float, float)
         Stretches without traction power: from [m], to [m].
+    restricted : tuple of (float, float, TractionLimit)
+        Stretches with limits of traction: from [m], to [m], the limits.
+    rails : tuple of (float, float, str)
+        Stretches with a rail condition of their own: from [m], to [m], the condition.
     train_m : float or None
         Length of the train [m].
     points_m : sequence of float or None
         Distances behind the front of the points for gradient, curve and tunnel [m]; None for all of the train.
-    limits_last_m : float
-        Distance beyond its end at which a limit still holds for the front [m].
+    limits_last_m, limits_early_m : float
+        Distance beyond its end at which a limit still holds for the front, and before its begin at which it does [m].
     """
 
     sections: tuple[Section, ...]
@@ -89,9 +95,12 @@ class Route:
     end_window_s: tuple[float, float]
     passes: tuple[tuple[float, float], ...]
     neutral: tuple[tuple[float, float], ...]
+    restricted: tuple[tuple[float, float, TractionLimit], ...]
+    rails: tuple[tuple[float, float, str], ...]
     train_m: float | None
     points_m: Sequence[float] | None
     limits_last_m: float
+    limits_early_m: float
 
     @cached_property
     def borders_m(self) -> FloatArray:
@@ -147,18 +156,20 @@ class Route:
         number = np.clip(np.searchsorted(self.borders_m, position_m) - 1, 0, len(self.sections) - 1)
         by_section = np.array([(section.speed_limit_kmh or np.inf) * MS_PER_KMH for section in self.sections])
         limit = np.asarray(by_section[number])
-        # a limit that lasts for the cars behind is one more stretch after its section
-        behind = [(end, end, speed) for end, speed in zip(self.borders_m[1:], by_section, strict=True)]
-        for start, end, speed in [*self.limits, *behind]:
-            inside = (position_m > start) & (position_m < end + self.limits_last_m)
+        # a limit that begins early, or lasts for the cars behind, is one more stretch around its section
+        around = list(zip(self.borders_m[:-1], self.borders_m[1:], by_section, strict=True))
+        for start, end, speed in [*self.limits, *around]:
+            inside = (position_m > start - self.limits_early_m) & (position_m < end + self.limits_last_m)
             limit = np.where(inside, np.minimum(limit, speed), limit)
         return limit
 
     @property
     def limit_borders_m(self) -> FloatArray:
         """Places at which the limit may change [m], rising."""
-        ends = [place for start, end, _ in self.limits for place in (start, end + self.limits_last_m)]
-        return np.unique(np.concatenate([self.borders_m, self.borders_m + self.limits_last_m, ends]))
+        starts = np.array([*self.borders_m, *(start for start, _, _ in self.limits)]) - self.limits_early_m
+        ends = np.array([*self.borders_m, *(end for _, end, _ in self.limits)]) + self.limits_last_m
+        places = np.concatenate([self.borders_m, starts, ends])
+        return np.unique(places[places >= 0])
 
 
 def build_route(scenario: Scenario) -> Route:
@@ -169,7 +180,11 @@ def build_route(scenario: Scenario) -> Route:
     stations = [(station.position_m, station.dwell_s, station.window_s) for station in line.stations]
     passes = [(point.position_m, point.speed_kmh * MS_PER_KMH) for point in line.passing_points]
     neutral = [(section.from_m, section.to_m) for section in line.neutral_sections]
+    restricted = [(limit.from_m, limit.to_m, limit) for limit in line.traction_limits]
+    rails = [(stretch.from_m, stretch.to_m, stretch.condition) for stretch in line.rail_conditions]
     if line.reverse:
+        restricted = [(length - end, length - start, limit) for start, end, limit in restricted]
+        rails = [(length - end, length - start, condition) for start, end, condition in rails]
         neutral = [(length - end, length - start) for start, end in neutral]
         limits = [(length - end, length - start, speed) for start, end, speed in limits]
         stations = [(length - place, dwell, window) for place, dwell, window in reversed(stations)]
@@ -182,9 +197,12 @@ def build_route(scenario: Scenario) -> Route:
         end_window_s=next((window for place, _, window in stations if place >= length - END_M), (0.0, np.inf)),
         passes=tuple(passes),
         neutral=tuple(neutral),
+        restricted=tuple(restricted),
+        rails=tuple(rails),
         train_m=vehicle.length_m,
         points_m=_points_m(vehicle),
         limits_last_m=(vehicle.length_m or 0.0) if line.limits_hold_for == "whole_train" else 0.0,
+        limits_early_m=line.limit_margin_m,
     )
 
 
@@ -276,9 +294,12 @@ def stated_limits_n(limits: Traction | Braking, speed_ms: FloatArray) -> dict[st
     return stated
 
 
-def adhesion_limits_n(scenario: Scenario, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the largest forces of the driven and of the braked axles [N] at speeds [m/s]; infinite without a limit."""
-    vehicle, condition = scenario.vehicle, scenario.line.rail_condition
+def adhesion_limits_n(scenario: Scenario, speed_ms: FloatArray, condition: str | None) -> tuple[FloatArray, FloatArray]:
+    """Return the largest forces of the driven and of the braked axles [N] at speeds [m/s] on rails of a condition.
+
+    They are infinite where there is no limit.
+    """
+    vehicle = scenario.vehicle
     adhesion = vehicle.adhesion
     if condition is None or adhesion.driven_mass_share is None:
         unlimited = np.full(len(speed_ms), np.inf)

@@ -13,7 +13,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.continuous_bound.drive_rows import DriveRows, bracket
+from railjoule.core.continuous_bound.drive_rows import DriveRows, PlaceRows, bracket, rows_at
 from railjoule.core.continuous_bound.prices import Pieces
 from railjoule.core.physics.mesh_data import MeshData
 
@@ -57,7 +57,7 @@ def min_hamiltonian(
         Whether the drive has power; else there are only friction brakes.
     """
     speed = rows.speed_ms
-    g, share = bracket(rows, price)
+    g, share = bracket(rows.price, price)
     count = min(max(np.searchsorted(speed, limit), 1), speed.shape[0] - 1)
     level = price * constant
     beyond = price - min(max(price, rows.price[0]), rows.price[-1])
@@ -168,15 +168,15 @@ def strip_bends(speed: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def piece_values(
-    mesh: MeshData, rows: DriveRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
+    mesh: MeshData, rows: PlaceRows, pieces: Pieces, limit_ms: FloatArray, price_of_time: float
 ) -> FloatArray:
     """Return at most the least Hamiltonians at both ends of pieces [J/m]; shape (2, k).
 
     Parameters
     ----------
     mesh : MeshData
-    rows : DriveRows
-        The table of the drive.
+    rows : PlaceRows
+        The tables of the drive.
     pieces : Pieces
         The prices.
     limit_ms : array of shape (k,)
@@ -187,11 +187,12 @@ def piece_values(
     bend, half_inertia, values = strip_bends(rows.speed_ms), mesh.half_inertia_kg, np.empty_like(pieces.motion)
     for i in range(values.shape[1]):
         cell, length = pieces.cell[i], pieces.position_m[i + 1] - pieces.position_m[i]
+        table = rows_at(rows, mesh.place[cell])
         slope = -half_inertia * (pieces.motion[1, i] - pieces.motion[0, i]) / length
         for side in range(2):
             motion, force = pieces.motion[side, i], pieces.force[side, i]
             value = min_hamiltonian(
-                rows,
+                table,
                 bend,
                 force,
                 force * mesh.resistance_quadratic[cell] + slope + pieces.curve[side, i],

@@ -52,7 +52,7 @@ NO_POWERS = PowerTable(1.0, 0.0, np.zeros((2, 0)), np.zeros((2, 0, 0)), np.zeros
 @njit(cache=True, error_model="numpy", nogil=True)
 def tabulate_powers(mesh: MeshData) -> PowerTable:
     """Return the table of a meshed line's train."""
-    train, traction, braking, drive = shared_by_cells(mesh)
+    train, traction, braking, drive = shared_by_cells(mesh).own
     another = has_standstill_brake(mesh.drive_kind, mesh.drive_parameters)
     least = NEXT_TO_NOTHING * traction.constant_n
     step = math.sqrt(mesh.limit_speed2.max()) / (SPEEDS - 1)

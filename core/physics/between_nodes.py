@@ -30,7 +30,7 @@ from railjoule.core.physics.effort_limit import (
     limit_over_speed,
     max_effort,
 )
-from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, Train, cell_at, limits_at, shared_by_cells
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
@@ -237,9 +237,10 @@ def _follow_run(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """Return effort, share, excess, time and energy of all cells, of shape (5, n)."""
     n = mesh.cell_length_m.shape[0]
     rows, points = np.empty((5, n)), np.empty((4, 2 * HALF))
-    train, traction, braking, drive = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     for i in range(n):
         cell, start, end = cell_at(mesh, i), speed2[i], speed2[i + 1]
+        train, traction, braking, drive = limits_at(shared, i)
         effort, share, excess, corner = _control_cell(cell, train, traction, braking, start, end, points)
         time, energy = _integrate_cell(cell, train, traction, braking, drive, start, end, effort, share, corner)
         rows[0, i], rows[1, i], rows[2, i], rows[3, i], rows[4, i] = effort, share, excess, time, energy
@@ -262,11 +263,12 @@ def slow_to_possible(mesh: MeshData, speed2: FloatArray) -> FloatArray:
     """
     n = mesh.cell_length_m.shape[0]
     lowered, points = speed2.copy(), np.empty((4, 2 * HALF))
-    train, traction, braking, _ = shared_by_cells(mesh)
+    shared = shared_by_cells(mesh)
     for number in range(2 * n):
         is_braking = number >= n
         i = 2 * n - 1 - number if is_braking else number
         node, cell = i if is_braking else i + 1, cell_at(mesh, i)
+        train, traction, braking, _ = limits_at(shared, i)
         for _ in range(MAX_STEPS):
             start, end = lowered[i], lowered[i + 1]
             effort, _, excess, _ = _control_cell(cell, train, traction, braking, start, end, points)

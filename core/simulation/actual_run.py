@@ -170,7 +170,7 @@ def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Disturbance, Simula
     if real.coordinate_error_m != 0 or options.speed_error != 0 or any(options.sensor_errors_m):
         yield "position", followed, options
     factors = {"resistance_factor": real.resistance_factor, "line_voltage_factor": real.line_voltage_factor}
-    has_other_rails = real.rail_condition not in {None, scenario.line.rail_condition}
+    has_other_rails = real.rail_condition is not None and scenario.line.all_rail_conditions != {real.rail_condition}
     if has_other_rails or any(factor != 1 for factor in factors.values()):
         yield "conditions", followed.model_copy(update={**factors, "rail_condition": real.rail_condition}), options
     # from here on the position is that of the followed run

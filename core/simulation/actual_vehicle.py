@@ -34,7 +34,8 @@ def actual_vehicle(scenario: Scenario) -> Scenario:
     if disturbance.line_voltage_factor != 1:
         vehicle = at_voltage(vehicle, disturbance.line_voltage_factor)
     if disturbance.rail_condition is not None:
-        line = line.model_copy(update={"rail_condition": disturbance.rail_condition})
+        # what is known of the day holds on all of the line
+        line = line.model_copy(update={"rail_condition": disturbance.rail_condition, "rail_conditions": ()})
     return scenario.model_copy(update={"vehicle": vehicle, "line": line})
 
 

@@ -24,7 +24,7 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverErro
 from railjoule.core.motion import MeshedLine, build_meshed_line
 from railjoule.core.motion.driving import STANDING_SPEED2, brake_fully, drive
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
-from railjoule.core.physics.mesh_data import data_between
+from railjoule.core.physics.mesh_data import at_place, data_between
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulation.actual_vehicle import actual_vehicle, changed, notes_on
@@ -275,7 +275,7 @@ def _stand_reason(mesh: MeshedLine, node: int) -> str:
     """Return why a train comes to a stand at a node."""
     cell = node - 1
     needed = mesh.gradient_force_n[cell] + mesh.curve_force_n[cell] + mesh.data.resistance_constant_n
-    effort = mesh.data.traction.constant_n * mesh.data.supply_share[cell]
+    effort = at_place(mesh.data, mesh.data.place[cell]).traction.constant_n * mesh.data.supply_share[cell]
     return (
         f"At {mesh.position_m[node]:.0f} m, on a gradient of {mesh.gradient_permille[cell]:.4g} per mille, the "
         f"train with its actual load comes to a stand: to start there takes {needed / N_PER_KN:.1f} kN, and it pulls "

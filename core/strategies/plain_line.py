@@ -67,13 +67,13 @@ def plain_line(task: Task) -> PlainLine:
     Raises
     ------
     StrategyRefusedError
-        If the run has planned stops, passing points, neutral sections or a lower limit than the vehicle's, or the drive
-        no copper loss.
+        If the run has planned stops, passing points, neutral sections, limits of traction or adhesion by place, or a
+        lower limit of speed than the vehicle's, or the drive no copper loss.
     """
     mesh, scenario, data = task.mesh, task.scenario, task.mesh.data
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends.")
-    require_line_without(task, "passing_points", "neutral_sections")
+    require_line_without(task, "passing_points", "neutral_sections", "traction_limits", "rail_conditions")
     is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
@@ -154,7 +154,7 @@ def _has_braking_curve(mesh: MeshedLine) -> bool:
 
 
 def require_line_without(task: Task, *names: str) -> None:
-    """Raise StrategyRefusedError if a line has any of `passing_points` and `neutral_sections`, whichever are named."""
+    """Raise StrategyRefusedError if a line has any of the tables that are named, such as `passing_points`."""
     for name in names:
         if getattr(task.scenario.line, name):
             raise StrategyRefusedError(f"needs a line without {name.replace('_', ' ')}.")

@@ -136,7 +136,7 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
     vehicle, price = scenario.vehicle, steady.price_of_time_w
     level = steady.driving_adjoint * _resistance_n(scenario, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
-    driven_n = adhesive_weight(scenario).driven_n
+    driven_n = adhesive_weight(scenario, scenario.line.rail_condition).driven_n
     effort = vehicle_limit_n(vehicle, up, driven_n=driven_n)
     # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
     full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(scenario, up))

@@ -10,6 +10,7 @@ from panel.viewable import Viewable
 from railjoule.core import RailjouleError
 from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario
+from railjoule.core.scenario.line import Stretch
 from railjoule.dashboard.browser import Browser, one_message, unfrozen
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look import words
@@ -278,6 +279,12 @@ def line_rows(state: Workbench) -> Markup:
             *(f"{value:g}" for value in (limit.limit_kmh, limit.from_m, limit.to_m)),
         )
         for limit in line.speed_limits
+    ]
+    restricted: list[tuple[str, Stretch]] = [("Traction limit", one) for one in line.traction_limits]
+    restricted += [(f"{one.condition.capitalize()} rails", one) for one in line.rail_conditions]
+    rows += [
+        markup('<div class="row"><span>{}</span><span>{:g}\u2013{:g} m</span></div>', name, one.from_m, one.to_m)
+        for name, one in restricted
     ]
     rows += [
         markup(

@@ -84,6 +84,8 @@ def _require_supported(scenario: Scenario) -> None:
         ("timetable.entry_speed_kmh", scenario.timetable.entry_speed_kmh != 0),
         ("timetable.exit_speed_kmh", scenario.timetable.exit_speed_kmh != 0),
         ("line.neutral_sections", bool(scenario.line.neutral_sections)),
+        ("line.traction_limits", bool(scenario.line.traction_limits)),
+        ("line.rail_conditions", bool(scenario.line.rail_conditions)),
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),

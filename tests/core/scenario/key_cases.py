@@ -283,6 +283,34 @@ CASES: dict[str, Case] = {
         },
         idle=("vehicle.drive", "vehicle.name", "line.name", "line.passing_points.0.name", "solver.tolerance"),
     ),
+    "limits by place": Case(
+        plan,
+        change_document(
+            PLAIN,
+            {
+                "strategy": "fastest",
+                "vehicle.line_voltage_v": 750.0,
+                "vehicle.adhesion": {"driven_mass_share": 0.3},
+                "line.traction_limits": [
+                    {"from_m": 100.0, "to_m": 200.0, "max_effort_kn": 40.0},
+                    {"from_m": 250.0, "to_m": 300.0, "effort_factor": 0.5},
+                    {"from_m": 350.0, "to_m": 400.0, "max_power_kw": 300.0},
+                    {"from_m": 450.0, "to_m": 500.0, "max_current_a": 400.0},
+                    {"from_m": 1700.0, "to_m": 1950.0, "recuperation_factor": 0.3},
+                ],
+                "line.rail_conditions": [{"from_m": 550.0, "to_m": 800.0, "condition": "dry"}],
+                "line.speed_limits": [{"from_m": 1000.0, "to_m": 1100.0, "limit_kmh": 60.0}],
+                "line.limit_margin_m": 50.0,
+            },
+        ),
+        ("line.traction_limits", "line.rail_conditions", "line.limit_margin_m", "vehicle.line_voltage_v"),
+        {"line.rail_conditions.0.condition": "wet"},
+        # of the other entries: a factor of 1 is none, and cannot be less without its limit
+        idle=(
+            *(f"line.traction_limits.{index}.effort_factor" for index in (0, 2, 3, 4)),
+            *(f"line.traction_limits.{index}.recuperation_factor" for index in (0, 1, 2, 3)),
+        ),
+    ),
     "optimum over a refined mesh": Case(plan, shortened({}), ("solver.tolerance",), {"solver.tolerance": 1e-5}),
     "stations": Case(
         plan,
