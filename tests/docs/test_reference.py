@@ -6,7 +6,7 @@ import sys
 import tomllib
 
 import pytest
-from documents import DOCS
+from documents import DOCS, text_of
 
 import railjoule.core
 from railjoule.core.scenario import Scenario, format_scenario, load_scenario, preset_names, scenario_from_document
@@ -47,7 +47,7 @@ def keys_of(table: dict[str, object], place: str = "") -> set[tuple[str, str]]:
     return found
 
 
-def told_keys() -> dict[str, set[str]]:
+def reference_keys() -> dict[str, set[str]]:
     """Return the keys that the page tells, by table."""
     told: dict[str, set[str]] = {}
     for heading, body in re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", scenario_keys(), re.MULTILINE | re.DOTALL):
@@ -61,9 +61,20 @@ def told_keys() -> dict[str, set[str]]:
 
 @pytest.mark.parametrize("name", preset_names("scenarios"))
 def test_every_key_of_a_shipped_scenario_stands_in_it(name):
-    told = told_keys()
+    told = reference_keys()
     written = tomllib.loads(format_scenario(load_scenario(name)))
     assert {(place, key) for place, key in keys_of(written) if key not in told.get(place, set())} == set()
+
+
+def test_keys_of_the_scenario_guide_are_those_of_the_models():
+    """Each key of a table stands in the block of its heading, as the models have it."""
+    generated, page = reference_keys(), text_of("howto/scenario")
+    for place, table in re.findall(r"^## `\[([\w.]+)\]`\n(.*?)(?=^## |\Z)", page, re.MULTILINE | re.DOTALL):
+        rows = [row for row in table.splitlines() if row.startswith("| `")]
+        named = {key for row in rows for key in re.findall(r"`(\w+)`", row.split("|")[1])}
+        # `file` is replaced by its sections when the scenario is read
+        assert named - generated[place] <= ({"file"} if place == "line" else set()), place
+    assert len(generated) > 30
 
 
 def test_bounds_are_those_that_are_checked():

@@ -12,8 +12,9 @@ from commands import answer, complaint
 from documents import ROOT, blocks, blocks_in, text_of
 from validated import validate_once
 
-from railjoule.core import solve
+from railjoule.core import compare, solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.arguments import FORMATS
 from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.page_list import PAGES
@@ -26,7 +27,30 @@ SHOWN_OUTPUT = {
     if (first.kind, second.kind) == ("sh", "text")
 }
 """Output that the page shows, by the first command of the block above it; an ellipsis stands for any text."""
-(SCENARIO,) = blocks(text_of("howto/scenario"), "toml")
+SCENARIO_PAGE = text_of("howto/scenario")
+SCENARIO = blocks(SCENARIO_PAGE, "toml")[0]
+
+
+EVERY_STRATEGY = {
+    "solver.mesh_m": 50.0,
+    "solver.tolerance": 0.01,
+    "line.sections": [{"length_m": 2000}],
+    "timetable.travel_time_s": 180.0,
+}
+REFUSED = {
+    "line.speed_limits": {"line.speed_limits": [{"from_m": 600, "to_m": 900, "limit_kmh": 45}]},
+    "line.stations": {"line.stations": [{"position_m": 1000, "dwell_s": 20}]},
+    "line.neutral_sections": {"line.neutral_sections": [{"from_m": 500, "to_m": 600}]},
+    "line.passing_points": {"line.passing_points": [{"position_m": 800, "speed_kmh": 45}]},
+    "line.traction_limits": {"line.traction_limits": [{"from_m": 0, "to_m": 500, "max_power_kw": 800}]},
+    "line.rail_conditions": {
+        "vehicle.adhesion": {"driven_mass_share": 0.5},
+        "line.rail_conditions": [{"from_m": 0, "to_m": 500, "condition": "wet"}],
+    },
+    "timetable.entry_speed_kmh": {"timetable.entry_speed_kmh": 20},
+    "timetable.exit_speed_kmh": {"timetable.exit_speed_kmh": 20},
+}
+"""Changes of a scenario that set a key of the table of refusals."""
 
 
 def test_notebook_example_draws_what_is_told():
@@ -53,6 +77,20 @@ def test_scenario_example_is_valid(folder):
     scenario = load_scenario(folder / "metro.toml")
     assert scenario.vehicle.preset == "metro-81-7036"
     assert scenario.line.stations[0].dwell_s == 25
+
+
+def test_strategies_refuse_what_the_page_lists():
+    """Each row of the table of refusals, on a level line of 2 km that all strategies accept without the key."""
+    table = SCENARIO_PAGE.partition("## Strategies that refuse a key")[2]
+    heading, _, *rows = [line.split("|")[1:-1] for line in table.splitlines() if line.startswith("|")]
+    names = [cell.strip(" `") for cell in heading[1:]]
+    assert sorted(names) == sorted(STRATEGIES)
+    assert {row[0].strip(" `") for row in rows} == REFUSED.keys()
+    for key, *marks in rows:
+        scenario = load_scenario("ftorek-300s").replace({**EVERY_STRATEGY, **REFUSED[key.strip(" `")]})
+        refused = compare(scenario, names).refused.keys()
+        assert refused == {name for name, mark in zip(names, marks, strict=True) if mark.strip()}, key
+    assert compare(load_scenario("ftorek-300s").replace(EVERY_STRATEGY), names).refused == {}
 
 
 def test_vehicle_and_line_that_are_added_make_a_scenario():
