@@ -33,17 +33,16 @@ SHORT = {
 
 
 def carried_out(guide: str, root: Path) -> Path:
-    """Copy the sources to a folder, and change them by a guide: its new files, and its changes of others."""
+    """Copy the sources to a folder, and apply the new files and the changes in the text of a guide."""
     for name in ("core", "dashboard", "assets", ".github"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "package" / "__init__.py", root)
     shutil.copy(ROOT / "pyproject.toml", root)
-    text = text_of(f"howto/{guide}")
-    for added in blocks(text, "python"):
+    for added in blocks(guide, "python"):
         path = root / added.splitlines()[0].removeprefix("# ")
         path.parent.mkdir(exist_ok=True)
         path.write_text(added, encoding="utf-8")
-    changes = "".join(blocks(text, "diff"))
+    changes = "".join(blocks(guide, "diff"))
     for change in changes.split("--- ")[1:]:
         name, hunks = change.split("\n", 1)
         text = (root / name).read_text(encoding="utf-8")
@@ -59,13 +58,13 @@ def carried_out(guide: str, root: Path) -> Path:
 @pytest.fixture(scope="module")
 def with_the_drive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the sources with the drive of its guide."""
-    return carried_out("add_drive", tmp_path_factory.mktemp("with-drive") / "railjoule").parent
+    return carried_out(text_of("howto/add_drive"), tmp_path_factory.mktemp("with-drive") / "railjoule").parent
 
 
 @pytest.fixture(scope="module")
 def with_the_strategy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the sources with the strategy of its guide, and a scenario beside it."""
-    folder = carried_out("add_strategy", tmp_path_factory.mktemp("with-strategy") / "railjoule").parent
+    folder = carried_out(text_of("howto/add_strategy"), tmp_path_factory.mktemp("with-strategy") / "railjoule").parent
     (folder / "short.toml").write_text(tomli_w.dumps(change_document(PLAIN, SHORT)), encoding="utf-8")
     return folder
 
@@ -73,7 +72,17 @@ def with_the_strategy(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def with_the_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the sources with the page of its guide."""
-    return carried_out("add_page", tmp_path_factory.mktemp("with-page") / "railjoule").parent
+    return carried_out(text_of("howto/add_page"), tmp_path_factory.mktemp("with-page") / "railjoule").parent
+
+
+@pytest.fixture(scope="module")
+def after_the_first_hour(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the sources with the change of the first hour, and a scenario beside it."""
+    # the change is indented, as part of a step
+    text = re.sub(r"^ {3}", "", (ROOT / ".github" / "CONTRIBUTING.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    folder = carried_out(text, tmp_path_factory.mktemp("first-hour") / "railjoule").parent
+    (folder / "short.toml").write_text(tomli_w.dumps(change_document(PLAIN, SHORT)), encoding="utf-8")
+    return folder
 
 
 def run_in(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -137,6 +146,22 @@ def test_the_sidebar_lists_the_added_strategy(with_the_strategy: Path) -> None:
     assert "data-term='slowed'" in info
     assert (light, dark, dash) == ("#6B5B00", "#D7C46A", [10, 2, 2, 2])
     assert ".stroke.slowed { stroke: var(--rj-slowed)" in css
+
+
+LISTED = """
+import json
+from railjoule.dashboard.shell.strategies import StrategyList
+from railjoule.dashboard.workbench import Workbench
+print(json.dumps([row["label"] for row in StrategyList(Workbench()).strategies]))
+"""
+
+
+def test_the_change_of_the_first_hour_is_seen_in_a_terminal_and_on_the_page(after_the_first_hour: Path) -> None:
+    command = ("-m", "railjoule.dashboard", "solve", "short.toml", "--strategy", "fastest")
+    assert answer(after_the_first_hour, *command).splitlines()[0].endswith(": Shortest time")
+    labels = json.loads(answer(after_the_first_hour, "-c", LISTED))
+    assert "Shortest time" in labels
+    assert "Fastest" not in labels
 
 
 GATE = ("tests/dashboard/look/test_glossary.py", "tests/dashboard/look/test_tokens.py")
