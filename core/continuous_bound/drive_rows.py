@@ -34,6 +34,7 @@ from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.interior_point.envelope import lower_hull
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
 from railjoule.core.physics.mesh_data import MeshData
+from railjoule.core.physics.resistance import starting_resistance
 
 SPEEDS, LOSSLESS_SPEEDS = 240, 160
 """Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed. The second number is for a drive of constant
@@ -73,6 +74,10 @@ class DriveRows(NamedTuple):
         Greatest tractive and electric braking effort [N], least energy per work of driving, most per work of braking.
     friction_n : float
         Largest effort of the friction brakes [N].
+    starting_n : array of shape (m,)
+        Starting resistance of the train [N]; it is linear between rows.
+    starting_at_rest_n : float
+        The same at rest [N].
     """
 
     speed_ms: FloatArray
@@ -82,6 +87,8 @@ class DriveRows(NamedTuple):
     braking_n: FloatArray
     at_rest: FloatArray
     friction_n: float
+    starting_n: FloatArray
+    starting_at_rest_n: float
 
 
 _KEPT: dict[Hashable, DriveRows] = {}
@@ -97,6 +104,8 @@ def drive_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
         *((limit.constant_n, limit.power_w, limit.table.tobytes()) for limit in limits),
         mesh.recuperation_factor,
         mesh.friction_effort_n,
+        mesh.starting_n,
+        mesh.starting_ends_ms,
         fastest_ms,
     )
     with _LOCK:
@@ -111,6 +120,9 @@ def drive_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
 def _make_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
     is_lossless = mesh.drive_kind == CONSTANT_EFFICIENCY
     speed = _row_speeds(fastest_ms, LOSSLESS_SPEEDS if is_lossless else SPEEDS)
+    if mesh.starting_n > 0.0 and speed[0] < mesh.starting_ends_ms < speed[-1]:
+        # its corner: between rows it is linear
+        speed = np.union1d(speed, mesh.starting_ends_ms)
     for limit in (mesh.traction, mesh.braking):
         speed = _halve_loose_strips(limit, speed)
     most = np.array([_upper_efforts(limit, speed) for limit in (mesh.traction, mesh.braking)])
@@ -126,7 +138,9 @@ def _make_rows(mesh: MeshData, fastest_ms: float) -> DriveRows:
     least = np.empty((len(price), len(speed)))
     fill_least(energy, most, effort_share, price, mesh.friction_effort_n, least)
     at_rest = np.array([mesh.traction.constant_n, mesh.braking.constant_n, *bounds])
-    return DriveRows(speed, price, least, most[0], most[1] + mesh.friction_effort_n, at_rest, mesh.friction_effort_n)
+    starting = starting_resistance(mesh.starting_n, mesh.starting_ends_ms, speed)
+    friction, braking = mesh.friction_effort_n, most[1] + mesh.friction_effort_n
+    return DriveRows(speed, price, least, most[0], braking, at_rest, friction, starting, mesh.starting_n)
 
 
 def _row_speeds(fastest_ms: float, count: int) -> FloatArray:

@@ -349,6 +349,8 @@ def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     if mesh.supply_share[i] < 1.0:
         by_speed = 0.0
     resisted = price * (mesh.resistance_linear + 2.0 * mesh.resistance_quadratic[i] * speed)
+    if speed < mesh.starting_ends_ms:
+        resisted -= price * mesh.starting_n / mesh.starting_ends_ms
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)
     slope: float = changed / (2.0 * speed * mesh.half_inertia_kg)
     return slope

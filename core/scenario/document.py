@@ -33,6 +33,9 @@ AnyPart = TypeVar("AnyPart", bound=PresetPart)
 # leave both in force, which the model refuses.
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
+    {"load_factor", "load_t"},
+    {"actual_load_factor", "actual_load_t"},
+    {"max_load_t", "capacity_passengers"},
     {"travel_time_s", "average_speed_kmh"},
     {"travel_time_s", "deduct_train_length"},
 )
@@ -238,7 +241,8 @@ def _over_preset(part: PresetPart) -> Document | None:
         mode="json", exclude_none=True
     )
     short = _difference(full, base)
-    return short if merged(base, short) == full else None
+    # compared as parts: a key that replaces another one's default is not among the base's keys
+    return short if part.model_validate(merged(base, short)) == part else None
 
 
 def _difference(full: Document, base: Document) -> Document:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
 from railjoule.core.lower_bound import Bound
+from railjoule.core.scenario.vehicle import KG_PER_T
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 from railjoule.dashboard.work.simple_advice import first_told
 
@@ -60,7 +61,8 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     return {
         "title": trajectory.scenario.title,
         "strategy": trajectory.strategy,
-        "load_factor": trajectory.scenario.vehicle.load_factor,
+        "load_factor": trajectory.scenario.vehicle.load_share,
+        "load_t": trajectory.scenario.vehicle.load_mass_kg / KG_PER_T,
         "energy_kwh": trajectory.energy_kwh,
         "traction_energy_kwh": energy.traction_j / J_PER_KWH,
         "recuperated_kwh": energy.recuperated_j / J_PER_KWH,

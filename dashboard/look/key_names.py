@@ -15,6 +15,9 @@ NAMES = {
     "no_load_loss": "no-load loss",
     "limits_hold_for": "speed limits hold for",
     "gradient_at": "gradient acts on",
+    "max_load": "freight capacity",
+    "starting": "starting resistance",
+    "starting_ends_at": "starting resistance ends at",
     "stop_deceleration": "braking rate",
 }
 """What a field is called whose key does not read well."""
@@ -47,7 +50,9 @@ UNITS = {
     "_nm": "N m",
     "_vs": "V s",
     "_km": "km",
+    "_m2": "m\u00b2",
     "_m": "m",
+    "_t": "t",
     "_s": "s",
     "_w": "W",
     "_a": "A",

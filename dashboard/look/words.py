@@ -15,6 +15,7 @@ from railjoule.core import RailjouleError, ScenarioError, TimetableError
 from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
+from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.strategy import STRATEGIES
 from railjoule.core.trajectory import BY_HAND, MEASURED
@@ -211,9 +212,14 @@ def title(given: str) -> str:
     return given or "Untitled scenario"
 
 
-def subtitle(distance_m: float, vehicle: str, load_factor: float) -> str:
+def load_of(vehicle: Vehicle) -> str:
+    """Return the load of a vehicle in words: a share of the capacity, or tonnes where its file has those."""
+    return load(vehicle.load_factor) if vehicle.load_t is None else f"load {setting(vehicle.load_t / 100)} t"
+
+
+def subtitle(distance_m: float, vehicle: Vehicle) -> str:
     """Return what stands beneath a scenario's title: length of the track, vehicle and load."""
-    return f"{distance(distance_m)} km, {vehicle}, {load(load_factor)}"
+    return f"{distance(distance_m)} km, {vehicle.name}, {load_of(vehicle)}"
 
 
 def about(strategy: str, sentence: str) -> str:

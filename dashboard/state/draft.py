@@ -19,6 +19,7 @@ from railjoule.dashboard.limits import LONGEST_TEXT
 FIELD_KEYS = {
     "timetable.travel_time_s": "travel_time_s",
     "vehicle.load_factor": "load_percent",
+    "vehicle.load_t": "load_t",
     "drive.recuperation_factor": "recuperation_percent",
     "enoc.acceleration_time_s": "acceleration_time_s",
 }
@@ -89,6 +90,7 @@ class ScenarioDraft:
             # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
             "timetable.travel_time_s": (now["travel_time_s"], round(edited.travel_time_s, 1)),
             "vehicle.load_factor": (_fraction(now["load_percent"]), edited.vehicle.load_factor),
+            "vehicle.load_t": (now["load_t"], edited.vehicle.load_t),
             "drive.recuperation_factor": (
                 _fraction(now["recuperation_percent"]),
                 edited.vehicle.drive.recuperation_factor,

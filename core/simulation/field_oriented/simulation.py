@@ -84,6 +84,7 @@ def _require_supported(scenario: Scenario) -> None:
         ("timetable.entry_speed_kmh", scenario.timetable.entry_speed_kmh != 0),
         ("timetable.exit_speed_kmh", scenario.timetable.exit_speed_kmh != 0),
         ("line.neutral_sections", bool(scenario.line.neutral_sections)),
+        ("vehicle.resistance.starting_ends_at_kmh", scenario.vehicle.resistance.starting_ends_at_kmh is not None),
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),
