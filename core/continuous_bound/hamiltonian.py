@@ -5,9 +5,9 @@ At a place with line force G and limit of speed v_m, with the price of force y o
     H(v) = h(y, v) + y (A + G + B v + S(v)) + lambda / v + q v^2,      q = y C + p',
 
 with h of `drive_rows` and the starting resistance S, which is linear between its rows. Between two rows h lies above
-its linear interpolant, and what is added is a function of v only: its second derivative is 2 lambda / v^3 + 2 q. If that is
-positive, a strip's least lies between its ends: the tangent at a point close to it is a bound. Otherwise the ends
-decide. Near rest the price of time outweighs all.
+its linear interpolant, and what is added is a function of v only: its second derivative is 2 lambda / v^3 + 2 q. If
+that is positive, a strip's least lies between its ends: the tangent at a point close to it is a bound. Otherwise the
+ends decide. Near rest the price of time outweighs all.
 """
 
 import numpy as np
