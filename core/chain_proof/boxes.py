@@ -134,9 +134,7 @@ def cell_motion(mesh: MeshData, number: int) -> CellMotion:
 def motion_in_box(cell: CellMotion, starting: tuple[float, float], box: Box) -> CellMotion:
     """Return the motion with the range of a starting resistance, at rest and where it ends, in one box."""
     least = mean_starting_resistance(starting[0], starting[1], box.high_w, box.high_y)
-    most = starting[0]
-    if box.low_w + box.low_y > 0.0:
-        most = mean_starting_resistance(starting[0], starting[1], box.low_w, box.low_y)
+    most = mean_starting_resistance(starting[0], starting[1], box.low_w, box.low_y)
     # `least_n` of a cell is without any
     bare = cell.least_n
     return CellMotion(cell.length_m, cell.k1, cell.k0, bare + least, bare + most, cell.linear, cell.rise, cell.fall)

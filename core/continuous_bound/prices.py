@@ -220,7 +220,9 @@ def _marginal_prices(mesh: MeshData, optimum: Optimum, price: FloatArray) -> Flo
         (optimum.traction_n, mesh.traction, 1.0 / efficiency),
         (optimum.braking_n, mesh.braking, generating * mesh.recuperation_factor),
     ):
-        share = effort / limit.effort_n(mean)
+        # a curve may end or begin at no effort
+        largest = limit.effort_n(mean)
+        share = effort / np.where(largest > 0.0, largest, np.inf)
         partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(price - cost) < MARGINAL)
         snapped[partial] = cost
     return snapped

@@ -121,7 +121,7 @@ def reached_speed2(cell: Cell, start_speed2: float, known_speed2: float, mean_sp
     half = 0.5 * cell.quadratic
     # needed_force(w0, w1) = F solved for w1: w1 (k + C / 2) = w0 (k - C / 2) - A - B v + F
     left = (cell.inertia - half) * start_speed2 - cell.constant_n - cell.linear * mean_speed
-    if cell.starting_n > 0.0 and start_speed2 + known_speed2 > 0.0:
+    if cell.starting_n > 0.0:
         end2 = max(known_speed2, 0.0)
         left -= mean_starting_resistance(cell.starting_n, cell.starting_ends_ms, start_speed2, end2)
     speed2: float = (left + force) / (cell.inertia + half)

@@ -42,7 +42,7 @@ def starting_resistance(starting_n: Numbers, ends_ms: Numbers, speed: Value) -> 
 
 @formula
 def mean_starting_resistance(starting_n: Numbers, ends_ms: Numbers, start_speed2: Value, end_speed2: Value) -> Value:
-    """Return the mean over the distance of S (1 - v / v_e) [N] between two squares of speed [m2/s2], not both zero.
+    """Return the mean over the distance of S (1 - v / v_e) [N] between two squares of speed [m2/s2].
 
     As v^2 is linear over the distance, it is the integral of 2 S (1 - v / v_e) v dv from one speed to the other, but at
     most to v_e, over the difference of the squares.
@@ -53,7 +53,7 @@ def mean_starting_resistance(starting_n: Numbers, ends_ms: Numbers, start_speed2
     # a difference of cubes over one of squares, without the difference itself, which may be zero
     below = (b - a + SAME_SPEED_MS) / (fast - slow + SAME_SPEED_MS)
     factor = a + b - (2.0 / 3.0) * (a * a + a * b + b * b) / ends_ms
-    resistance: Value = starting_n * below * factor / (slow + fast + SAME_SPEED_MS)
+    resistance: Value = starting_n * below * (factor + SAME_SPEED_MS) / (slow + fast + SAME_SPEED_MS)
     return resistance
 
 
@@ -63,6 +63,9 @@ def mean_starting_slopes(
 ) -> tuple[float, float]:
     """Return the derivatives of `mean_starting_resistance` by both squares of speed [N s2/m2]."""
     rise, mean_ms = end_speed2 - start_speed2, np.sqrt(0.5 * (start_speed2 + end_speed2))
+    if mean_ms <= 0.0:
+        # infinite at rest, where the force rises with the square of speed all the same
+        return 0.0, 0.0
     if abs(rise) <= 1e-6 * (start_speed2 + end_speed2):
         half = -0.25 * starting_n / (ends_ms * mean_ms) if mean_ms < ends_ms else 0.0
         return half, half

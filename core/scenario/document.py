@@ -241,6 +241,10 @@ def _over_preset(part: PresetPart) -> Document | None:
         mode="json", exclude_none=True
     )
     short = _difference(full, base)
+    # a default that another key of its group replaces needs no line of its own
+    for key in [key for group in EXCLUSIVE_KEYS if len(group & short.keys()) > 1 for key in group & short.keys()]:
+        if short[key] == type(part).model_fields[key].default:
+            del short[key]
     # compared as parts: a key that replaces another one's default is not among the base's keys
     return short if part.model_validate(merged(base, short)) == part else None
 
