@@ -19,7 +19,7 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 # at which the coefficients of rolling and air resistance are given: TrainRuns.jl, after Wende 2003, p. 151
 REFERENCE_KMH = 100.0
 # for a file without one: TrainRuns.jl, after Bruenger, Dahlhaus 2014, p. 74
-USUAL_DECELERATION_MS2 = 0.375
+USUAL_DECELERATION_MS2, FREIGHT_DECELERATION_MS2 = 0.375, 0.225
 # an integer may have more digits than a number with a point can hold
 MAX_FORCE_N = 1e12
 OLD_KEYS = {
@@ -56,6 +56,7 @@ class RailVehicle(Foreign):
     """
 
     id: str = Field(max_length=200)
+    vehicle_type: str | None = None
     length: Positive
     mass: Positive
     load_limit: NotNegative = 0.0
@@ -154,7 +155,7 @@ def read_train(document: Mapping[str, Any], wanted: str | None, notes: Notes) ->
         "length_m": sum(vehicle.length for vehicle in formation),
         "resistance": _resistance(formation, loads_t, notes),
         "traction": {"max_speed_kmh": min(limits), **_traction(formation, notes.source)},
-        "braking": _braking(formation, KG_PER_T * (inertia_t + max_load_t), notes),
+        "braking": _braking(formation, KG_PER_T * (inertia_t + max_load_t), _usual_deceleration(formation), notes),
     }
     return imported_vehicle(table, notes)
 
@@ -287,7 +288,14 @@ def _sum_of_tables(tables: Sequence[Sequence[Pair]]) -> list[list[float]]:
     return [[speed, float(total)] for (speed, _), total in zip(places, sums, strict=True)]
 
 
-def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) -> dict[str, float]:
+def _usual_deceleration(formation: Sequence[RailVehicle]) -> float:
+    """Return the deceleration of a train whose file has none [m/s2]: with wagons and no passengers that of freight."""
+    kinds = {vehicle.vehicle_type for vehicle in formation}
+    is_freight = "freight" in kinds and not kinds & {"passenger", "multiple unit"}
+    return FREIGHT_DECELERATION_MS2 if is_freight else USUAL_DECELERATION_MS2
+
+
+def _braking(formation: Sequence[RailVehicle], inertia_kg: float, usual_ms2: float, notes: Notes) -> dict[str, float]:
     """Compute electric brakes by their forces, and friction brakes by theirs or by the deceleration they give."""
     forces = [vehicle.brake_force for vehicle in formation if vehicle.brake_force is not None]
     # the force stays up to that speed, and from there on the power
@@ -304,7 +312,7 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, notes: Notes) 
     elif services:
         return {**braking, "friction_effort_kn": services}
     else:
-        what = f"one for {USUAL_DECELERATION_MS2} m/s2 with the largest load is assumed"
+        what = f"one for {usual_ms2} m/s2 with the largest load is assumed"
         notes.add("assumption", f"it tells of no friction brake: {what}.")
-    braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=USUAL_DECELERATION_MS2) / N_PER_KN
+    braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=usual_ms2) / N_PER_KN
     return braking

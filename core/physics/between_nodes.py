@@ -71,7 +71,7 @@ def _corner_speed(limit: EffortLimit, slow: float, fast: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def _resistance(cell: Cell, speed: float) -> float:
-    """Return what resists at a speed [m/s] within a cell [N]."""
+    """Return the resistance at a speed [m/s] within a cell [N]."""
     resistance = running_resistance(cell.constant_n, cell.linear, cell.quadratic, speed, speed * speed)
     if cell.starting_n > 0.0:
         resistance += starting_resistance(cell.starting_n, cell.starting_ends_ms, speed)

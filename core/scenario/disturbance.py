@@ -168,7 +168,7 @@ class Disturbance(Part):
 
     @property
     def has_load(self) -> bool:
-        """Whether it says what the train really carries."""
+        """Whether it contains a load of its own."""
         return self.actual_load_factor is not None or self.actual_load_t is not None
 
     @property

@@ -216,7 +216,7 @@ class Vehicle(PresetPart):
     def with_load(self, share: float | None = None, tonnes: float | None = None) -> "Vehicle":
         """Return the vehicle with another load: a share of its capacity or a mass [t], which is not checked."""
         if tonnes is None:
-            # what the share refers to stays, where only the load itself had told it
+            # a share refers to the planned load where no capacity is given
             capacity = {} if self.has_capacity or self.load_t is None else {"max_load_t": self.load_t or None}
             return self.model_copy(update={"load_factor": share or 0.0, "load_t": None, **capacity})
         return self.model_copy(update={"load_factor": 0.0, "load_t": tonnes})
@@ -234,7 +234,7 @@ class Vehicle(PresetPart):
 
     @property
     def has_capacity(self) -> bool:
-        """Whether a file says how much the vehicle can carry."""
+        """Whether the capacity is given."""
         return self.max_load_t is not None or self.capacity_passengers * self.passenger_mass_kg > 0
 
     @property

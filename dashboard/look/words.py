@@ -213,7 +213,7 @@ def title(given: str) -> str:
 
 
 def load_of(vehicle: Vehicle) -> str:
-    """Return the load of a vehicle in words: a share of the capacity, or tonnes where its file has those."""
+    """Return the load of a vehicle in words: a share of the capacity or a mass."""
     return load(vehicle.load_factor) if vehicle.load_t is None else f"load {setting(vehicle.load_t / 100)} t"
 
 

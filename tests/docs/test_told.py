@@ -12,15 +12,17 @@ from documents import ROOT, blocks, text_of
 
 from railjoule.core import solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
+from railjoule.core.scenario.document import merged
 from railjoule.dashboard.command.arguments import FORMATS
 from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.page_list import PAGES
+from tests.builders import PLAIN
 
 COMMANDS_PAGE = text_of("howto/commands")
 COMMANDS = [
     line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines() if line.startswith("railjoule ")
 ]
-(SCENARIO,) = blocks(text_of("howto/scenario"), "toml")
+SCENARIO, *PARTS = blocks(text_of("howto/scenario"), "toml")
 
 
 def test_notebook_example_draws_what_is_told():
@@ -46,6 +48,14 @@ def test_scenario_example_is_valid(folder):
     scenario = load_scenario(folder / "metro.toml")
     assert scenario.vehicle.preset == "metro-81-7036"
     assert scenario.line.stations[0].dwell_s == 25
+
+
+@pytest.mark.parametrize("text", PARTS)
+def test_parts_of_a_vehicle_are_read_over_another(text):
+    vehicle = tomllib.loads(text)
+    scenario = scenario_from_document(merged(PLAIN, vehicle))
+    assert scenario != scenario_from_document(PLAIN)
+    assert solve(scenario, "fastest").travel_time_s > 0
 
 
 def test_vehicle_and_line_that_are_added_make_a_scenario():

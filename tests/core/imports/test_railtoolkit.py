@@ -124,6 +124,13 @@ def test_another_load_has_the_resistance_of_those_who_carry_it(load_t):
     assert scenario.vehicle.total_inertia_kg == pytest.approx(1000 * (176 + load_t))
 
 
+def test_a_freight_train_without_a_brake_has_that_of_freight():
+    """TrainRuns.jl assumes 0.225 m/s2 for freight and 0.375 m/s2 for passengers: 416 t of inertia here."""
+    freight = LOADED.replace("id: wagon", "id: wagon\n    vehicle_type: freight")
+    vehicle = read_railtoolkit(SourceFile("ore.yaml", freight.encode())).vehicle
+    assert vehicle.braking.friction_effort_kn == pytest.approx(416 * 0.225)
+
+
 def test_the_energy_of_a_loaded_formation():
     """field.md gives 53.15 kWh over 10 km with the old resistance, and 41.71 kWh with the right one.
 
@@ -163,7 +170,7 @@ def test_what_is_told_twice_is_told():
         "a.yaml: vehicle unit: traction: rated_power, initial_tractive_force, beside tractive_effort." in train.unused
     )
     assert "a.yaml: vehicle unit: brakes: service_brake_effort, beside deceleration." in train.unused
-    (unknown,) = (one for one in train.unused if one.startswith("a.yaml: vehicle unit: vehicle_type, "))
+    (unknown,) = (one for one in train.unused if one.startswith("a.yaml: vehicle unit: resistance.model_fidelity, "))
     assert "brakes.friction_brake.model_fidelity" in unknown
 
 
