@@ -38,14 +38,18 @@ def _without_steps(curve: Curve) -> tuple[FloatArray, FloatArray]:
     """Return rising speeds [m/s] and efforts [N] of the points of a curve, its steps as ramps."""
     points = np.array(curve)
     places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
-    ramped = places.copy()
+    ramped, rise = places.copy(), np.zeros(len(places))
     for i in np.flatnonzero(np.diff(places) == 0):
         # the higher point moves away from the step, but not to the next point
         higher, beyond = (i, i - 1) if efforts[i] > efforts[i + 1] else (i + 1, i + 2)
         side = -1 if higher == i else 1
         free = abs(places[beyond] - places[i]) if 0 <= beyond < len(places) else RAMP_MS
-        ramped[higher] = places[i] + side * min(RAMP_MS, 0.5 * free)
-    return ramped, efforts
+        width = min(RAMP_MS, 0.5 * free)
+        ramped[higher] = places[i] + side * width
+        if 0 <= beyond < len(places):
+            # the curve's own effort there, or the line from there on would lie above it
+            rise[higher] = (efforts[beyond] - efforts[higher]) * width / free
+    return ramped, efforts + rise
 
 
 def vehicle_limit_n(

@@ -212,14 +212,14 @@ def title(given: str) -> str:
     return given or "Untitled scenario"
 
 
-def load_of(vehicle: Vehicle) -> str:
+def vehicle_load(vehicle: Vehicle) -> str:
     """Return the load of a vehicle in words: a share of the capacity or a mass."""
     return load(vehicle.load_factor) if vehicle.load_t is None else f"load {setting(vehicle.load_t / 100)} t"
 
 
 def subtitle(distance_m: float, vehicle: Vehicle) -> str:
     """Return what stands beneath a scenario's title: length of the track, vehicle and load."""
-    return f"{distance(distance_m)} km, {vehicle.name}, {load_of(vehicle)}"
+    return f"{distance(distance_m)} km, {vehicle.name}, {vehicle_load(vehicle)}"
 
 
 def about(strategy: str, sentence: str) -> str:

@@ -56,7 +56,7 @@ def test_an_imported_train_is_loaded(tmp_path: Path, capsys: pytest.CaptureFixtu
         assert resistance_coefficients(vehicle)[0] == pytest.approx(9.81 * (80 * 2.0 + (100 + load_t) * 1.4))
         words = ("--strategy", "fastest", "--set", f"vehicle.load_t={load_t}", "--json")
         times.append(json.loads(answer(capsys, "solve", str(file), *words))["travel_time_s"])
-    assert times[1] > times[0] + 60
+    assert times[1] > times[0] + 30
     said = complaint(capsys, "solve", str(file), "--set", "vehicle.load_t=221")
     assert "load_t = 221 must be at most 220, the capacity with crush_load_factor" in said
 

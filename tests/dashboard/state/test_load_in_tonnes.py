@@ -25,7 +25,7 @@ def test_tonnes_are_typed_and_bounded(freight: ScenarioModel) -> None:
     assert dict(freight.changes) == {"vehicle.load_t": 30.0}
     assert freight.scenario().vehicle.total_mass_kg == 110e3
     assert freight.planned_load_percent == 50.0
-    assert words.load_of(freight.scenario().vehicle) == "load 30 t"
+    assert words.vehicle_load(freight.scenario().vehicle) == "load 30 t"
     freight.load_t = None
     assert not freight.changes
 
