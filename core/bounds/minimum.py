@@ -7,7 +7,6 @@ from railjoule.core.arrays import IntArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
-from railjoule.core.motion.passes import slowed_to_reach
 from railjoule.core.physics.mesh_data import lowered_limits
 from railjoule.core.task import Task
 
@@ -100,9 +99,6 @@ def _minimise(task: Task, tolerance: float) -> Solution:
     closest = min(points, key=lambda point: (point.status, point.relative_gap))
     if closest.status != CONVERGED and not (has_idle_losses and closest.relative_gap < LOOSE_GAP):
         raise SolverError(f"the optimum was not found within {iterations} iterations.")
-    if task.mesh.data.starting_n > 0:
-        # where it ends within a cell beside a stop, the efforts of the last step are up to 2e-5 above their limits
-        closest = closest._replace(speed2=slowed_to_reach(task.mesh.data, closest.speed2))
     return Solution(closest, iterations, closest.energy_j + task.dwell_energy_j)
 
 

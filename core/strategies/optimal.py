@@ -6,12 +6,15 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 import math
 from contextlib import suppress
 from dataclasses import replace
+from itertools import pairwise
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import Solution, bounded, certify, minimise
 from railjoule.core.continuous_bound.refinement import halved, refined_optimum
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
 from railjoule.core.lower_bound import LATE_SHARE, Reference, Window
 from railjoule.core.motion import build_meshed_line
+from railjoule.core.motion.passes import slowed_to_reach
 from railjoule.core.physics.energy_balance import reference_energy
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.arrival_windows import (
@@ -146,12 +149,25 @@ def _smooth_optimum(task: Task) -> Trajectory:
         task.scenario,
         task.mesh,
         "optimal",
-        solution.optimum.speed2,
+        _within_limits(task, solution.optimum.speed2),
         bound=certify(task, solution.optimum, proven),
         price_of_time_w=solution.optimum.price_of_time_w,
         iterations=solution.iterations,
     )
     return _as_reference(task, best)
+
+
+def _within_limits(task: Task, speed2: FloatArray) -> FloatArray:
+    """Return squares of speed lowered until the efforts keep their limits to the last digits.
+
+    Where a starting resistance has its corner or the step of a curve its ramp, those of an optimum may exceed them by
+    up to a per cent, which takes a ten-thousandth of a metre per second.
+    """
+    vehicle = task.scenario.vehicle
+    curves = (vehicle.traction.curve or (), vehicle.braking.curve or ())
+    has_steps = any(one[0] == other[0] for curve in curves for one, other in pairwise(curve))
+    data = task.mesh.data
+    return slowed_to_reach(data, speed2) if has_steps or data.starting_n > 0 else speed2
 
 
 def _undercut(task: Task, best: Trajectory) -> Trajectory:
