@@ -314,5 +314,7 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, usual_ms2: flo
     else:
         what = f"one for {usual_ms2} m/s2 with the largest load is assumed"
         notes.add("assumption", f"it tells of no friction brake: {what}.")
+        # or the brake of the largest load would stop an empty train far sooner
+        braking["max_deceleration_ms2"] = usual_ms2
     braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=usual_ms2) / N_PER_KN
     return braking

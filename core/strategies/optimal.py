@@ -143,7 +143,7 @@ def _smooth_optimum(task: Task) -> Trajectory:
     """Return the optimum of a drive without idle losses, over a mesh that is refined where the task allows it."""
     time_s, lowers = task.running_time_s, _has_corners(task)
     if lowers:
-        # what the lowered speeds take longer
+        # the lowered speeds take longer by about as much
         slack_s = max(time_s - task.shortest_time_s, 0.0)
         task = replace(task, running_time_s=time_s - min(SPARED_SHARE * time_s, 0.01 * slack_s))
     if task.can_be_remeshed:
@@ -171,8 +171,8 @@ def _smooth_optimum(task: Task) -> Trajectory:
 def _has_corners(task: Task) -> bool:
     """Return whether the efforts of an optimum may exceed their limits by more than its last digits.
 
-    Where a starting resistance has its corner or the step of a curve its ramp, they may by up to a per cent, which is a
-    ten-thousandth of a metre per second: the speeds are then lowered until the limits are kept.
+    They may by up to a per cent, a ten-thousandth of a metre per second, at the corner of a starting resistance or the
+    ramp of a step: the speeds are then lowered until the limits are kept.
     """
     vehicle = task.scenario.vehicle
     curves = (vehicle.traction.curve or (), vehicle.braking.curve or ())

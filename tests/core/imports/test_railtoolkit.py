@@ -137,6 +137,8 @@ def test_the_energy_of_a_loaded_formation():
     Both in 620 s, and with a tenth of 400 t rotating; with the 16 t that do, it is less.
     """
     right = read_railtoolkit(SourceFile("ore.yaml", LOADED.encode())).document["vehicle"]
+    # brakes with an effort and no deceleration, as in field.md
+    right |= {"braking": {"max_effort_kn": 0, "friction_effort_kn": 156}}
     rotating = {"inertial_mass_kg": 200e3, "braking": {"max_effort_kn": 0, "friction_effort_kn": 165}}
     old = {"constant_n_per_kn": 1.5, "quadratic_n_per_kn_per_kmh2": 0.00065}
     rest = {"line": {"sections": [{"length_m": 10_000}]}, "timetable": {"travel_time_s": 620}}
