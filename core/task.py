@@ -198,6 +198,15 @@ def _obstacle_sentence(mesh: MeshedLine, cell: int, braking: bool) -> str:
     if braking:
         effort = round(data.braking.constant_n / N_PER_KN + friction_kn, 3)
         return f"{where}, the brakes of at most {effort:.4g} kN {too_fast}"
+    starting = float(data.starting_n)
+    if starting > 0 and data.fixed_speed2[cell] == 0:
+        needed = (starting + data.resistance_constant_n + data.line_force_n[cell]) / N_PER_KN
+        most = at_place(data, data.place[cell]).traction.constant_n / N_PER_KN
+        return (
+            f"{where}, the train stands and cannot start: that takes more than {needed:.4g} kN, of which "
+            f"{plain_number(starting / N_PER_KN, 4)} kN are its starting resistance, and its effort is at most "
+            f"{most:.4g} kN."
+        )
     # the curve may be the only reason
     resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (

@@ -136,6 +136,7 @@ class Case:
         mean_speed2 = 0.5 * (self.entering_speed2 + self.leaving_speed2)
         quadratic = train.quadratic * self.route.tunnel_factor(*cells)
         self.resistance_n = train.constant_n + train.linear * self.mean_speed_ms + quadratic * mean_speed2
+        self.resistance_n += train.mean_starting_n(self.entering_speed2, self.leaving_speed2)
         self.acceleration_ms2 = 0.5 * (self.leaving_speed2 - self.entering_speed2) / self.length_m
         # Newton's second law for the cell, from the speeds only; the efforts of the run are compared with it
         inertia_n = train.inertia_kg * self.acceleration_ms2

@@ -108,6 +108,7 @@ def _replace_at_rest(
             powered = 1.0 if data.supply_share[cell] >= 1.0 else 0.0
             effort = powered * driving - resisted if side > 0.0 else powered * braking + table.friction_n + resisted
             if side < 0.0:
+                effort += data.starting_n
                 # resistance helps, too: that at the limit of speed bounds the speed at the start, and so itself
                 linear, quadratic, limit = data.resistance_linear, data.resistance_quadratic[cell], limit_ms[piece]
                 fastest2 = length * (effort + linear * limit + quadratic * limit**2) / inertia

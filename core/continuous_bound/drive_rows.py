@@ -35,6 +35,7 @@ from railjoule.core.interior_point.envelope import lower_hull
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort, upper_line
 from railjoule.core.physics.mesh_data import MeshData, at_place
 from railjoule.core.physics.place_limits import NO_PLACE
+from railjoule.core.physics.resistance import starting_resistance
 
 SPEEDS, LOSSLESS_SPEEDS = 240, 160
 """Row j of so many lies at the share (j / SPEEDS)^3 of the greatest speed. The second number is for a drive of constant
@@ -74,6 +75,10 @@ class DriveRows(NamedTuple):
         Greatest tractive and electric braking effort [N], least energy per work of driving, most per work of braking.
     friction_n, recuperation_factor : float
         Largest effort of the friction brakes [N], and share of the generated energy that the supply takes back.
+    starting_n : array of shape (m,)
+        Starting resistance of the train [N]; it is linear between rows.
+    starting_at_rest_n : float
+        The same at rest [N].
     """
 
     speed_ms: FloatArray
@@ -84,6 +89,8 @@ class DriveRows(NamedTuple):
     at_rest: FloatArray
     friction_n: float
     recuperation_factor: float
+    starting_n: FloatArray
+    starting_at_rest_n: float
 
 
 class PlaceRows(NamedTuple):
@@ -97,6 +104,8 @@ class PlaceRows(NamedTuple):
         The same at each kind of place.
     friction_n, recuperation_factor : array of shape (p,)
         The same.
+    starting_n, starting_at_rest_n : arrays of shape (p, m) and (p,)
+        The same; equal at all places.
     """
 
     speed_ms: FloatArray
@@ -107,6 +116,8 @@ class PlaceRows(NamedTuple):
     at_rest: FloatArray
     friction_n: FloatArray
     recuperation_factor: FloatArray
+    starting_n: FloatArray
+    starting_at_rest_n: FloatArray
 
 
 @njit(cache=True)
@@ -121,6 +132,8 @@ def rows_at(rows: PlaceRows, place: int) -> DriveRows:
         rows.at_rest[place],
         rows.friction_n[place],
         rows.recuperation_factor[place],
+        rows.starting_n[place],
+        rows.starting_at_rest_n[place],
     )
 
 
@@ -137,6 +150,8 @@ def drive_rows(mesh: MeshData, fastest_ms: float) -> PlaceRows:
         mesh.recuperation_factor,
         mesh.friction_effort_n,
         *(array.tobytes() for array in mesh.places),
+        mesh.starting_n,
+        mesh.starting_ends_ms,
         fastest_ms,
     )
     with _LOCK:
@@ -153,6 +168,9 @@ def _make_rows(mesh: MeshData, fastest_ms: float) -> PlaceRows:
     meshes = [at_place(mesh, place) for place in (*range(len(mesh.places.friction_n)), NO_PLACE)]
     is_lossless = mesh.drive_kind == CONSTANT_EFFICIENCY
     speed = _row_speeds(fastest_ms, LOSSLESS_SPEEDS if is_lossless else SPEEDS)
+    if mesh.starting_n > 0.0 and speed[0] < mesh.starting_ends_ms < speed[-1]:
+        # its corner: between rows it is linear
+        speed = np.union1d(speed, mesh.starting_ends_ms)
     for one in meshes:
         for limit in (one.traction, one.braking):
             speed = _halve_loose_strips(limit, speed)
@@ -177,7 +195,18 @@ def _rows_of_place(
     least, friction = np.empty((len(price), len(speed))), mesh.friction_effort_n
     fill_least(energy, most, effort_share, price, friction, least)
     at_rest = np.array([mesh.traction.constant_n, mesh.braking.constant_n, *bounds])
-    return DriveRows(speed, price, least, most[0], most[1] + friction, at_rest, friction, mesh.recuperation_factor)
+    return DriveRows(
+        speed,
+        price,
+        least,
+        most[0],
+        most[1] + friction,
+        at_rest,
+        friction,
+        mesh.recuperation_factor,
+        starting_resistance(mesh.starting_n, mesh.starting_ends_ms, speed),
+        mesh.starting_n,
+    )
 
 
 def _row_speeds(fastest_ms: float, count: int) -> FloatArray:

@@ -2,11 +2,12 @@
 
 At a place with line force G and limit of speed v_m, with the price of force y of `pieces`,
 
-    H(v) = h(y, v) + y (A + G + B v) + lambda / v + q v^2,      q = y C + p',
+    H(v) = h(y, v) + y (A + G + B v + S(v)) + lambda / v + q v^2,      q = y C + p',
 
-with h of `drive_rows`. Between two rows h lies above its linear interpolant, and what is added is a function of v
-only: its second derivative is 2 lambda / v^3 + 2 q. If that is positive, a strip's least lies between its ends: the
-tangent at a point close to it is a bound. Otherwise the ends decide. Near rest the price of time outweighs all.
+with h of `drive_rows` and the starting resistance S, which is linear between its rows. Between two rows h lies above
+its linear interpolant, and what is added is a function of v only: its second derivative is 2 lambda / v^3 + 2 q. If
+that is positive, a strip's least lies between its ends: the tangent at a point close to it is a bound. Otherwise the
+ends decide. Near rest the price of time outweighs all.
 """
 
 import numpy as np
@@ -69,6 +70,8 @@ def min_hamiltonian(
         h = h - abs(beyond) * (rows.driving_n if beyond > 0.0 else rows.braking_n)[first : count + 1]
     if not powered:
         h = 0.0 * h + rows.friction_n * min(price, 0.0)
+    if rows.starting_at_rest_n > 0.0:
+        h = h + price * rows.starting_n[first : count + 1]
     total = h[:-1] + (level + price * linear * v) + price_of_time * bend[0, first:count] + by_speed2 * v * v
     # the last strip ends at the limit
     before, width = v[-1], speed[count] - v[-1]
@@ -106,6 +109,8 @@ def _slowest_row(
     driving, braking, taken, returned = rows.at_rest
     braked = rows.friction_n * min(price, 0.0)
     worth = braked + (min(0.0, (taken - price) * driving, (price - returned) * braking) if powered else 0.0)
+    # where the price of force is negative, the starting resistance is worth something, at most that at rest
+    worth += rows.starting_at_rest_n * min(price, 0.0)
     if beyond != 0.0:
         return worth, 0
     known = np.inf
@@ -113,6 +118,7 @@ def _slowest_row(
         j = count * tenth // 10
         v = rows.speed_ms[j]
         h = (1.0 - share) * rows.least[g, j] + share * rows.least[g + 1, j] if powered else braked
+        h += price * rows.starting_n[j]
         if j < count:
             known = min(known, h + level + price * linear * v + price_of_time / v + by_speed2 * v * v)
     room = known - worth - level

@@ -220,7 +220,8 @@ def _marginal_prices(mesh: MeshData, optimum: Optimum, price: FloatArray) -> Flo
         (optimum.traction_n, tractive_limit_n(mesh, mean), np.full(len(mean), 1.0 / efficiency)),
         (optimum.braking_n, electric_limit_n(mesh, mean), generating * recuperation_factors(mesh)),
     ):
-        share = effort / limit_n
+        # a curve may end or begin at no effort
+        share = effort / np.where(limit_n > 0.0, limit_n, np.inf)
         partial = (share > PARTIAL) & (share < 1.0 - PARTIAL) & (np.abs(price - cost) < MARGINAL)
         snapped[partial] = cost[partial]
     return snapped
@@ -350,6 +351,8 @@ def _slope(trace: Trace, i: int, motion_price: float, speed: float) -> float:
     if mesh.supply_share[i] < 1.0:
         by_speed = 0.0
     resisted = price * (mesh.resistance_linear + 2.0 * mesh.resistance_quadratic[i] * speed)
+    if speed < mesh.starting_ends_ms:
+        resisted -= price * mesh.starting_n / mesh.starting_ends_ms
     changed = by_speed + resisted - trace.price_of_time / (speed * speed)
     slope: float = changed / (2.0 * speed * mesh.half_inertia_kg)
     return slope

@@ -68,7 +68,7 @@ def tabulate_powers(mesh: MeshData) -> PowerTable:
                 force = max(largest[side, k] * j / (EFFORTS - 1), 2.0 * least)
                 force = force if side == DRIVING_SIDE else -force
                 # a cell whose only resistance is that force, passed at one speed
-                cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0)
+                cell = Cell(1.0, 0.0, force, 0.0, 0.0, 1.0, 0.0, 1.0)
                 account = cell_balance(cell, train, traction, braking, drive, v * v, v * v)
                 loss[side, k, j] = account.supply_power_w - force * v
                 action[side, k, j], _ = action_of_cell(account, traction, another)

@@ -23,6 +23,7 @@ from railjoule.core.physics.cell import (
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.energy_balance import energy_per_metre
 from railjoule.core.physics.mesh_data import MeshData, limits_at, scaled_cell_at, shared_by_cells
+from railjoule.core.physics.resistance import mean_starting_curvatures
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -72,7 +73,7 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         train, pulling, electric, _ = limits_at(shared, i)
         share = train.recuperation_factor
         force = needed_force(cell, w[i], w[i + 1], v)
-        d0, d1 = force_slopes(cell, u0, u1)
+        d0, d1 = force_slopes(cell, w[i], w[i + 1], u0, u1)
         f = cells.traction[i]
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
@@ -110,6 +111,10 @@ def evaluate(mesh: MeshData, scale: float, time_price: float, work: Work) -> tup
         cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
         cells.force_price[i] = -price
         _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
+        if cell.starting_n > 0.0:
+            by_start, by_end = mean_starting_curvatures(cell.starting_n, cell.starting_ends_ms, w[i], w[i + 1])
+            work.curvature[ix.START_WW, i] -= price * by_start if free[i] > 0.0 else 0.0
+            work.curvature[ix.END_WW, i] -= price * by_end if free[i + 1] > 0.0 else 0.0
         v0 = v1
     if idles:
         keep_larger_curvature(work.curvature, work.last_curvature)

@@ -19,8 +19,10 @@ from railjoule.core.physics.place_limits import NO_TABLES, Efforts, PlaceLimits,
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
+    mean_starting_resistance,
     resistance_coefficients,
     running_resistance,
+    starting_terms,
 )
 from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario
@@ -107,13 +109,15 @@ class MeshedLine:
         """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
         # at the means that `needed_force` takes, or the account of the energy would not close
         data, speed = self.data, np.sqrt(speed2)
-        return running_resistance(
+        running = running_resistance(
             data.resistance_constant_n,
             data.resistance_linear,
             data.resistance_quadratic,
             midpoints(speed),
             midpoints(speed2),
         )
+        starting = mean_starting_resistance(data.starting_n, data.starting_ends_ms, speed2[:-1], speed2[1:])
+        return running + starting
 
     def net_force_n(self, speed2: FloatArray) -> FloatArray:
         """Return the force at the wheels [N] that brings each cell from one node's square of speed to the next's."""
@@ -324,7 +328,7 @@ def _mesh_data(
 ) -> MeshData:
     vehicle, line, drive = scenario.vehicle, parts.line, parts.drive
     constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
-    traction, braking = vehicle.traction, vehicle.braking
+    traction, braking, starting = vehicle.traction, vehicle.braking, starting_terms(vehicle)
     cell_length = np.diff(line.position_m)
     limit2 = np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2
     return MeshData(
@@ -337,6 +341,8 @@ def _mesh_data(
         resistance_linear=linear,
         # tunnels hold up the air, not the bearings
         resistance_quadratic=quadratic * line.tunnel_factor,
+        starting_n=starting[0],
+        starting_ends_ms=starting[1],
         traction=parts.efforts.traction,
         braking=parts.efforts.braking,
         friction_effort_n=parts.efforts.friction_n,

@@ -25,7 +25,7 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.effort_limit import EffortLimit, max_effort_slope, supplied_limit
-from railjoule.core.physics.mesh_data import MeshData, cell_at, limits_at, shared_by_cells
+from railjoule.core.physics.mesh_data import MeshData, can_start, cell_at, limits_at, shared_by_cells
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
@@ -50,9 +50,9 @@ def _excess(
     # infinite at rest, where the force rises with the speed squared all the same
     v_slope = mean_speed_slope(root) if root > 0.0 else 0.0
     if sign > 0.0:
-        value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
+        value, slope = needed_force(cell, known, x, v), force_slopes(cell, known, x, 0.0, v_slope)[1]
     else:
-        value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
+        value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, x, known, v_slope, 0.0)[0]
     effort, effort_slope = max_effort_slope(limit, v)
     return value - effort, slope - effort_slope * v_slope
 
@@ -144,6 +144,8 @@ def _pass_cells(mesh: MeshData, speed2: FloatArray, is_braking: bool) -> int:
         cell = cell_at(mesh, i)
         train, traction, braking, _ = limits_at(shared, i)
         limit, friction = (braking, train.friction_effort_n) if is_braking else (traction, 0.0)
+        if not is_braking and speed2[known] <= 0.0 and not can_start(cell, limit):
+            return i
         # v^2 changes by 2 a h over a cell
         bound = min(speed2[other], speed2[known] + max_change * cell.length_m)
         supplied = supplied_limit(limit, cell.supply_share)

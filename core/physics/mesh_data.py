@@ -6,8 +6,8 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
-from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
+from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, supplied_effort
 from railjoule.core.physics.place_limits import (
     BRAKING,
     NO_PLACE,
@@ -44,6 +44,8 @@ class MeshData(NamedTuple):
         A and B of the running resistance [N, N s/m].
     resistance_quadratic : array of shape (n,)
         C with the factor of tunnels [N s2/m2].
+    starting_n, starting_ends_ms : float
+        As in `Cell`.
     traction, braking : EffortLimit
         Largest efforts of the drive and of the electric brake where the line does not lower them.
     friction_effort_n : float
@@ -75,6 +77,8 @@ class MeshData(NamedTuple):
     resistance_constant_n: float
     resistance_linear: float
     resistance_quadratic: FloatArray
+    starting_n: float
+    starting_ends_ms: float
     traction: EffortLimit
     braking: EffortLimit
     friction_effort_n: float
@@ -207,6 +211,8 @@ def cell_at(mesh: MeshData, number: int) -> Cell:
         mesh.resistance_linear,
         mesh.resistance_quadratic[number],
         mesh.supply_share[number],
+        mesh.starting_n,
+        mesh.starting_ends_ms,
     )
 
 
@@ -221,7 +227,18 @@ def scaled_cell_at(mesh: MeshData, number: int, scale: float) -> Cell:
         mesh.resistance_linear / scale,
         mesh.resistance_quadratic[number] / scale,
         mesh.supply_share[number],
+        mesh.starting_n / scale,
+        mesh.starting_ends_ms,
     )
+
+
+@njit(cache=True, error_model="numpy")
+def can_start(cell: Cell, traction: EffortLimit) -> bool:
+    """Return whether the drive overcomes the starting resistance of a standing train; True where it has none."""
+    if cell.starting_n <= 0.0:
+        return True
+    needed: float = cell.constant_n + cell.starting_n
+    return supplied_effort(traction, cell.supply_share, NEARLY_AT_REST_MS) > needed
 
 
 @njit(cache=True, error_model="numpy")
@@ -229,7 +246,16 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
-    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.supply_share)
+    return Cell(
+        length_m,
+        inertia,
+        cell.constant_n,
+        cell.linear,
+        cell.quadratic,
+        cell.supply_share,
+        cell.starting_n,
+        cell.starting_ends_ms,
+    )
 
 
 def data_between(mesh: MeshData, first: int, last: int) -> MeshData:
@@ -249,6 +275,8 @@ def all_cells(mesh: MeshData) -> Cell:
         mesh.resistance_linear,
         mesh.resistance_quadratic,
         mesh.supply_share,
+        mesh.starting_n,
+        mesh.starting_ends_ms,
     )
 
 

@@ -17,19 +17,42 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 # halved as often, any bracket of efforts is below rounding
 HALVINGS = 60
 Curve = tuple[tuple[float, float], ...]
+# an effort that jumped with speed would leave a solver without slopes; over so little a train gains nothing
+RAMP_MS = 0.01
+"""A step of a curve is a ramp of this width, on the side of the higher effort [m/s]."""
 
 
 def curve_effort_n(curve: Curve, speed_ms: FloatArray) -> FloatArray:
     """Return the effort of a curve [N] at speeds [m/s], straight between its points [km/h, kN].
 
     Beyond its last point the power of that one goes on: what a motor gives at its limit of voltage, not what it pulls.
+    A step, two points at one speed, is a ramp of at most `RAMP_MS` on the side of the higher effort: at the step itself
+    and everywhere else the effort is at most that of the curve.
     """
-    speed, points = np.asarray(speed_ms, dtype=float), np.array(curve)
-    places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
+    speed = np.asarray(speed_ms, dtype=float)
+    places, efforts = _without_steps(curve)
     # 1 up to the last point, and from there its speed over the actual one: P = F v stays
     beyond = np.minimum(1.0, places[-1] / np.maximum(speed, places[-1]))
     effort: FloatArray = np.interp(speed, places, efforts) * beyond
     return effort
+
+
+def _without_steps(curve: Curve) -> tuple[FloatArray, FloatArray]:
+    """Return rising speeds [m/s] and efforts [N] of the points of a curve, its steps as ramps."""
+    points = np.array(curve)
+    places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
+    ramped, rise = places.copy(), np.zeros(len(places))
+    for i in np.flatnonzero(np.diff(places) == 0):
+        # the higher point moves away from the step, but not to the next point
+        higher, beyond = (i, i - 1) if efforts[i] > efforts[i + 1] else (i + 1, i + 2)
+        side = -1 if higher == i else 1
+        free = abs(places[beyond] - places[i]) if 0 <= beyond < len(places) else RAMP_MS
+        width = min(RAMP_MS, 0.5 * free)
+        ramped[higher] = places[i] + side * width
+        if 0 <= beyond < len(places):
+            # the curve's own effort there, or the line from there on would lie above it
+            rise[higher] = (efforts[beyond] - efforts[higher]) * width / free
+    return ramped, efforts + rise
 
 
 def vehicle_limit_n(
@@ -141,7 +164,7 @@ def _within_supply_n(drive: Drive, effort_n: FloatArray, speed_ms: FloatArray, s
 
 def limit_corners_ms(limits: Traction | Braking) -> FloatArray:
     """Return the speeds [m/s] at which what varies with speed of a vehicle's own limits has corners; shape (k,)."""
-    corners = [speed * MS_PER_KMH for speed, _ in limits.curve or ()]
+    corners = [*_without_steps(limits.curve)[0]] if limits.curve else []
     if limits.breakdown_speed_kmh is not None:
         corners.append(limits.breakdown_speed_kmh * MS_PER_KMH)
     return np.array(corners)

@@ -13,6 +13,7 @@ from typing import Literal, get_args
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance, Reaction
 from railjoule.core.scenario.options import SimulationOptions
+from railjoule.core.simulation.actual_vehicle import actually_loaded
 from railjoule.core.simulation.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulation.following import Following, follow, plan_for
 from railjoule.core.simulation.leg import DrivenPlan, make_leg
@@ -162,11 +163,11 @@ def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Disturbance, Simula
     """Yield each cause that differs from the plan, with disturbance and options of it and those before it."""
     real, options = scenario.disturbance, scenario.simulation
     # the load comes first, with a position measured well: its cost is then the same with any odometer
-    load = real.actual_load_factor
-    if load is not None and load != scenario.vehicle.load_factor:
+    load = {"actual_load_factor": real.actual_load_factor, "actual_load_t": real.actual_load_t}
+    if actually_loaded(scenario.vehicle, real).load_mass_kg != scenario.vehicle.load_mass_kg:
         well = options.model_copy(update={"speed_error": 0.0, "sensor_errors_m": (0.0, 0.0, 0.0)})
-        yield "load", Disturbance(actual_load_factor=load), well
-    followed = Disturbance(actual_load_factor=load, coordinate_error_m=real.coordinate_error_m)
+        yield "load", Disturbance(**load), well
+    followed = Disturbance(**load, coordinate_error_m=real.coordinate_error_m)
     if real.coordinate_error_m != 0 or options.speed_error != 0 or any(options.sensor_errors_m):
         yield "position", followed, options
     factors = {"resistance_factor": real.resistance_factor, "line_voltage_factor": real.line_voltage_factor}

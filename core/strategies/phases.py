@@ -53,6 +53,8 @@ def phases(task: Task) -> Trajectory:
     """
     task.require_timetable()
     require_line_without(task, "passing_points", "neutral_sections", "traction_limits", "rail_conditions")
+    if task.mesh.data.starting_n > 0:
+        raise StrategyRefusedError("needs a train without vehicle.resistance.starting_n_per_kn and starting_n.")
     try:
         return _plain_run(task) if _is_plain(task) else _line_run(task)
     except TimetableError as late:

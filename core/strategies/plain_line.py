@@ -77,6 +77,7 @@ def plain_line(task: Task) -> PlainLine:
     is_limited = np.min(plain_limits_ms(mesh)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME)
     for is_refused, needs in (
         (is_limited, "line without limits"),
+        (data.starting_n > 0, "train without vehicle.resistance.starting_n_per_kn and starting_n"),
         (data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0, "drive with copper loss"),
         (
             np.ptp(data.resistance_quadratic) > SAME * data.resistance_quadratic[0],

@@ -21,7 +21,13 @@ import scipy
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.physics.adhesion import adhesive_weight
-from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
+from railjoule.core.physics.resistance import (
+    resistance_coefficients,
+    resistance_slope,
+    running_resistance,
+    starting_resistance,
+    starting_terms,
+)
 from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency
@@ -155,4 +161,5 @@ def _coefficients(scenario: Scenario) -> tuple[float, float, float]:
 
 def _resistance_n(scenario: Scenario, speed_ms: FloatArray | float) -> FloatArray:
     speed = np.asarray(speed_ms, dtype=float)
-    return running_resistance(*_coefficients(scenario), speed, np.square(speed))
+    starting = starting_resistance(*starting_terms(scenario.vehicle), speed)
+    return np.asarray(running_resistance(*_coefficients(scenario), speed, np.square(speed)) + starting)

@@ -82,10 +82,13 @@ class Sidebar:
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changes = Changes(state, browser)
+        self.load = LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"])
+        self.load_t = NumberField(scenario, "load_t")
         self.plan = stack(
             html_pane(PLAN),
             self.travel_time,
-            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
+            self.load,
+            self.load_t,
             NumberField(scenario, "recuperation_percent"),
         )
         self.view = stack(
@@ -166,7 +169,9 @@ class Sidebar:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
 
     def _describe(self, *_: Any) -> None:
-        """Name the vehicle and describe the line."""
+        """Name the vehicle, show its load in its own unit, and describe the line."""
+        in_tonnes = self.state.scenario.loads_in_tonnes
+        self.load.visible, self.load_t.visible = not in_tonnes, in_tonnes
         self.line.object = markup(
             '<div class="section">Vehicle <span>\u00b7 {}</span></div><div class="section">Track</div>{}'
             '<hr class="rule">',

@@ -14,10 +14,12 @@ from validated import validate_once
 
 from railjoule.core import compare, solve
 from railjoule.core.scenario import load_scenario, preset_names, scenario_from_document
+from railjoule.core.scenario.document import merged
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.command.arguments import FORMATS
 from railjoule.dashboard.command.cli import OK, main
 from railjoule.dashboard.page_list import PAGES
+from tests.builders import PLAIN
 
 COMMANDS_PAGE = text_of("howto/commands")
 COMMANDS = [line for block in blocks(COMMANDS_PAGE, "sh") for line in block.splitlines()]
@@ -28,9 +30,9 @@ SHOWN_OUTPUT = {
 }
 """Output that the page shows, by the first command of the block above it; an ellipsis stands for any text."""
 SCENARIO_PAGE = text_of("howto/scenario")
-SCENARIO = blocks(SCENARIO_PAGE, "toml")[0]
-
-
+SCENARIO, *OTHERS = blocks(SCENARIO_PAGE, "toml")
+PARTS = [text for text in OTHERS if "[timetable]" not in text and "[line]" not in text]
+"""Blocks that show only parts of a vehicle."""
 EVERY_STRATEGY = {
     "solver.mesh_m": 50.0,
     "solver.tolerance": 0.01,
@@ -46,6 +48,10 @@ REFUSED = {
     "line.rail_conditions": {
         "vehicle.adhesion": {"driven_mass_share": 0.5},
         "line.rail_conditions": [{"from_m": 0, "to_m": 500, "condition": "wet"}],
+    },
+    "vehicle.resistance.starting_n_per_kn": {
+        "vehicle.resistance.starting_n_per_kn": 2.0,
+        "vehicle.resistance.starting_ends_at_kmh": 5.0,
     },
     "timetable.entry_speed_kmh": {"timetable.entry_speed_kmh": 20},
     "timetable.exit_speed_kmh": {"timetable.exit_speed_kmh": 20},
@@ -91,6 +97,14 @@ def test_strategies_refuse_what_the_page_lists():
         refused = compare(scenario, names).refused.keys()
         assert refused == {name for name, mark in zip(names, marks, strict=True) if mark.strip()}, key
     assert compare(load_scenario("ftorek-300s").replace(EVERY_STRATEGY), names).refused == {}
+
+
+@pytest.mark.parametrize("text", PARTS)
+def test_parts_of_a_vehicle_are_read_over_another(text):
+    vehicle = tomllib.loads(text)
+    scenario = scenario_from_document(merged(PLAIN, vehicle))
+    assert scenario != scenario_from_document(PLAIN)
+    assert solve(scenario, "fastest").travel_time_s > 0
 
 
 def test_vehicle_and_line_that_are_added_make_a_scenario():

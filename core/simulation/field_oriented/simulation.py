@@ -86,6 +86,7 @@ def _require_supported(scenario: Scenario) -> None:
         ("line.neutral_sections", bool(scenario.line.neutral_sections)),
         ("line.traction_limits", bool(scenario.line.traction_limits)),
         ("line.rail_conditions", bool(scenario.line.rail_conditions)),
+        ("vehicle.resistance.starting_ends_at_kmh", scenario.vehicle.resistance.starting_ends_at_kmh is not None),
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),
