@@ -36,7 +36,7 @@ def bibtex(papers: Iterable[str]) -> str:
     ]
     for name in papers:
         about = printed_numbers(name)
-        authors = " and ".join(author.strip() for author in about["authors"].split(","))
+        authors = " and ".join(about["authors"])
         fields = {"author": authors} | {key: about[key] for key in ("title", "journal", "year", "doi") if key in about}
         entries.append(_entry("article", name.replace("-", ""), fields))
     return "\n".join(entries)

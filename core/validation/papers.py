@@ -35,7 +35,8 @@ Quantities = Mapping[str, Any]
 def citation(paper: dict[str, Any]) -> str:
     """Return authors, title, journal and year of a paper in one line."""
     place = paper.get("journal") or f"doi {paper['doi']}"
-    return f"{paper['authors']}: {paper['title']}, {place}, {paper['year']}"
+    authors = ", ".join(name.rpartition(" ")[2] for name in paper["authors"])
+    return f"{authors}: {paper['title']}, {place}, {paper['year']}"
 
 
 def compare(name: str, quantities: ModuleType, figures: ModuleType) -> Comparison:

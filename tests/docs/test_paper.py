@@ -10,7 +10,8 @@ import pytest
 import yaml
 from documents import PAPER, ROOT
 
-from railjoule.core import load_scenario, solve
+from railjoule.core import STRATEGIES, load_scenario, solve
+from railjoule.core.citation import bibtex, printed_numbers
 
 TEXT = PAPER.read_text(encoding="utf-8")
 _, HEAD, BODY = TEXT.split("---\n", 2)
@@ -111,6 +112,21 @@ def test_the_citation_is_that_of_this_version():
     assert citation["license"] in PROJECT["license"]
     assert citation["authors"]
     assert all("title" in one and "authors" in one for one in citation["references"])
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"\n## [{PROJECT['version']}] - {citation['date-released']}\n" in changes
+
+
+def test_the_citation_and_bibtex_name_the_same_authors():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    papers = {strategy.source for strategy in STRATEGIES.values() if strategy.source}
+    assert len(citation["references"]) == len(papers)
+    for name in papers:
+        paper = printed_numbers(name)
+        (reference,) = (one for one in citation["references"] if one["title"] == paper["title"])
+        names = [f"{author['given-names']} {author['family-names']}" for author in reference["authors"]]
+        assert names == paper["authors"]
+        assert reference.get("doi") == paper.get("doi")
+        assert f"  author = {{{' and '.join(names)}}}," in bibtex([name])
 
 
 def test_changes_have_the_form_of_keep_a_changelog():

@@ -8,7 +8,7 @@ import pytest
 from railjoule.core.validation import papers
 
 FILE = """
-authors = "A"
+authors = ["B A"]
 title = "T"
 journal = "J"
 year = 2025
