@@ -7,7 +7,7 @@ without the strategy `linear_reserve` in 50. `python -m tests.browser.pictures` 
 
 import io
 
-import matplotlib as mpl
+import matplotlib.image
 import numpy as np
 import pytest
 from playwright.sync_api import BrowserContext
@@ -24,7 +24,7 @@ LUMA = (0.299, 0.587, 0.114)
 
 def grey_values(png: bytes) -> FloatArray:
     """Return the grey values of a picture; shape (height, width)."""
-    picture = mpl.image.imread(io.BytesIO(png), format="png")
+    picture = matplotlib.image.imread(io.BytesIO(png), format="png")
     return 255.0 * picture[..., :3].astype(float) @ np.array(LUMA)
 
 
